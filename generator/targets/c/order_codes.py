@@ -30,6 +30,8 @@ _CLASSES = {
     "[A-Za-z0-9]": "%",
 }
 _FITS = {"#": "[0-9]", "@": "[A-Z]", "%": "[A-Z0-9]", "~": "[0-9]?"}
+#: Characters of a pattern for which a label can show a digit. A brace begins the name of the next part.
+_MAY_BE_DIGIT = frozenset("0123456789#%~{")
 #: An open part with more patterns than this is omitted.
 _MOST_PATTERNS = 16
 #: Largest number of combinations of listed values and patterns, over all spellings of the labels.
@@ -61,10 +63,11 @@ class _Choice:
         return self.label or self.text
 
 
-def written_out(expression: str) -> tuple[str, ...]:
+def written_out(expression: str, *, before_digit: bool = False) -> tuple[str, ...]:
     """Return the patterns of an open part, the longest first, or nothing if it cannot be expanded.
 
-    ``[A-Z][0-9]{2}|X`` gives ``@##`` and ``X``. More than ``_MOST_PATTERNS`` count as not expanded.
+    ``[A-Z][0-9]{2}|X`` gives ``@##`` and ``X``. More than ``_MOST_PATTERNS`` count as not expanded. ``before_digit`` is
+    true if a digit may follow the part. C would take that digit for an optional one, so no pattern ends in ``~`` then.
     """
     patterns: list[str] = []
     for alternative in expression.split("|"):
@@ -75,7 +78,8 @@ def written_out(expression: str) -> tuple[str, ...]:
             match = _ATOM.match(alternative, start)
             if match is None:
                 return ()
-            atoms.append(_repeat_unit(match, is_last=match.end() == len(alternative)))
+            is_last = match.end() == len(alternative)
+            atoms.append(_repeat_unit(match, ends_in_optional=is_last and not before_digit))
             start = match.end()
         if not all(atoms):
             return ()
@@ -85,11 +89,11 @@ def written_out(expression: str) -> tuple[str, ...]:
     return tuple(sorted(patterns, key=len, reverse=True))
 
 
-def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
+def _repeat_unit(match: re.Match[str], *, ends_in_optional: bool) -> tuple[str, ...]:
     """Return one unit with its repetitions, the longest first, or nothing if its kind has no mark.
 
     More than ``_MOST_PATTERNS`` repetitions give nothing, too.
-    ``[0-9]{1,2}`` gives ``##`` and ``#``, or the single pattern ``#~`` at the end of an expression.
+    ``[0-9]{1,2}`` gives ``##`` and ``#``, or the single pattern ``#~`` if ``ends_in_optional`` is true.
     """
     mark = _mark_of_characters(match["unit"])
     if match["maybe"]:
@@ -99,7 +103,7 @@ def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
         most = int(match["most"] or fewest)
     if not mark or most > _MOST_PATTERNS:
         return ()
-    if mark == "#" and is_last:
+    if mark == "#" and ends_in_optional:
         return ("#" * fewest + "~" * (most - fewest),)
     return tuple(mark * count for count in range(most, fewest - 1, -1))
 
@@ -130,11 +134,14 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
         TargetError: The spellings have more than ``_MOST_COMBINATIONS`` combinations of listed values and patterns.
     """
     order_code = device.order_code
-    spellings = [_Spelling(order_code.pattern, [_list_choices(part) for part in order_code.parts], is_listed=True)]
+    listed_choices = [_list_choices(part, order_code.pattern) for part in order_code.parts]
+    spellings = [_Spelling(order_code.pattern, listed_choices, is_listed=True)]
     for spelling in order_code.also_written:
-        choices = [_choices_of_spelling(part, spelling) for part in order_code.parts]
         endings = written_out(spelling.then) if spelling.then else ("",)
-        spellings += [_Spelling(spelling.pattern + ending, choices, is_listed=False) for ending in endings]
+        for ending in endings:
+            pattern = spelling.pattern + ending
+            choices = [_choices_of_spelling(part, spelling, pattern) for part in order_code.parts]
+            spellings.append(_Spelling(pattern, choices, is_listed=False))
     if sum(spelling.number_of_combinations for spelling in spellings) > _MOST_COMBINATIONS:
         raise TargetError(
             f"open parts and other spellings combine to more than {_MOST_COMBINATIONS} patterns of labels, "
@@ -233,22 +240,27 @@ def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
     return [choice for choice in choices if choice.is_open]
 
 
-def _choices_of_spelling(part: CodePart, spelling: Spelling) -> list[_Choice]:
-    """Return the choices for a part in another spelling: the spelling's texts for the values, or else the part's."""
+def _choices_of_spelling(part: CodePart, spelling: Spelling, pattern: str) -> list[_Choice]:
+    """Return the choices for a part in another spelling: the spelling's texts for the values, or else the part's.
+
+    ``pattern`` is the pattern of the spelling with its ending.
+    """
     has_own_texts = any(value.part == part.name for value in spelling.values)
     if has_own_texts:
         texts_on_label = values_by_spelling(part, spelling).items()
         choices = [_Choice(value, is_open=False, label=text) for text, value in texts_on_label]
         if choices:
             return choices
-    return _list_choices(part)
+    return _list_choices(part, pattern)
 
 
-def _list_choices(part: CodePart) -> list[_Choice]:
-    """Return the listed values of a part, and its patterns if it is open."""
+def _list_choices(part: CodePart, pattern: str) -> list[_Choice]:
+    """Return the listed values of a part of this pattern, and the part's patterns if it is open."""
     choices = [_Choice(value.text, is_open=False) for value in part.values]
     if part.open:
-        choices += [_Choice(pattern, is_open=True) for pattern in written_out(part.open)]
+        _, _, after_part = without_blanks(pattern).partition("{" + part.name + "}")
+        before_digit = after_part[:1] in _MAY_BE_DIGIT
+        choices += [_Choice(text, is_open=True) for text in written_out(part.open, before_digit=before_digit)]
     return choices
 
 
