@@ -30,8 +30,8 @@ _CLASSES = {
     "[A-Za-z0-9]": "%",
 }
 _FITS = {"#": "[0-9]", "@": "[A-Z]", "%": "[A-Z0-9]", "~": "[0-9]?"}
-#: Characters of a pattern for which a label can show a digit. A brace begins the name of the next part.
-_MAY_BE_DIGIT = frozenset("0123456789#%~{")
+#: Characters of a pattern for which a label can show a digit.
+_MAY_BE_DIGIT = frozenset("0123456789#%~")
 #: An open part with more patterns than this is omitted.
 _MOST_PATTERNS = 16
 #: Largest number of combinations of listed values and patterns, over all spellings of the labels.
@@ -63,11 +63,10 @@ class _Choice:
         return self.label or self.text
 
 
-def written_out(expression: str, *, before_digit: bool = False) -> tuple[str, ...]:
+def written_out(expression: str) -> tuple[str, ...]:
     """Return the patterns of an open part, the longest first, or nothing if it cannot be expanded.
 
-    ``[A-Z][0-9]{2}|X`` gives ``@##`` and ``X``. More than ``_MOST_PATTERNS`` count as not expanded. ``before_digit`` is
-    true if a digit may follow the part. C would take that digit for an optional one, so no pattern ends in ``~`` then.
+    ``[A-Z][0-9]{2}|X`` gives ``@##`` and ``X``. More than ``_MOST_PATTERNS`` count as not expanded.
     """
     patterns: list[str] = []
     for alternative in expression.split("|"):
@@ -78,8 +77,7 @@ def written_out(expression: str, *, before_digit: bool = False) -> tuple[str, ..
             match = _ATOM.match(alternative, start)
             if match is None:
                 return ()
-            is_last = match.end() == len(alternative)
-            atoms.append(_repeat_unit(match, ends_in_optional=is_last and not before_digit))
+            atoms.append(_repeat_unit(match, is_last=match.end() == len(alternative)))
             start = match.end()
         if not all(atoms):
             return ()
@@ -89,11 +87,11 @@ def written_out(expression: str, *, before_digit: bool = False) -> tuple[str, ..
     return tuple(sorted(patterns, key=len, reverse=True))
 
 
-def _repeat_unit(match: re.Match[str], *, ends_in_optional: bool) -> tuple[str, ...]:
+def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
     """Return one unit with its repetitions, the longest first, or nothing if its kind has no mark.
 
     More than ``_MOST_PATTERNS`` repetitions give nothing, too.
-    ``[0-9]{1,2}`` gives ``##`` and ``#``, or the single pattern ``#~`` if ``ends_in_optional`` is true.
+    ``[0-9]{1,2}`` gives ``##`` and ``#``, or the single pattern ``#~`` at the end of an expression.
     """
     mark = _mark_of_characters(match["unit"])
     if match["maybe"]:
@@ -103,7 +101,7 @@ def _repeat_unit(match: re.Match[str], *, ends_in_optional: bool) -> tuple[str, 
         most = int(match["most"] or fewest)
     if not mark or most > _MOST_PATTERNS:
         return ()
-    if mark == "#" and ends_in_optional:
+    if mark == "#" and is_last:
         return ("#" * fewest + "~" * (most - fewest),)
     return tuple(mark * count for count in range(most, fewest - 1, -1))
 
@@ -134,14 +132,12 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
         TargetError: The spellings have more than ``_MOST_COMBINATIONS`` combinations of listed values and patterns.
     """
     order_code = device.order_code
-    listed_choices = [_list_choices(part, order_code.pattern) for part in order_code.parts]
-    spellings = [_Spelling(order_code.pattern, listed_choices, is_listed=True)]
+    listed_choices = {part.name: _list_choices(part) for part in order_code.parts}
+    spellings = [_build_spelling(order_code.pattern, listed_choices, is_listed=True)]
     for spelling in order_code.also_written:
+        choices = {part.name: _choices_of_spelling(part, spelling) for part in order_code.parts}
         endings = written_out(spelling.then) if spelling.then else ("",)
-        for ending in endings:
-            pattern = spelling.pattern + ending
-            choices = [_choices_of_spelling(part, spelling, pattern) for part in order_code.parts]
-            spellings.append(_Spelling(pattern, choices, is_listed=False))
+        spellings += [_build_spelling(spelling.pattern + ending, choices, is_listed=False) for ending in endings]
     if sum(spelling.number_of_combinations for spelling in spellings) > _MOST_COMBINATIONS:
         raise TargetError(
             f"open parts and other spellings combine to more than {_MOST_COMBINATIONS} patterns of labels, "
@@ -166,6 +162,41 @@ class _Spelling:
     @property
     def number_of_combinations(self) -> int:
         return math.prod(map(len, self.choices))
+
+
+def _build_spelling(pattern: str, choices: Mapping[str, Sequence[_Choice]], *, is_listed: bool) -> _Spelling:
+    """Return a spelling with these choices for each part, by name.
+
+    If a digit may follow a part, C would take that digit for an optional one of the part. The part then has a pattern
+    for each number of digits.
+    """
+    choices_of_parts = []
+    for name, part_choices in choices.items():
+        may_precede_digit = _may_precede_digit(name, pattern, choices)
+        choices_of_parts.append(_count_digits(part_choices) if may_precede_digit else part_choices)
+    return _Spelling(pattern, choices_of_parts, is_listed)
+
+
+def _may_precede_digit(name: str, pattern: str, choices: Mapping[str, Sequence[_Choice]]) -> bool:
+    """Return True if a digit may follow this part: one of the pattern, or one of the next part, which may be empty."""
+    _, _, after_part = without_blanks(pattern).partition("{" + name + "}")
+    if not after_part.startswith("{"):
+        return after_part[:1] in _MAY_BE_DIGIT
+    next_name = after_part[1:].partition("}")[0]
+    return any(not choice.shown or choice.shown[0] in _MAY_BE_DIGIT for choice in choices[next_name])
+
+
+def _count_digits(choices: Sequence[_Choice]) -> Sequence[_Choice]:
+    """Return choices without optional digits, the longest first: ``##`` and ``#`` for ``#~``."""
+    counted = []
+    for choice in choices:
+        if not choice.is_open:
+            counted.append(choice)
+            continue
+        fixed_text = choice.text.rstrip("~")
+        for digits in range(len(choice.text) - len(fixed_text), -1, -1):
+            counted.append(_Choice(fixed_text + "#" * digits, is_open=True))
+    return counted
 
 
 class _Codes:
@@ -240,27 +271,22 @@ def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
     return [choice for choice in choices if choice.is_open]
 
 
-def _choices_of_spelling(part: CodePart, spelling: Spelling, pattern: str) -> list[_Choice]:
-    """Return the choices for a part in another spelling: the spelling's texts for the values, or else the part's.
-
-    ``pattern`` is the pattern of the spelling with its ending.
-    """
+def _choices_of_spelling(part: CodePart, spelling: Spelling) -> list[_Choice]:
+    """Return the choices for a part in another spelling: the spelling's texts for the values, or else the part's."""
     has_own_texts = any(value.part == part.name for value in spelling.values)
     if has_own_texts:
         texts_on_label = values_by_spelling(part, spelling).items()
         choices = [_Choice(value, is_open=False, label=text) for text, value in texts_on_label]
         if choices:
             return choices
-    return _list_choices(part, pattern)
+    return _list_choices(part)
 
 
-def _list_choices(part: CodePart, pattern: str) -> list[_Choice]:
-    """Return the listed values of a part of this pattern, and the part's patterns if it is open."""
+def _list_choices(part: CodePart) -> list[_Choice]:
+    """Return the listed values of a part, and its patterns if it is open."""
     choices = [_Choice(value.text, is_open=False) for value in part.values]
     if part.open:
-        _, _, after_part = without_blanks(pattern).partition("{" + part.name + "}")
-        before_digit = after_part[:1] in _MAY_BE_DIGIT
-        choices += [_Choice(text, is_open=True) for text in written_out(part.open, before_digit=before_digit)]
+        choices += [_Choice(pattern, is_open=True) for pattern in written_out(part.open)]
     return choices
 
 
