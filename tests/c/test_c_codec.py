@@ -423,6 +423,11 @@ def test_absent_fields_are_zero_and_stay_so(run: Run) -> None:
     ]
 
 
+def test_an_absent_signed_field_takes_only_0(programs: Mapping[str, Run]) -> None:
+    lines = [f"WBJP encode high_reply 0 0 462 {value}" for value in (0, -1, 1, -128)]
+    assert programs["shapes"](lines) == ["0 020000000001CE000098", *[f"4 {0:020}"] * 3]
+
+
 def test_the_preset_procedure_of_the_manual(run: Run) -> None:
     answer = run([f"AMM5A21/65KSC1 steps set_preset {1000003:X}"])[0].split(" ")
     steps = [tuple(map(int, step.split(","))) for step in answer[1:]]

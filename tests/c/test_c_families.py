@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import random
+import shutil
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Literal
 
 import pytest
-from c_harness import Run, functions
+from c_harness import SPECS, MadeOnce, Run, devices_of, functions, program_over
 from codewheel.loading.examples import decode_example, example_variant
 from codewheel.model import (
     CodePart,
@@ -360,6 +362,21 @@ def test_order_codes_are_found_as_in_the_model(family: Family) -> None:
             differing.append((line, expected, answer))
     assert not differing, differing[:5]
     assert bool(names) == any(not expected.endswith((" 0", "-")) for _, expected in pairs)
+
+
+def test_an_open_part_before_a_digit_is_found_as_in_the_model(made_once: MadeOnce, tmp_path: Path) -> None:
+    """In GR57, the 7 is the interface, and 5 the number of bits."""
+    text = (SPECS / "gray.yaml").read_text(encoding="utf-8").replace("GR{interface}", "GR{bits}{interface}")
+    part = '{name: bits, meaning: Bits, open: "[0-9]{1,2}", values: {"13": {meaning: 13 bits}}}'
+    text = text.replace("  parts:\n", f"  parts:\n    - {part}\n", 1).replace("        GG: {", '        "7": {', 1)
+    text = text.replace("GRGG", "GR137")
+    shutil.copy(SPECS / "manufacturer.yaml", tmp_path)
+    (tmp_path / "gray.yaml").write_text(text, encoding="utf-8")
+    (device,) = devices_of(tmp_path)
+    run = program_over(device, made_once, "open_before_digit")
+    labels = ("GR137", "GR57", "GR577", "GR7", "GR5777", "GR57-7")
+    assert run(f"{label} find" for label in labels) == ["GR137 0", "GR137 1", "GR137 1", "- 0", "- 0", "GR137 1"]
+    test_order_codes_are_found_as_in_the_model((device, run))
 
 
 @pytest.mark.parametrize(

@@ -231,6 +231,7 @@ def test_each_fault_of_a_biss_line(ask: Ask) -> None:
     assert ask(f"b {in_bytes(biss_line(bits_of(0, 70)))} 65") == [LENGTH, untouched]
     assert ask(f"b {in_bytes(biss_line(word))} 4294967295") == [LENGTH, untouched]
     assert ask("c FFFF") == ask("c C000") == ask("c C001") == [LENGTH, 0]
+    assert ask(f"c {in_bytes([0, *biss_line(word, cds=1)])}") == [LINE_LOW, 0]
 
 
 def test_the_stop_bit_is_checked_where_it_was_received(ask: Ask) -> None:

@@ -223,7 +223,9 @@ void its_cds(void)
     any_buffer();
     start = next(next(0U, 0U), 1U);
     result = cw_biss_receive_cds_bits(rx, received, &cds);
-    __CPROVER_assert((result == CW_OK) == ((start + 1U) < received), "where there is one");
+    __CPROVER_assert((result == CW_FAULT_LENGTH) == ((start + 1U) >= received), "where there is one");
+    __CPROVER_assert((result == CW_OK) || (result == CW_FAULT_LENGTH) || (bit(0U) == 0U), "after a line at rest");
+    __CPROVER_assert((result != CW_OK) || (bit(0U) != 0U), "which is high");
     __CPROVER_assert((result != CW_OK) || (cds == (bit(start + 1U) != 0U)), "the bit after start");
 }
 

@@ -66,6 +66,7 @@ void numbers(void)
     __CPROVER_assert(cw_field(word, low, bits)
         == (low < 64 ? (unsigned long long)((wide)(word >> low) & (((wide)1 << bits) - 1)) : 0), "the field");
     long long number = nondet_number();
+    __CPROVER_assert(cw_fits_signed(number, 0) == (number == 0), "only 0 fits in no bits");
     __CPROVER_assume(bits >= 1);
     __CPROVER_assert(cw_fits_signed(number, bits)
         == (number >= -((wide)1 << (bits - 1)) && number < ((wide)1 << (bits - 1))), "fits");

@@ -121,6 +121,9 @@ static inline cw_result by_bits_biss_receive_cds_bits(const uint8_t *rx, size_t 
     if ((at + 1U) >= end) {
         return CW_FAULT_LENGTH;
     }
+    if (cw_received_bit(rx, 0U) == 0U) {
+        return CW_FAULT_LINE_LOW;
+    }
     *cds = cw_received_bit(rx, at + 1U) != 0U;
     return CW_OK;
 }

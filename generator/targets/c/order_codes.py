@@ -30,6 +30,8 @@ _CLASSES = {
     "[A-Za-z0-9]": "%",
 }
 _FITS = {"#": "[0-9]", "@": "[A-Z]", "%": "[A-Z0-9]", "~": "[0-9]?"}
+#: Characters of a pattern for which a label can show a digit.
+_MAY_BE_DIGIT = frozenset("0123456789#%~")
 #: An open part with more patterns than this is omitted.
 _MOST_PATTERNS = 16
 #: Largest number of combinations of listed values and patterns, over all spellings of the labels.
@@ -130,11 +132,12 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
         TargetError: The spellings have more than ``_MOST_COMBINATIONS`` combinations of listed values and patterns.
     """
     order_code = device.order_code
-    spellings = [_Spelling(order_code.pattern, [_list_choices(part) for part in order_code.parts], is_listed=True)]
+    listed_choices = {part.name: _list_choices(part) for part in order_code.parts}
+    spellings = [_build_spelling(order_code.pattern, listed_choices, is_listed=True)]
     for spelling in order_code.also_written:
-        choices = [_choices_of_spelling(part, spelling) for part in order_code.parts]
+        choices = {part.name: _choices_of_spelling(part, spelling) for part in order_code.parts}
         endings = written_out(spelling.then) if spelling.then else ("",)
-        spellings += [_Spelling(spelling.pattern + ending, choices, is_listed=False) for ending in endings]
+        spellings += [_build_spelling(spelling.pattern + ending, choices, is_listed=False) for ending in endings]
     if sum(spelling.number_of_combinations for spelling in spellings) > _MOST_COMBINATIONS:
         raise TargetError(
             f"open parts and other spellings combine to more than {_MOST_COMBINATIONS} patterns of labels, "
@@ -159,6 +162,41 @@ class _Spelling:
     @property
     def number_of_combinations(self) -> int:
         return math.prod(map(len, self.choices))
+
+
+def _build_spelling(pattern: str, choices: Mapping[str, Sequence[_Choice]], *, is_listed: bool) -> _Spelling:
+    """Return a spelling with these choices for each part, by name.
+
+    If a digit may follow a part, C would take that digit for an optional one of the part. The part then has a pattern
+    for each number of digits.
+    """
+    choices_of_parts = []
+    for name, part_choices in choices.items():
+        may_precede_digit = _may_precede_digit(name, pattern, choices)
+        choices_of_parts.append(_count_digits(part_choices) if may_precede_digit else part_choices)
+    return _Spelling(pattern, choices_of_parts, is_listed)
+
+
+def _may_precede_digit(name: str, pattern: str, choices: Mapping[str, Sequence[_Choice]]) -> bool:
+    """Return True if a digit may follow this part: one of the pattern, or one of the next part, which may be empty."""
+    _, _, after_part = without_blanks(pattern).partition("{" + name + "}")
+    if not after_part.startswith("{"):
+        return after_part[:1] in _MAY_BE_DIGIT
+    next_name = after_part[1:].partition("}")[0]
+    return any(not choice.shown or choice.shown[0] in _MAY_BE_DIGIT for choice in choices[next_name])
+
+
+def _count_digits(choices: Sequence[_Choice]) -> Sequence[_Choice]:
+    """Return choices without optional digits, the longest first: ``##`` and ``#`` for ``#~``."""
+    counted = []
+    for choice in choices:
+        if not choice.is_open:
+            counted.append(choice)
+            continue
+        fixed_text = choice.text.rstrip("~")
+        for digits in range(len(choice.text) - len(fixed_text), -1, -1):
+            counted.append(_Choice(fixed_text + "#" * digits, is_open=True))
+    return counted
 
 
 class _Codes:

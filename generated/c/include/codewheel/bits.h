@@ -87,13 +87,14 @@ static inline int64_t cw_signed(uint64_t value, uint32_t bits)
     return (value > (largest >> 1U)) ? (-(int64_t)below - 1) : (int64_t)value;
 }
 
-/** Return true if a number fits in this many bits in two's complement. */
+/** Return true if a number fits in this many bits in two's complement. In 0 bits, only 0 fits. */
 CW_CONSTEXPR
 static inline bool cw_fits_signed(int64_t value, uint32_t bits)
 {
     const uint64_t half = cw_mask(bits) >> 1U;
     const int64_t most = (int64_t)half;
-    return (value <= most) && (value >= (-most - 1));
+    const int64_t least = (bits != 0U) ? (-most - 1) : 0;
+    return (value <= most) && (value >= least);
 }
 
 /** Convert the field that starts at bit low from Gray code to binary and return the word. */

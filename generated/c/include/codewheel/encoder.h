@@ -61,26 +61,39 @@ static inline bool cw_is_letter_or_digit(char letter)
     return cw_is_digit(letter) || ((capital >= 'A') && (capital <= 'Z'));
 }
 
+/** Return the index of the next character of a label that is not a space. */
+static inline size_t cw_label_after_spaces(const char *label, size_t index)
+{
+    size_t at = index;
+    while (label[at] == ' ') {
+        at++;
+    }
+    return at;
+}
+
 /**
  * Return true if this text may follow an order code on a label. It can be empty, a hyphen with any
  * text, or /S with letters and digits (a special model, which may differ from the manual).
  */
 static inline bool cw_label_ends(const char *label)
 {
-    size_t at = 2U;
-    char kind;
-    if ((label[0] == '\0') || (label[0] == '-')) {
+    size_t at = cw_label_after_spaces(label, 0U);
+    if ((label[at] == '\0') || (label[at] == '-')) {
         return true;
     }
-    if (label[0] != '/') {
+    if (label[at] != '/') {
         return false;
     }
-    kind = cw_capital(label[1]);
-    if ((kind != 'S') || (label[2] == '\0')) {
+    at = cw_label_after_spaces(label, at + 1U);
+    if (cw_capital(label[at]) != 'S') {
+        return false;
+    }
+    at = cw_label_after_spaces(label, at + 1U);
+    if (label[at] == '\0') {
         return false;
     }
     while (cw_is_letter_or_digit(label[at])) {
-        at++;
+        at = cw_label_after_spaces(label, at + 1U);
     }
     return label[at] == '\0';
 }
@@ -96,14 +109,11 @@ static inline size_t cw_label_match(const char *label, const char *code)
     size_t index;
     for (index = 0U; code[index] != '\0'; index++) {
         const char wanted = code[index];
-        char letter = label[at];
         if (wanted == ' ') {
             continue;
         }
-        while (letter == ' ') {
-            at++;
-            letter = label[at];
-        }
+        at = cw_label_after_spaces(label, at);
+        const char letter = label[at];
         const bool digit = cw_is_digit(letter);
         const bool either = cw_is_letter_or_digit(letter);
         bool fits;
@@ -130,9 +140,7 @@ static inline size_t cw_label_match(const char *label, const char *code)
             /* No digit: ~ allows that. */
         }
     }
-    while (label[at] == ' ') {
-        at++;
-    }
+    at = cw_label_after_spaces(label, at);
     return cw_label_ends(&label[at]) ? at : 0U;
 }
 

@@ -438,8 +438,9 @@ static inline cw_result cw_biss_receive(
  *
  * @param rx  the received bits, packed into bytes
  * @param received  number of bits received, which need not fill whole bytes
- * @param cds  the CDS bit
- * @return OK, or LENGTH if there is no frame. In that case abort the access in progress
+ * @param cds  the CDS bit, unchanged on error
+ * @return OK, LINE_LOW as in cw_biss_receive_bits, or LENGTH if there is no CDS bit. On any error,
+ *         abort the access in progress
  */
 CW_NODISCARD
 CW_CONSTEXPR
@@ -449,6 +450,10 @@ static inline cw_result cw_biss_receive_cds_bits(const uint8_t *rx, size_t recei
     const size_t cds_index = cw_biss_start(rx, received) + 1U;
     if (cds_index >= received) {
         return CW_FAULT_LENGTH;
+    }
+    /* While the time-out before this frame lasts, the bit after a 1 need not be CDS. */
+    if (cw_received_bit(rx, 0U) == 0U) {
+        return CW_FAULT_LINE_LOW;
     }
     *cds = cw_received_bit(rx, cds_index) != 0U;
     return CW_OK;

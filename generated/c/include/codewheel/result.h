@@ -43,9 +43,9 @@ extern "C" {
 
 /**
  * Result of a decoder, an encoder or an access. If a frame has several errors, the result is the
- * first of them in this order. A function that does not return CW_OK leaves its outputs unchanged.
- * CW_OK means that the frame is well formed. To find out if its position is usable, call its
- * _verdict() function.
+ * first of them in this order. A function that does not return CW_OK leaves its outputs unchanged,
+ * except for a cw_failure and for bytes that your transport stored. CW_OK means that the frame is
+ * well formed. To find out if its position is usable, call its _verdict() function.
  */
 typedef enum cw_result {
     CW_OK = 0,

@@ -104,11 +104,11 @@ static inline void cw_tracker_restart(cw_tracker *tracker, uint32_t now_us)
 /**
  * Set the limits of an axis and restart it. Call it before the first frame, and after a change of
  * resolution or of a limit. The modulus need not be a power of two. The tracker accepts steps up to
- * 1.3 percent larger than max_speed allows, with the time rounded up to 16 us. An encoder may send
- * 0 while it starts up. Set boot_us to cover that time, or to 0 if a flag in the frame reports it.
- * Once the axis can move half of the modulus within the time since the last accepted position, any
- * position is within reach, and turns can be missed. To make the axis LOST before that, set
- * lost_after_us below 500,000 * modulus / max_speed.
+ * 1.3 percent larger than max_speed allows, with the time rounded up to 16 us and the result to a
+ * whole count. An encoder may send 0 while it starts up. Set boot_us to cover that time, or to 0 if
+ * a flag in the frame reports it. Once the axis can move half of the modulus within the time since
+ * the last accepted position, any position is within reach, and turns can be missed. To make the
+ * axis LOST before that, set lost_after_us below 500,000 * modulus / max_speed.
  *
  * @param tracker  the axis
  * @param config  the limits, which are copied
@@ -118,8 +118,10 @@ static inline void cw_tracker_start(
     cw_tracker *tracker, const cw_tracker_config *config, uint32_t now_us)
 {
     CW_ASSERT((tracker != NULL) && (config != NULL));
-    /* 1/16 more per 2^20 us is 1.3 percent more than max_speed, which is per second. */
-    const uint32_t margin = config->max_speed >> 4U;
+    /* 1/16 more per 2^20 us is 1.3 percent more than max_speed, which is per second. A 16th that is
+       rounded down is too little if max_speed is below 64. */
+    const uint32_t margin =
+        (config->max_speed >> 4U) + (((config->max_speed & 0xFU) != 0U) ? 1U : 0U);
     tracker->limit = (config->max_speed > (0xFFFFFFFFU - margin)) ?
         0xFFFFFFFFU : (config->max_speed + margin);
     tracker->boot_us = config->boot_us;

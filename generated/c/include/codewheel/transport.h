@@ -158,9 +158,10 @@ typedef struct cw_transport {
 /**
  * The step that failed, and the cause. It is set if the result is TRANSPORT, TIMEOUT, VERIFY or
  * UNSUPPORTED. It is also set if a reply caused the result CRC or CONSTANT, or if a step of an
- * unknown kind caused RANGE. All earlier steps were carried out. Of the later steps, only
- * those that close an opened register were carried out. An error found before the first step, or in
- * the bytes read, leaves this struct unchanged. Pass NULL if you do not need it.
+ * unknown kind or with a reply of more than CW_REPLY_BYTES caused RANGE. All earlier steps were
+ * carried out. Of the later steps, only those that close an opened register were carried out. An
+ * error found before the first step, or in the bytes read, leaves this struct unchanged. Pass NULL
+ * if you do not need it.
  */
 typedef struct cw_failure {
     size_t step; /**< index of the step, from 0 */
