@@ -45,7 +45,7 @@ from ...say.order_code import not_on_label
 from ...say.plain_text import plain
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
 from ...why import MOST_FRAMES
-from ...why.diagnosis import CERTAIN, LEAST_BITS, LEAST_EQUAL_BITS
+from ...why.diagnosis import CERTAIN, LEAST_BITS
 from ...why.doubts import READINGS
 from ...why.exchanges import (
     ECHO_TEXT,
@@ -55,7 +55,7 @@ from ...why.exchanges import (
     MOST_BYTES,
     WORD_ECHO_TEXT,
 )
-from ...why.hypotheses import ACTIVE, IDLE, INVERTED_WITHOUT_PAIR, MISTAKES
+from ...why.hypotheses import ACTIVE, IDLE, INVERTED_WITHOUT_PAIR, LEAST_EQUAL_BITS, MISTAKES
 from ...why.in_bytes import MOST_ECHOED_BYTES
 from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
@@ -393,7 +393,12 @@ def script_table(library: Library) -> Data:
         "worth": {verdict.value: VERDICT_CLAUSES[verdict] for verdict in Verdict},
         "unexplained": UNEXPLAINED,
         "said": _MESSAGES,
-        "notations": {"pasted": _PASTED, "time": notations.TIME, **notations.DIGITS},
+        "notations": {
+            "pasted": _PASTED,
+            "odd_blanks": notations.ODD_BLANKS,
+            "time": notations.TIME,
+            **notations.DIGITS,
+        },
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "lines": {name: _line_data(line) for name, line in LINES.items()},
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
