@@ -45,6 +45,7 @@ from ...say.order_code import not_on_label
 from ...say.plain_text import plain
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
 from ...why import MOST_FRAMES
+from ...why.channels import LEAST_CRC_BITS
 from ...why.diagnosis import CERTAIN, LEAST_BITS
 from ...why.doubts import READINGS
 from ...why.exchanges import (
@@ -288,6 +289,9 @@ def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
 _MESSAGES = {
     "length": report.length("{0}", "{1}", "{2}"),
     "length_of_channels": report.length_of_channels("{0}", "{1}", "{2}", "{3}"),
+    "bits_around": report.bits_around("{0}", "{1}"),
+    "other_order": report.other_order("{0}"),
+    "all_crcs_correct": report.all_crcs_correct("{0}"),
     "crc": report.crc("{0}", "{1}"),
     "constant": report.constant("{0}", "{1}", "{2}"),
     "parity": report.parity("{0}", "{1}", "{2}", "{3}"),
@@ -409,7 +413,8 @@ def script_table(library: Library) -> Data:
         "start_bits": START_BITS,
         "polynomials": POLYNOMIALS,
         "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "without_pair": INVERTED_WITHOUT_PAIR}
-        | {"frames": MOST_FRAMES, "bits": LEAST_BITS, "equal_bits": LEAST_EQUAL_BITS, "certain": CERTAIN},
+        | {"frames": MOST_FRAMES, "bits": LEAST_BITS, "equal_bits": LEAST_EQUAL_BITS, "certain": CERTAIN}
+        | {"channel_crc_bits": LEAST_CRC_BITS},
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
         "known_crcs": [[json_number(known.polynomial), known.init, known.use] for known in KNOWN_CRCS],
         "byte_polynomials": [polynomial for polynomial in POLYNOMIALS if polynomial.bit_length() == 9],
