@@ -139,8 +139,8 @@ def _read_frequency(option_text: str) -> int | None:
     match = _HERTZ.fullmatch(option_text)
     if match is None:
         return None
-    hertz = round(float(match[1] + (match[2] or "")) * _FACTORS[match[3]])
-    return hertz if 0 < hertz <= 1_000_000_000 else None
+    hertz = float(match[1] + (match[2] or "")) * _FACTORS[match[3]]
+    return round(hertz) if 1 <= hertz <= 1_000_000_000 else None
 
 
 def _read_spi_mode(option_text: str) -> int | None:

@@ -150,11 +150,11 @@ function parseCrc(values, interface_) {
 
 // -- options
 
-/** Return a clock frequency in Hz, or null if the text is different. */
+/** Return a clock frequency in Hz, or null if the text is not one of 1 Hz to 1 GHz. */
 function parseHertz(text) {
   const match = /^([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?$/.exec(text);
-  const hertz = match ? Math.round(Number(match[1] + (match[2] ?? "")) * { "": 1, k: 1e3, M: 1e6 }[match[3]]) : 0;
-  return hertz > 0 && hertz <= 1e9 ? hertz : null;
+  const hertz = match ? Number(match[1] + (match[2] ?? "")) * { "": 1, k: 1e3, M: 1e6 }[match[3]] : 0;
+  return hertz >= 1 && hertz <= 1e9 ? Math.round(hertz) : null;
 }
 
 /** Return a number from 1 to 2^63 - 1, or null if the text is different. */
@@ -616,7 +616,7 @@ function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
   }).map(([name, number]) => [name, toTableNumber(number)])));
   const ownParameters = parametersWith({});
   const otherXorout = isInverted ? 0n : ones(width);
-  const isXorOfBytes = isOverBytes && width === 8 && poly === ONE;
+  const isXorOfBytes = isOverBytes && width === 8 && poly === ONE && !init;
   const inversionText = `the CRC is ${isInverted ? "not " : ""}inverted`;
   const sameEffectText = isXorOfBytes ? `, or its start value is ${hex(ones(width) ^ init)} (the same here)` : "";
   const startValues = isXorOfBytes ? [] : listOtherStartValues(width, poly, init);
