@@ -14,7 +14,7 @@ from ..model.record import dataclass
 from .gray_positions import KeyProblem, check_gray_positions
 
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
-_SEVERAL = 15
+SEVERAL = 15
 #: Keys of a measurement that are not numbers of counts. They state the length of a count.
 _STEPS = ("step_um", "step_nm", "per_counts")
 #: Highest number in a step, as for every number in a spec. C must be able to compute with it in 64 bits.
@@ -148,7 +148,7 @@ def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyP
     """
     for name, value in fixed_values.items():
         is_number_of_counts = name not in _STEPS
-        is_highest = is_number_of_counts and value >= _SEVERAL and is_power_of_two(value + 1)
+        is_highest = is_number_of_counts and value >= SEVERAL and is_power_of_two(value + 1)
         if is_highest:
             message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
             return KeyProblem(name, f"{message}; including 0 there are {value + 1}")

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..language.problems import listed, quoted, suggestion
 from .checks import problems_of_fields, problems_of_options
-from .fields import FieldError, number_in, read_field
+from .fields import HIGHEST_CONSTANT, FieldError, number_in, read_field
 from .line import POSITION, Line, LineError, LineField, LineProblem, Options
 
 INTERFACES = ("biss", "ssi", "spi", "rs485")
@@ -139,8 +139,8 @@ def _read_frequency(option_text: str) -> int | None:
     match = _HERTZ.fullmatch(option_text)
     if match is None:
         return None
-    hertz = round(float(match[1] + (match[2] or "")) * _FACTORS[match[3]])
-    return hertz if 0 < hertz <= 1_000_000_000 else None
+    hertz = float(match[1] + (match[2] or "")) * _FACTORS[match[3]]
+    return round(hertz) if 1 <= hertz <= 1_000_000_000 else None
 
 
 def _read_spi_mode(option_text: str) -> int | None:
@@ -155,11 +155,12 @@ def _read_positive_number(option_text: str) -> int | None:
 
 
 def _read_hex_bytes(option_text: str) -> bytes | None:
-    """Return the bytes of a text such as ``1A`` or ``0x1A02``, or None if it has other characters or is too long."""
+    """Return the bytes of a text such as ``1A`` or ``0x1A02``, or None if it has other characters or is too large."""
     digits = option_text.removeprefix("0x")
     if not re.fullmatch(r"(?:[0-9A-Fa-f]{2})+", digits) or len(digits) > 2 * _LONGEST_REQUEST:
         return None
-    return bytes.fromhex(digits)
+    request = bytes.fromhex(digits)
+    return request if int.from_bytes(request, "big") <= HIGHEST_CONSTANT else None
 
 
 #: Options with a value: the interfaces that have them, the member, its reader, and an example.

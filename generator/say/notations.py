@@ -18,6 +18,9 @@ PASTED: tuple[tuple[str, str], ...] = (
     (r"(?<![0-9A-Za-z])(?:0[xX])?([0-9A-Fa-f]+)[hH](?![0-9A-Za-z])", r"0x\1"),
     (r"(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])", r"\1"),
 )
+#: Blanks that only Python or only JavaScript removes from the ends of a text: separators of ASCII, the next line of
+#: Latin-1, and the byte order mark at the beginning of a file.
+ODD_BLANKS = r"[\x1c-\x1f\x85\ufeff]"
 #: A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds.
 TIME = (
     r"\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"

@@ -346,6 +346,21 @@ def no_position(channels: str) -> str:
     return f"error in {channels}, so the frame has no position"
 
 
+def bits_around(before: str, after: str) -> str:
+    """Return the words about a whole frame with other bits around it."""
+    return f"with {before} other bits before the frame and {after} after it"
+
+
+def other_order(channels: str) -> str:
+    """Return the words about a whole frame with its channels in another order."""
+    return f"with the channels in the order {channels}"
+
+
+def all_crcs_correct(reading: str) -> str:
+    """Return the sentence about another reading of a whole frame with an error."""
+    return f"All CRCs are correct {reading}."
+
+
 def disturbed(bits: str, *, has_crc: bool) -> str:
     """Return the sentences about one bit that noise may have inverted, or one of several."""
     proof = "the CRC matches" if has_crc else "the frame is valid"

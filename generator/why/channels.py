@@ -8,6 +8,10 @@ from itertools import permutations
 
 from ..model import Device, PlacedChannels
 from ..reference.channels import decode_channels
+from ..say import report as say_report
+
+#: CRCs of this many bits match one of 65,536 random frames. A reading of a frame needs at least as many.
+LEAST_CRC_BITS = 16
 
 
 def channel_readings(device: Device, frame: PlacedChannels, number: int, bits: int) -> Iterator[str]:
@@ -16,15 +20,11 @@ def channel_readings(device: Device, frame: PlacedChannels, number: int, bits: i
     Nothing is yielded if the CRCs have so few bits together that random frames would match.
     """
     crc_bits = sum(channel.crc_field.width for channel in frame.channels if channel.crc_field is not None)
-    if crc_bits < _LEAST_CRC_BITS:
+    if crc_bits < LEAST_CRC_BITS:
         return
     yield from _readings_with_bits_around(device, frame, number, bits)
     if bits == frame.bits:
         yield from _readings_in_other_order(device, frame, number)
-
-
-#: CRCs of this many bits match one of 65,536 random frames. A reading of a frame needs at least as many.
-_LEAST_CRC_BITS = 16
 
 
 def _readings_with_bits_around(device: Device, frame: PlacedChannels, number: int, bits: int) -> Iterator[str]:
@@ -34,7 +34,7 @@ def _readings_with_bits_around(device: Device, frame: PlacedChannels, number: in
         bits_after = bits_around - bits_before
         frame_bits = (number >> bits_after) & ((1 << frame.bits) - 1)
         if _is_valid_frame(device, frame, frame_bits):
-            yield f"with {bits_before} other bits before the frame and {bits_after} after it"
+            yield say_report.bits_around(f"{bits_before}", f"{bits_after}")
 
 
 def _readings_in_other_order(device: Device, frame: PlacedChannels, number: int) -> Iterator[str]:
@@ -42,7 +42,7 @@ def _readings_in_other_order(device: Device, frame: PlacedChannels, number: int)
     for channels in permutations(frame.channels):
         other_frame = replace(frame, channels=channels)
         if channels != frame.channels and _is_valid_frame(device, other_frame, number):
-            yield f"with the channels in the order {', '.join(channel.name for channel in channels)}"
+            yield say_report.other_order(", ".join(channel.name for channel in channels))
 
 
 def _is_valid_frame(device: Device, frame: PlacedChannels, number: int) -> bool:

@@ -9,14 +9,12 @@ from math import prod
 from ..model import Crc, Device, Number, PlacedLayout
 from ..model.record import dataclass
 from ..reference import codec
-from .hypotheses import NOT_INVERTED, Hypothesis
+from .hypotheses import LEAST_EQUAL_BITS, NOT_INVERTED, Hypothesis
 from .recordings import FRAME_INSIDE
 from .texts import TEXTS
 
 #: A mistake that matches more than one random frame in eight explains nothing.
 LEAST_BITS = 3
-#: Frames with fewer bits may have equal bits by chance.
-LEAST_EQUAL_BITS = 12
 #: An explanation that matches fewer random frames than one in this many is as good as certain.
 CERTAIN = 1 << 16
 

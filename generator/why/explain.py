@@ -13,7 +13,6 @@ from dataclasses import replace
 from ..model import Crc, Device, PlacedLayout, Rs485, Variant
 from ..say.plain_text import counted
 from .diagnosis import (
-    LEAST_EQUAL_BITS,
     Diagnosis,
     Explanation,
     diagnose,
@@ -22,7 +21,7 @@ from .diagnosis import (
     significant_hypotheses,
 )
 from .exchanges import exchange_hypotheses
-from .hypotheses import MISTAKES, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
+from .hypotheses import LEAST_EQUAL_BITS, MISTAKES, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .in_bits import (
     all_hypotheses,
     moved_frame_hypotheses,

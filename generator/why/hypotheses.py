@@ -86,6 +86,8 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
 #: Likelihood, relative to a random bit, of an inactive flag or a reserved bit as documented, and of an active flag.
 #: Faults are assumed to be rare.
 IDLE, ACTIVE = 1.8, 0.2
+#: Frames with fewer bits may have equal bits by chance.
+LEAST_EQUAL_BITS = 12
 #: Relative frequency of inverted bits over SPI, which has no pairs of wires that could be swapped.
 INVERTED_WITHOUT_PAIR = 0.125
 

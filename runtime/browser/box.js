@@ -58,6 +58,9 @@ function box(root) {
     if (orderCode?.code !== state.orderCode?.code) {
       Object.assign(state, { answers: mergeByName(), registerContents: mergeByName(), questionsKey: "" });
     }
+    // Frames of two families can have the same name.
+    const isOtherFamily = orderCode && state.orderCode && orderCode.family.name !== state.orderCode.family.name;
+    if (isOtherFamily) state.frameType = "encoder";
     state.orderCode = orderCode;
     const senders = [...new Set((orderCode?.interface.frames ?? []).map((layout) => layout.sender))];
     const registers = orderCode?.interface.registers ?? [];
@@ -244,9 +247,10 @@ function box(root) {
     if (![...parameters.keys()].length) return;
     codeInput.value = parameters.get("code") ?? "";
     frameInput.value = parameters.get("frame") ?? "";
+    state.orderCode = null;
     state.frameType = parameters.has("as") ? `=${parameters.get("as")}` : parameters.get("from") ?? "encoder";
     updateFromCode();
-    state.answers = mergeByName(Object.fromEntries(parameters.getAll("choose").map((pair) => pair.split("="))));
+    state.answers = answersInAddress(parameters, state.orderCode?.family);
     state.questionsKey = "";
     showResult();
   }
@@ -337,6 +341,13 @@ function buildAddress(code, frameText, state) {
   else if (state.frameType !== "encoder") parameters.set("from", state.frameType);
   for (const [name, answer] of Object.entries(state.answers)) parameters.append("choose", `${name}=${answer}`);
   return `#${parameters}`;
+}
+
+/** Return the answers in an address that a family has. An old or damaged link may have others. */
+function answersInAddress(parameters, family) {
+  const isAnswer = ([name, answer]) => (family?.alternatives ?? []).some(
+    (alternative) => alternative.name === name && alternative.answers.some(([listedAnswer]) => listedAnswer === answer));
+  return mergeByName(Object.fromEntries(parameters.getAll("choose").map((pair) => pair.split("=")).filter(isAnswer)));
 }
 
 /** Create a question that the manual leaves open, with its answers. If it lacks a default, it starts unanswered. */

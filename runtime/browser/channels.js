@@ -24,9 +24,36 @@ function decodeChannels(orderCode, text, registerContents, answers) {
   if (receivedBits !== bits) {
     const message = describeChannelLength(placedChannels, bits, receivedBits);
     const emptyResult = createEmptyResult(positionChannel, 0n);
-    return { ...emptyResult, problems: [{ fault: "length", field: "", message }], channels: [], bits };
+    const readings = listChannelReadings(placedChannels, typedFrame.number, receivedBits);
+    return { ...emptyResult, problems: [{ fault: "length", field: "", message }], channels: [], bits, readings };
   }
-  return { ...mergeChannels(channels, decodeEachChannel(placedChannels, typedFrame.number, bits)), bits };
+  const wholeFrame = mergeChannels(channels, decodeEachChannel(placedChannels, typedFrame.number, bits));
+  const readings = wholeFrame.problems.length ? listChannelReadings(placedChannels, typedFrame.number, bits) : [];
+  return { ...wholeFrame, bits, readings };
+}
+
+/** List the readings of received bits with which all CRCs are correct, if these have enough bits to prove it. */
+function listChannelReadings(placedChannels, number, receivedBits) {
+  const crcBits = placedChannels.reduce((sum, placedLayout) => sum + (findCrcField(placedLayout)?.width ?? 0), 0);
+  if (crcBits < TABLE.likely.channel_crc_bits) return [];
+  const bits = placedChannels.reduce((sum, placedLayout) => sum + placedLayout.bits, 0);
+  const isValid = (channelsInOrder, frameNumber) => (
+    decodeEachChannel(channelsInOrder, frameNumber, bits).every(({ problems }) => !problems.length));
+  if (receivedBits === bits) {
+    const otherOrders = permute(placedChannels).slice(1).filter((otherOrder) => isValid(otherOrder, number));
+    return otherOrders.map((otherOrder) => messageFor("other_order", otherOrder.map(({ name }) => name).join(", ")));
+  }
+  const bitsAround = receivedBits - bits;
+  return listNumbersBelow(Math.max(bitsAround + 1, 0))
+    .filter((bitsBefore) => isValid(placedChannels, extractBits(number, bitsAround - bitsBefore, bits)))
+    .map((bitsBefore) => messageFor("bits_around", bitsBefore, bitsAround - bitsBefore));
+}
+
+/** Return all orders of a list, beginning with its own. */
+function permute(list) {
+  if (!list.length) return [[]];
+  return list.flatMap((first, index) => (
+    permute(list.filter((_, otherIndex) => otherIndex !== index)).map((others) => [first, ...others])));
 }
 
 /** Return the message about a frame of another length than the ``bits`` bits of all channels. */

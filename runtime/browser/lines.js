@@ -23,6 +23,10 @@ const LINE_NUMBER_UNITS = mergeByName({
 });
 const LONGEST_LINE = 1000;
 const MOST_LINE_FIELDS = 64;
+/** Highest constant of a spec. */
+const HIGHEST_CONSTANT = BigInt(Number.MAX_SAFE_INTEGER);
+/** Fewest counts that are probably the highest count by mistake if all their bits are 1. */
+const LEAST_SUSPICIOUS_COUNTS = 15n;
 
 /** A text that is not a field or an option. The message says what would be right, and ``offset`` where it is. */
 class LineError extends Error {
@@ -95,6 +99,10 @@ function parseNumberField(name, values) {
     throw new LineError(
       `${hex(constant)} does not fit into ${width} bits; write at most ${hex(ones(width))}`, valueOffset);
   }
+  if (constant > HIGHEST_CONSTANT) {
+    throw new LineError(
+      `${hex(constant)} is too large; write at most ${hex(HIGHEST_CONSTANT)}, or two constants`, valueOffset);
+  }
   if (name in LINE_NUMBER_UNITS) {
     throw new LineError(`'${name}' is not a constant; give the constant bits another name`, valueOffset);
   }
@@ -150,11 +158,11 @@ function parseCrc(values, interface_) {
 
 // -- options
 
-/** Return a clock frequency in Hz, or null if the text is different. */
+/** Return a clock frequency in Hz, or null if the text is not one of 1 Hz to 1 GHz. */
 function parseHertz(text) {
   const match = /^([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?$/.exec(text);
-  const hertz = match ? Math.round(Number(match[1] + (match[2] ?? "")) * { "": 1, k: 1e3, M: 1e6 }[match[3]]) : 0;
-  return hertz > 0 && hertz <= 1e9 ? hertz : null;
+  const hertz = match ? Number(match[1] + (match[2] ?? "")) * { "": 1, k: 1e3, M: 1e6 }[match[3]] : 0;
+  return hertz >= 1 && hertz <= 1e9 ? Math.round(hertz) : null;
 }
 
 /** Return a number from 1 to 2^63 - 1, or null if the text is different. */
@@ -166,7 +174,7 @@ function parsePositive(text) {
 /** Return the hex digits of one to eight bytes, or null if the text is different. */
 function parseRequest(text) {
   const digits = text.startsWith("0x") ? text.slice(2) : text;
-  return /^([0-9A-Fa-f]{2}){1,8}$/.test(digits) ? digits : null;
+  return /^([0-9A-Fa-f]{2}){1,8}$/.test(digits) && BigInt(`0x${digits}`) <= HIGHEST_CONSTANT ? digits : null;
 }
 
 /** Options that are a word, by that word: their interfaces, their member in the options of a line, and its value. */
@@ -411,6 +419,12 @@ function checkCountOptions(options, columns, fields) {
   const { counts = 0n, turns = 0n } = options;
   if (turns && !counts) problems.push([
     columns.turns ?? 1, "'turns' needs the counts per revolution; add counts=NUMBER"]);
+  for (const [name, count] of [["counts", counts], ["turns", turns]]) {
+    if (count >= LEAST_SUSPICIOUS_COUNTS && !(count & (count + ONE))) {
+      problems.push([columns[name] ?? 1,
+        `${count} is the highest value; including 0 there are ${count + ONE}, so write ${name}=${count + ONE}`]);
+    }
+  }
   for (const field of positionFields) {
     const mostCounts = ONE << BigInt(field.bits);
     if (counts * (turns || ONE) > mostCounts) {
@@ -616,7 +630,7 @@ function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
   }).map(([name, number]) => [name, toTableNumber(number)])));
   const ownParameters = parametersWith({});
   const otherXorout = isInverted ? 0n : ones(width);
-  const isXorOfBytes = isOverBytes && width === 8 && poly === ONE;
+  const isXorOfBytes = isOverBytes && width === 8 && poly === ONE && !init;
   const inversionText = `the CRC is ${isInverted ? "not " : ""}inverted`;
   const sameEffectText = isXorOfBytes ? `, or its start value is ${hex(ones(width) ^ init)} (the same here)` : "";
   const startValues = isXorOfBytes ? [] : listOtherStartValues(width, poly, init);

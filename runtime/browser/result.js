@@ -293,7 +293,8 @@ function createWholeResult(decoded, measure) {
     createElement("h3", {}, capitalize(channel.placedLayout.layout.title)),
     ...createResult({ ...channel, verdict: channel.verdict && decoded.verdict }, measure, []),
   ]);
-  return [createHeadline({ ...decoded, crc: true }), ...summaryLines, ...channelLines];
+  const readingLines = decoded.readings.map((reading) => createSentence(messageFor("all_crcs_correct", reading)));
+  return [createHeadline({ ...decoded, crc: true }), ...summaryLines, ...readingLines, ...channelLines];
 }
 
 /** Create a button for each order code, which calls ``pick`` with it. */

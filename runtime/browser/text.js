@@ -12,13 +12,26 @@ class FrameText extends Error {
 /** Most bits of a frame over BiSS, SSI and SPI. */
 const MOST_FRAME_BITS = 128;
 const LONGEST_QUOTE = TABLE.limits.quote;
-/** Return a text in quotes, with ... after its first characters if it is long. */
-const quoteText = (text) =>
-  (text.length <= LONGEST_QUOTE ? `'${text}'` : `'${text.slice(0, LONGEST_QUOTE - 3)}...'`);
+/** Return a text in quotes, with ... after its first characters if it is long, and with escapes for invisible ones. */
+function quoteText(text) {
+  const characters = [...text.replace(/[\p{Cc}\p{Cf}\p{Cs}\p{Zl}\p{Zp}]/gu, escapeCharacter)];
+  const isLong = characters.length > LONGEST_QUOTE;
+  return isLong ? `'${characters.slice(0, LONGEST_QUOTE - 3).join("")}...'` : `'${characters.join("")}'`;
+}
+
+/** Return the escape of an invisible character, such as \u200b of a zero-width space. */
+function escapeCharacter(character) {
+  if (character === "\t") return "\\t";
+  const code = character.codePointAt(0);
+  const [letter, digitCount] = code < 0x100 ? ["x", 2] : code < 0x10000 ? ["u", 4] : ["U", 8];
+  return `\\${letter}${code.toString(16).padStart(digitCount, "0")}`;
+}
 
 /** Spellings of programs and logs, and their replacement. */
 const PASTED_SPELLINGS = TABLE.notations.pasted.map(
   ([pattern, replacement]) => [new RegExp(pattern, "g"), replacement]);
+/** Blanks that only Python or only JavaScript removes from the ends of a text, such as a byte order mark. */
+const ODD_BLANKS = new RegExp(TABLE.notations.odd_blanks, "g");
 /** A time in front of a frame. */
 const LEADING_TIME = new RegExp(`^${TABLE.notations.time}`);
 /** Return whether a text has a notation of the table, such as "decimal". */
@@ -30,7 +43,7 @@ const hasNotation = (name, text) => new RegExp(`^(?:${TABLE.notations[name]})$`)
  */
 function linesOf(input) {
   return input.split(/\r\n|\r|\n/).flatMap((line, lineIndex) => {
-    const beforeComment = line.split("#")[0].trimEnd();
+    const beforeComment = line.replace(ODD_BLANKS, " ").split("#")[0].trimEnd();
     const timeAndFrame = beforeComment.trimStart();
     const timeMatch = LEADING_TIME.exec(timeAndFrame);
     const frameText = timeMatch ? timeAndFrame.slice(timeMatch[0].length) : timeAndFrame;

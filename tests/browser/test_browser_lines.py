@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import random
 import subprocess
 from pathlib import Path
@@ -121,7 +122,7 @@ def lines_of_command(library: Library, code: str, register: str, text: str) -> l
         except (FrameTextError, RegisterError) as error:
             return str(error)
 
-    return [[line.number, line.time, one(line.text)] for line in frame_lines(text.splitlines())]
+    return [[line.number, line.time, one(line.text)] for line in frame_lines(io.StringIO(text, newline=None))]
 
 
 @pytest.mark.slow
@@ -143,6 +144,23 @@ def test_page_and_command_line_read_the_same_digits(node: Asker, library: Librar
         text = " ".join("".join(source.choices(alphabet, k=length)) for length in lengths)
         prefix = source.choice(("", "", "", "0b", "0x"))
         items.append({"code": source.choice((BISS, RS485, SSI)), "register": "", "text": prefix + text})
+    for question, answer in zip(items, node("lines", items), strict=True):
+        assert answer == lines_of_command(library, question["code"], "", question["text"]), question
+
+
+@pytest.mark.slow
+def test_odd_blanks_and_invisible_characters_are_read_alike(node: Asker, library: Library) -> None:
+    """A byte order mark counts as a blank, and messages show invisible characters as escapes."""
+    source = random.Random(49)
+    frames = ("0F4243D3", "02 20 C7 D1 6A 5E", "0.125 0F 42 43 D3", "256000979", "0x" + "F" * 60, "0F42 43D3 # echo")
+    characters = "\ufeff\u00a0\x0c\x0b\x1c\x1f\x85\u2028\u3000\u200b\u00ad\uff10\U0001f600\x00\x1b\t\r\n"
+    items = []
+    for _ in range(400):
+        text = source.choice(frames)
+        for _ in range(source.randint(1, 3)):
+            place = source.choice((0, len(text), source.randrange(len(text))))
+            text = text[:place] + source.choice(characters) + text[place:]
+        items.append({"code": source.choice((BISS, RS485, SSI)), "register": "", "text": text})
     for question, answer in zip(items, node("lines", items), strict=True):
         assert answer == lines_of_command(library, question["code"], "", question["text"]), question
 

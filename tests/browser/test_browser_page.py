@@ -382,6 +382,52 @@ def test_a_link_fills_the_page_in(chromium: str, page: Path) -> None:
     assert "1000004" in later_result
 
 
+DAMAGED = """
+  const seen = [];
+  for (const answer of ["", "=", "=no_answer", "=as_t_format"]) {
+    const answers = `choose=eeprom_address${answer}&choose=no_question=1`;
+    location.hash = `#code=AMM5A23%2F65KJP1&frame=ea+01+eb&from=master&${answers}`;
+    dispatchEvent(new Event("hashchange"));
+    seen.push(said(boxes[0]));
+  }
+  return seen;
+"""
+
+
+@pytest.mark.slow
+def test_a_link_with_an_unknown_answer_leaves_the_question_open(chromium: str, page: Path) -> None:
+    *damaged, whole = run_in_page(chromium, page, DAMAGED, LINKED)
+    assert ["The manual is ambiguous here" in text for text in damaged] == [True] * 3
+    assert "ambiguous" not in whole
+    assert "address" in whole
+
+
+OTHER_FAMILY = """
+  const [code, what, text] = boxes[0].querySelectorAll("input, select, textarea");
+  const seen = {};
+  type(text, "0x7F");
+  type(code, "MA732"); seen.alone = [what.value, said(boxes[0])];
+  type(code, "AS5047P"); choose(what, "encoder:position");
+  seen.wanted = [...what.options].map((option) => option.value).find((value) => value.startsWith("master:"));
+  type(code, "MA732"); seen.after = [what.value, said(boxes[0])];
+  location.hash = `#code=AS5047P&frame=0x7F&from=${seen.wanted}`;
+  dispatchEvent(new Event("hashchange")); seen.linked = what.value;
+  return seen;
+"""
+
+
+@pytest.mark.slow
+def test_the_code_of_another_family_begins_with_its_own_type(chromium: str, tmp_path: Path) -> None:
+    """Both families have a frame named position, one of several lengths of the second."""
+    folder = Path(__file__).parents[2] / "specs"
+    devices, report = load_library([folder / "ams", folder / "mps"])
+    assert not report
+    (tmp_path / "decode.js").write_text(text_in("decode.js", Library(devices)), encoding="utf-8")
+    result = run_in_page(chromium, tmp_path, OTHER_FAMILY, LINKED)
+    assert result["after"] == result["alone"]
+    assert result["linked"] == result["wanted"]
+
+
 MANY = r"""
   const [code, what, text] = boxes[0].querySelectorAll("input, select, textarea");
   const result = boxes[0].querySelector(".codewheel-decode-result");

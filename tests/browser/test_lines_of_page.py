@@ -108,6 +108,40 @@ def test_wrong_lines(node: Asker) -> None:
     compare(node, ["", ":", "ssi", "ssi,gray", "can:x=1", "x=1", " spi : a = 9 ", long_line, long_line[:400]])
 
 
+def test_lines_at_the_limits(node: Asker) -> None:
+    """The lowest and the highest clock, and the longest fields, names, numbers and lines."""
+    clocks = ("0.5", "0.999999", "1", "0.001k", "0.0009k", "1000000000", "1000000000.4", "1000.000001M", "999999999999")
+    lines = [f"ssi,clock={clock}:position=12" for clock in clocks]
+    for interface in ("biss", "ssi", "spi", "rs485,low_byte_first", "rs485,high_byte_first"):
+        lines += [f"{interface}:position={bits}" for bits in (1, 7, 8, 63, 64, 65)]
+        lines += [f"{interface}:position=8,{'a' * length}=8" for length in (39, 40, 41)]
+        lines += [
+            f"{interface}:" + ",".join(f"a{index}={width}" for index in range(count))
+            for count, width in ((64, 1), (65, 1), (16, 64), (17, 64))
+        ]
+        lines += [f"{interface}:position=8,crc={bits}:{1 << bits | 1:#x}:{(1 << bits) - 1}" for bits in (8, 31, 32, 33)]
+    lines += [
+        f"ssi,counts={counts},turns={turns}:position=64"
+        for counts, turns in (
+            (1 << 63, 1),
+            ((1 << 63) - 1, 2),
+            ((1 << 63) - 1, 3),
+            (1 << 32, 1 << 32),
+            (99999999999999999999, 1),
+        )
+    ]
+    lines += [
+        "ssi:head=64:0x1" + "0" * 15,
+        "ssi:head=64:0x0" + "f" * 16,
+        "ssi:head=64:0b" + "1" * 65,
+        "ssi:x=64:0x" + "f" * 18,
+    ]
+    lines += [f"ssi,counts={counts}:position=20" for counts in (3, 7, 15, 255, 4095, 4096)]
+    lines += ["ssi,counts=4096,turns=4095:position=24"]
+    lines += [f"rs485,request={'1A' * count}:position=8" for count in (1, 8, 9)]
+    assert compare(node, lines) > 20
+
+
 def test_a_line_decodes_in_place_of_a_label(node: Asker) -> None:
     # The labelled real capture of tests/vectors.json.
     line, text = "biss:position=22,error,warning,crc=6:0x43", "0b000010111011111100101011011100"

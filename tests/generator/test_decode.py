@@ -540,6 +540,21 @@ def decode_lines(capsys: Capture, monkeypatch: pytest.MonkeyPatch, lines: str, *
     return exit_code, captured.out, captured.err
 
 
+def test_a_byte_order_mark_is_a_blank(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Some programs begin a file with it, before a time or a comment."""
+    for first_line in ("0.5 02 00 C7 D1 6A 7E", "# captured on the bench\n0.5 02 00 C7 D1 6A 7E"):
+        exit_code, out, _ = decode_lines(capsys, monkeypatch, f"\ufeff{first_line}\n", "--json")
+        rows = [json.loads(line) for line in out.splitlines()]
+        assert (exit_code, [row["time"] for row in rows]) == (0, ["0.5"])
+
+
+def test_a_form_feed_does_not_end_a_line(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An argument has the same lines as standard input."""
+    text = "02 00 C7\x0cD1 6A 7E"
+    assert decode_lines(capsys, monkeypatch, text)[0] == 0
+    assert main(["decode", "AMM5A23/65KJP1", text]) == 0
+
+
 def test_lines_are_numbered_and_bad_ones_named(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     exit_code, out, err = decode_lines(capsys, monkeypatch, FRAMES)
     assert exit_code == 2

@@ -365,3 +365,11 @@ def test_a_wrong_frame_that_is_only_a_crc_is_decoded(run: Run, line: str, frame:
     code, out, _ = run("decode", line, frame)
     assert code == 1
     assert "WRONG, expected" in out
+
+
+def test_a_short_frame_of_zeros_with_a_correct_crc_has_no_other_crc(run: Run) -> None:
+    """Only its constant is wrong, so no other polynomial explains it."""
+    code, out, _ = run("decode", "ssi:head=4:0xa,crc=6:0x43", "0b0000000000")
+    assert code == 1
+    assert "CRC 0x00: correct" in out
+    assert "the polynomial is" not in out

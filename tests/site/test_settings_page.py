@@ -158,6 +158,8 @@ def test_the_page_in_a_browser(
     assert browser.run('document.querySelector("pre").hidden')
     begun = browser.run('document.querySelector("[role=status]").textContent')
     assert begun.startswith("Order codes that begin like this: AMM5A21/")
+    browser.open(f"{page.as_uri()}?3#top")
+    assert not browser.run('document.querySelector("pre").hidden')
     assert list(browser.complaints) == []
 
 

@@ -170,7 +170,7 @@
     const family = pieces.find((piece) => families().some((one) => one.name === nameOf(piece)));
     const others = pieces.filter((piece) => piece !== family);
     const wrong = family ? undefined : others.find(isLikeCode);
-    const manufacturer = others.find((piece) => nameOf(piece) in INDEX.manufacturers) ?? "";
+    const manufacturer = others.find((piece) => Object.hasOwn(INDEX.manufacturers, nameOf(piece))) ?? "";
     const subject = others.filter((one) => one !== wrong && one !== manufacturer);
     const words = subject.length || family ? subject : others;
     return { ...asked, family: family ? nameOf(family) : "", wrong: wrong ?? "", words, manufacturer: nameOf(manufacturer) };

@@ -96,7 +96,8 @@ function mountSettings(box, data) {
   };
   for (const control of [code, master, choice]) control.addEventListener("input", () => show());
   window.addEventListener("hashchange", readAddress);
-  if (!location.hash) code.value = Object.keys(data.codes)[0];
+  // An address such as #top has no order code.
+  code.value = Object.keys(data.codes)[0];
   readAddress();
 }
 

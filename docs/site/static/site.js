@@ -18,9 +18,19 @@
     });
   }
 
+  /** The element that the address names, or null. A damaged address names none. */
+  function addressed() {
+    try {
+      return document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    } catch (error) {
+      if (!(error instanceof URIError)) throw error;
+      return null;
+    }
+  }
+
   /** Opens the folds around the target of the address. */
   function open() {
-    const target = location.hash.length > 1 && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    const target = addressed();
     if (!target) return;
     const folded = [];
     if (target.matches("details")) folded.push(target);

@@ -162,7 +162,7 @@ def _summary_lines(frame: PlacedChannels, result: ChannelResult) -> Iterator[str
     if wrong_channels:
         yield say_report.no_position(" and ".join(wrong_channels))
     for reading in result.readings:
-        yield f"All CRCs are correct {reading}."
+        yield say_report.all_crcs_correct(reading)
     if result.findings.agree is not None:
         yield comparison_sentence(frame, result.channels, agree=result.findings.agree)
     if result.findings.verdict is not None:

@@ -74,7 +74,8 @@ def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
         yield from frame_lines(_bounded_lines(sys.stdin))
         return
     joined_arguments = " ".join(arguments)
-    lines = list(frame_lines(joined_arguments.splitlines()))
+    # As on standard input, only line feeds and carriage returns end a line.
+    lines = list(frame_lines(io.StringIO(joined_arguments, newline=None)))
     if not lines:
         yield Line(None, "", joined_arguments)
     elif len(lines) == 1:

@@ -28,7 +28,7 @@ from ...reference import codec
 from ...reference.registers import decode_register
 from ...say import notations
 from ...say import report as say_report
-from ...why.hypotheses import TypedFrame
+from ...why.hypotheses import LEAST_EQUAL_BITS, TypedFrame
 from .digits import bits_of_bytes, meanings_of_long_number, possible_meanings, with_leading_zeros, with_prefix
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ _WHOLE_BYTES = re.compile(r"(?:0x)?((?:[0-9A-F]{2})+)", re.IGNORECASE)
 _BARE = re.compile(r"0[xXbB][0-9A-Fa-f]+")
 _PASTED = tuple((re.compile(pattern), replacement) for pattern, replacement in notations.PASTED)
 _TIME = re.compile(notations.TIME)
+_ODD_BLANKS = re.compile(notations.ODD_BLANKS)
 #: Faults that a mistake in reading the line, or in the computation of the CRC, may explain.
 _TRANSMISSION_FAULTS = frozenset((Fault.CRC, Fault.LENGTH))
 
@@ -63,9 +64,10 @@ def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
     """Yield the frames in lines, one per line, with their line numbers from 1 and their times.
 
     Comments after ``#`` are removed, and empty lines are skipped. A time in front of a frame is not part of its text.
+    A byte order mark counts as a blank.
     """
     for line_number, line in enumerate(lines, 1):
-        before_comment, _, _ = line.partition("#")
+        before_comment, _, _ = _ODD_BLANKS.sub(" ", line).partition("#")
         time_and_frame = before_comment.strip()
         time = _TIME.match(time_and_frame)
         if time:
@@ -198,7 +200,7 @@ def _refuse_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
     have_no_prefix = all(len(piece) == 2 for piece in pieces)
     are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
     if have_no_prefix and are_zeros_and_ones:
-        raise FrameTextError(say_report.bits_or_bytes(quoted(frame_text)))
+        raise FrameTextError(say_report.bits_or_bytes(quoted(visible(frame_text))))
 
 
 # -- decoding
@@ -366,14 +368,14 @@ def _why_bits(
 ) -> Diagnosis | None:
     """Return explanations of a frame of bits, or None if it needs none or nothing explains it.
 
-    ``explain_bits`` gets frames with a wrong CRC or length, and those whose bits are all equal, as on a dead line.
+    ``explain_bits`` gets frames with a wrong CRC or length, and long ones whose bits are all equal, as on a dead line.
     It also gets valid frames without a CRC, but explains only those whose bits are all equal. ``explain_constant`` gets
     the other frames with a wrong constant. Other faults are not explained.
     """
     faults = {problem.fault for problem in decoded.problems}
     is_valid_without_crc = not faults and decoded.crc is None
     all_ones = (1 << placed_layout.bits) - 1
-    has_equal_bits = decoded.number in (0, all_ones)
+    has_equal_bits = placed_layout.bits >= LEAST_EQUAL_BITS and decoded.number in (0, all_ones)
     is_suspicious = is_valid_without_crc or has_equal_bits or bool(faults & _TRANSMISSION_FAULTS)
     if not is_suspicious and Fault.CONSTANT not in faults:
         return None

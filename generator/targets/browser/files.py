@@ -44,7 +44,8 @@ from ...say.order_code import not_on_label
 from ...say.plain_text import plain
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
 from ...why import MOST_FRAMES
-from ...why.diagnosis import CERTAIN, LEAST_BITS, LEAST_EQUAL_BITS
+from ...why.channels import LEAST_CRC_BITS
+from ...why.diagnosis import CERTAIN, LEAST_BITS
 from ...why.doubts import READINGS
 from ...why.exchanges import (
     ECHO_TEXT,
@@ -54,7 +55,7 @@ from ...why.exchanges import (
     MOST_BYTES,
     WORD_ECHO_TEXT,
 )
-from ...why.hypotheses import ACTIVE, IDLE, INVERTED_WITHOUT_PAIR, MISTAKES
+from ...why.hypotheses import ACTIVE, IDLE, INVERTED_WITHOUT_PAIR, LEAST_EQUAL_BITS, MISTAKES
 from ...why.in_bytes import MOST_ECHOED_BYTES
 from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
@@ -287,6 +288,9 @@ def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
 _MESSAGES = {
     "length": report.length("{0}", "{1}", "{2}"),
     "length_of_channels": report.length_of_channels("{0}", "{1}", "{2}", "{3}"),
+    "bits_around": report.bits_around("{0}", "{1}"),
+    "other_order": report.other_order("{0}"),
+    "all_crcs_correct": report.all_crcs_correct("{0}"),
     "crc": report.crc("{0}", "{1}"),
     "constant": report.constant("{0}", "{1}", "{2}"),
     "parity": report.parity("{0}", "{1}", "{2}", "{3}"),
@@ -392,7 +396,12 @@ def script_table(library: Library) -> Data:
         "worth": {verdict.value: VERDICT_CLAUSES[verdict] for verdict in Verdict},
         "unexplained": UNEXPLAINED,
         "said": _MESSAGES,
-        "notations": {"pasted": _PASTED, "time": notations.TIME, **notations.DIGITS},
+        "notations": {
+            "pasted": _PASTED,
+            "odd_blanks": notations.ODD_BLANKS,
+            "time": notations.TIME,
+            **notations.DIGITS,
+        },
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "lines": {name: _line_data(line) for name, line in LINES.items()},
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
@@ -403,7 +412,8 @@ def script_table(library: Library) -> Data:
         "start_bits": START_BITS,
         "polynomials": POLYNOMIALS,
         "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "without_pair": INVERTED_WITHOUT_PAIR}
-        | {"frames": MOST_FRAMES, "bits": LEAST_BITS, "equal_bits": LEAST_EQUAL_BITS, "certain": CERTAIN},
+        | {"frames": MOST_FRAMES, "bits": LEAST_BITS, "equal_bits": LEAST_EQUAL_BITS, "certain": CERTAIN}
+        | {"channel_crc_bits": LEAST_CRC_BITS},
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
         "known_crcs": [[json_number(known.polynomial), known.init, known.use] for known in KNOWN_CRCS],
         "byte_polynomials": [polynomial for polynomial in POLYNOMIALS if polynomial.bit_length() == 9],
