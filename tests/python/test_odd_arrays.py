@@ -56,11 +56,12 @@ def test_a_row_with_masked_bytes_is_not_a_frame() -> None:
 
 
 def test_views_of_memory_are_arrays_of_their_items() -> None:
-    numbers = numpy.arange(16, dtype=numpy.int32)
+    numbers: Any = numpy.arange(16, dtype=numpy.int32)
     assert decoded(memoryview(numbers))[1] == [*range(16)]
     assert decoded(memoryview(numbers)[::3])[1] == [0, 3, 6, 9, 12, 15]
     assert decoded(memoryview(numbers.astype("<u8").tobytes()))[1] == [*range(16)]
-    every_other_byte = memoryview(numpy.repeat(numpy.array([5, 7], "<u8").view(numpy.uint8), 2))[::2]
+    repeated_bytes: Any = numpy.repeat(numpy.array([5, 7], "<u8").view(numpy.uint8), 2)
+    every_other_byte = memoryview(repeated_bytes)[::2]
     assert decoded(every_other_byte)[1] == [5, 7]
     assert decode_many(every_other_byte, ROWS, None)["position"].tolist() == [5, 0, 0, 0, 7, 0, 0, 0]
     with pytest.raises(TypeError, match="rows of 2 bytes"):
