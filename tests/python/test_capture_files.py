@@ -252,7 +252,7 @@ def test_absurd_headers_take_no_memory(tmp_path: Path) -> None:
         read([path, second_path])
     with path.open("wb") as file:
         numpy.lib.format.write_array_header_1_0(file, {"descr": "|u1", "fortran_order": False, "shape": (1 << 60,)})
-    with pytest.raises(InputError, match="the clock never changes"):
+    with pytest.raises(InputError, match="this NumPy file ends early: it has 0 of"):
         read([path], clock="1", data="2")
 
 

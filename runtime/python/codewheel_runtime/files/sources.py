@@ -29,6 +29,8 @@ _SUFFIXES: Final[dict[str, FileKind]] = {
     ".parquet": "parquet",
     ".pq": "parquet",
 }
+#: First bytes of an Arrow file.
+_ARROW_MARK: Final = b"ARROW1\0\0"
 
 
 def find_kind(path: str) -> FileKind:
@@ -118,7 +120,7 @@ def _read_binary(
         share: Function that returns the fraction of valid frames, for the check of the first frames.
 
     Raises:
-        InputError: The first frames fit another form of words, or the file ends within a frame.
+        InputError: The first frames fit another form of words, the file ends within a frame, or it is an Arrow file.
     """
     has_bytes = bool(shape.length)
     # Number of bytes that each frame occupies in the file.
@@ -126,6 +128,8 @@ def _read_binary(
     done = 0
     while data := _read(file, length * inputs.CHUNK):
         is_first_block = not done
+        if is_first_block and data.startswith(_ARROW_MARK):
+            raise InputError(name, "", "Arrow files cannot be decoded: save the table as Parquet")
         if is_first_block and not has_bytes:
             _check_first_words(data, name, stored.words, shape, share)
         # If the size is known, an incomplete frame is reported before any frame is decoded.

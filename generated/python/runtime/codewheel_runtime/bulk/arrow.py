@@ -32,7 +32,11 @@ def read_column(column: Any, shape: Shape) -> Any:
     """
     pa: Any = load("pyarrow")
     if not isinstance(column, (pa.Array, pa.ChunkedArray)):
-        column = pa.chunked_array(column) if hasattr(column, "__arrow_c_stream__") else pa.array(column)
+        try:
+            column = pa.chunked_array(column) if hasattr(column, "__arrow_c_stream__") else pa.array(column)
+        except pa.ArrowException as error:
+            reason = f"pyarrow cannot read the column ({error}): convert it to 64-bit integers, bytes or text"
+            raise TypeError(reason) from None
     try:
         return read_arrow(column, shape)
     except NoFrame as error:
@@ -54,14 +58,12 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
     kinds = pa.types
     if isinstance(array, pa.ChunkedArray):
         array = array.combine_chunks()
+    if kinds.is_dictionary(array.type):
+        # pyarrow cannot look up views by their indices.
+        dictionary = _convert_views(array.dictionary)
+        array = pa.DictionaryArray.from_arrays(array.indices, dictionary).dictionary_decode()
+    array = _convert_views(array)
     arrow_type = array.type
-    if kinds.is_dictionary(arrow_type):
-        array = array.dictionary_decode()
-        arrow_type = arrow_type.value_type
-    if (type_name := str(arrow_type)) in ("string_view", "binary_view"):
-        # polars uses this form for text and bytes. Old versions of pyarrow lack a function to test for it.
-        array = array.cast(pa.large_string() if type_name == "string_view" else pa.large_binary())
-        arrow_type = array.type
     if kinds.is_null(arrow_type):
         return [None] * len(array)
     if kinds.is_integer(arrow_type):
@@ -77,6 +79,15 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
     if rows is not None:
         return rows if shape.length else numbers(rows)
     return read_byte_cells(array.to_pylist(), shape)
+
+
+def _convert_views(array: Any) -> Any:
+    """Return an array of text or byte views, which polars uses, as plain text or bytes. Others stay unchanged."""
+    pa: Any = load("pyarrow")
+    # Old versions of pyarrow lack a function to test for views.
+    plain_types = {"string_view": pa.large_string, "binary_view": pa.large_binary}
+    plain_type = plain_types.get(str(array.type))
+    return array if plain_type is None else array.cast(plain_type())
 
 
 def _read_integers(array: Any, shape: Shape) -> Any:

@@ -112,7 +112,8 @@ class ReadFrames(NamedTuple):
 def read_rows(frames: Any, length: int) -> ReadFrames:
     """Return frames as rows of bytes.
 
-    A missing frame counts as one of 0 bytes. Arrays and buffers have frames of one length only.
+    A missing frame counts as one of 0 bytes, as does a row of an array with masked bytes. Arrays and buffers have
+    frames of one length only.
 
     Raises:
         TypeError: The frames are not bytes.
@@ -122,14 +123,18 @@ def read_rows(frames: Any, length: int) -> ReadFrames:
         return _read_list_of_rows(cast(Iterable[Any], frames), length)
     if isinstance(frames, np.ndarray) and frames.dtype.kind == "O":
         return read_rows(frames.tolist(), length)
-    is_buffer = isinstance(frames, (bytes, bytearray, memoryview))
-    array: Any = np.frombuffer(frames, np.uint8) if is_buffer else frames
+    array: Any = np.frombuffer(frames, np.uint8) if isinstance(frames, (bytes, bytearray)) else frames
+    if isinstance(frames, memoryview):
+        array = np.asarray(frames)
     if not isinstance(array, np.ndarray) or array.dtype != np.uint8:
         raise TypeError(f"frames must be rows of {length} bytes, got {type(array).__name__} of other items")
     if array.ndim == 1 and len(array) % length == 0:
         array = array.reshape(-1, length)
     if array.ndim != 2 or array.shape[1] != length:
         raise ValueError(f"expected complete frames of {length} bytes, got an array of the shape {array.shape}")
+    if isinstance(array, np.ma.MaskedArray):
+        has_masked_bytes = np.ma.getmaskarray(array).any(axis=1)
+        return ReadFrames(array.filled(0), np.flatnonzero(has_masked_bytes))
     return ReadFrames(array, wrong_rows=())
 
 
@@ -150,19 +155,23 @@ def _read_list_of_rows(frames: Iterable[Any], length: int) -> ReadFrames:
 def _read_words(frames: Any, bits: int) -> ReadFrames:
     """Return frames as 64-bit numbers. A missing frame has a wrong length.
 
-    A buffer has eight bytes per frame, least significant first. ``bits`` is the length of a frame.
+    A buffer of bytes has eight bytes per frame, least significant first. A buffer of other items is an array. ``bits``
+    is the length of a frame.
 
     Raises:
         TypeError: The frames are not integers or a buffer.
         ValueError: The length of a buffer is not a multiple of eight bytes.
     """
-    if isinstance(frames, (bytes, bytearray, memoryview)):
-        data = cast(Any, frames)
-        if len(data) % 8:
-            raise ValueError(f"expected eight bytes per frame, got {len(data)} bytes")
+    if isinstance(frames, memoryview):
+        frames = as_bytes(frames) if frames.itemsize == 1 else np.asarray(frames)
+    if isinstance(frames, (bytes, bytearray)):
+        if len(frames) % 8:
+            raise ValueError(f"expected eight bytes per frame, got {len(frames)} bytes")
         return ReadFrames(np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), wrong_rows=())
-    if isinstance(frames, np.ndarray) and frames.dtype.kind != "O":
-        return _read_array_of_words(frames, bits)
+    if isinstance(frames, np.ndarray):
+        array: Any = frames
+        # As a list, masked items are None.
+        return _read_words(array.tolist(), bits) if array.dtype.kind == "O" else _read_array_of_words(array, bits)
     if not isinstance(frames, Iterable) or isinstance(frames, str):
         raise TypeError(f"frames must be numbers or packed bytes, got {type(frames).__name__}")
     return _read_list_of_words(cast(list[Any], frames))
@@ -171,16 +180,21 @@ def _read_words(frames: Any, bits: int) -> ReadFrames:
 def _read_array_of_words(frames: Any, bits: int) -> ReadFrames:
     """Return an array of integers, or of floating-point numbers without fractions, as 64-bit numbers.
 
-    Negative integers become those modulo 2**64. Raises TypeError for other arrays.
+    Masked frames and negative ones have a wrong length. Raises TypeError for other arrays.
     """
     if frames.dtype.kind == "f" and frames.ndim == 1:
         frames = read_floats(frames, bits)
     if frames.dtype.kind not in "ui" or frames.ndim != 1:
         raise TypeError(f"frames must be integers in one dimension, got an array of {frames.dtype} {frames.shape}")
-    if isinstance(frames, np.ma.MaskedArray):
-        missing_rows = np.flatnonzero(np.ma.getmaskarray(frames))
-        return ReadFrames(frames.filled(0).astype(np.uint64, copy=False), missing_rows)
-    return ReadFrames(frames.astype(np.uint64, copy=False), wrong_rows=())
+    is_wrong = np.ma.getmaskarray(frames)
+    numbers = np.ma.getdata(frames)
+    if numbers.dtype.kind == "i":
+        is_wrong = is_wrong | (numbers < 0)
+    words = numbers.astype(np.uint64, copy=False)
+    wrong_rows = np.flatnonzero(is_wrong)
+    if len(wrong_rows):
+        words = np.where(is_wrong, np.uint64(0), words)
+    return ReadFrames(words, wrong_rows)
 
 
 def _read_list_of_words(frames: Iterable[Any]) -> ReadFrames:

@@ -101,13 +101,26 @@ def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable
     _check_names([*columns], fields, shape, other_names)
     joined_names = [join.name for join in shape.joins]
     needed = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
-    arrays = {name: np.asarray(columns[name]) for name in needed}
+    arrays = {name: _make_array(name, columns[name]) for name in needed}
     # Single values become arrays without dimensions.
     row_count = max((array.size for array in arrays.values() if array.ndim), default=1)
     for name, array in arrays.items():
         field_kind = fields[name].kind if name in fields else "number"
         _check_array(name, array, columns[name], field_kind, row_count)
     return {name: np.broadcast_to(array, (row_count,)) for name, array in arrays.items()}
+
+
+def _make_array(name: str, cells: Any) -> Any:
+    """Return a column as an array. Raises TypeError if it has cells of different shapes, or masked ones."""
+    try:
+        array: Any = np.asanyarray(cells)
+    except ValueError:
+        raise TypeError(f"column {name} is not a row of values: its cells have different shapes") from None
+    if not isinstance(array, np.ma.MaskedArray):
+        return np.asarray(array)
+    if np.ma.getmaskarray(array).any():
+        raise TypeError(f"column {name} has masked values, which no frame can contain: leave out their rows")
+    return array.filled()
 
 
 def _check_array(name: str, array: Any, cells: Any, field_kind: str, row_count: int) -> None:
@@ -120,11 +133,14 @@ def _check_array(name: str, array: Any, cells: Any, field_kind: str, row_count: 
         TypeError: The type is wrong.
     """
     is_single_value = array.ndim == 0
+    if array.ndim > 1:
+        raise ValueError(f"column {name} has the shape {array.shape}: expected one value per row")
     if not is_single_value and array.shape != (row_count,):
         raise ValueError(f"column {name} has the shape {array.shape}, but others have {row_count} rows")
     # An empty list has no type.
     if array.size and array.dtype.kind not in ARRAY_KINDS.get(field_kind, "ui"):
-        raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field")
+        advice = ": convert it to integers" if array.dtype.kind in "fO" else ""
+        raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field{advice}")
     # NumPy converts bools to numbers if the list also has numbers, so the type of the array does not show them.
     if not field_kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
         raise TypeError(f"column {name} contains bools, which do not fit the field")
@@ -153,7 +169,7 @@ def _check_names(
     missing = sorted(fields.keys() - {*columns} - optional)
     joined_names = {join.name for join in shape.joins}
     ignored = {*other_names, *find_scales(shape), "unused", "fault", "verdict"}
-    unknown = sorted({*columns} - ignored - fields.keys() - joined_names)
+    unknown = sorted(map(str, {*columns} - ignored - fields.keys() - joined_names))
     known_columns = ", ".join([*fields, *sorted(joined_names)])
     if unknown:
         raise TypeError(f"unknown columns: {', '.join(unknown)}; the columns are {known_columns}")

@@ -465,8 +465,8 @@ class Table(_TableOf[_Name, _Unit]):
 
         Raises:
             AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
-            ValueError: ``seconds`` is a single time that is 0 or negative, or not as many times as there are frames.
-                Or there is no column ``time``.
+            ValueError: ``seconds`` is a single time that is 0, negative or infinite, or there is not one number for
+                each frame. Or there is no column ``time``.
         """
         return self._compute_speed(seconds, unit, None)
 
@@ -491,8 +491,8 @@ class Table(_TableOf[_Name, _Unit]):
             positions = np.insert(self.unwrapped(previous_position)[usable_rows], 0, previous_position)
             times = np.insert(times, 0, previous_time)
         elapsed = np.diff(times)
-        # If the clock stops or is set back, there is no speed.
-        elapsed = np.where(elapsed > 0, elapsed, np.nan)
+        # If the clock stops or is set back, or if a time is infinite, there is no speed.
+        elapsed = np.where((elapsed > 0) & np.isfinite(elapsed), elapsed, np.nan)
         numerator, denominator = self._find_unit_size("turns" if unit == "rpm" else unit)
         units_per_second = np.diff(positions) * (_find_time_factor(unit) * numerator) / denominator / elapsed
         speeds = np.full(self.count, np.nan)
@@ -505,19 +505,28 @@ class Table(_TableOf[_Name, _Unit]):
         ``seconds`` is the time between two frames, an array of times, or None for the column ``time``.
 
         Raises:
-            ValueError: The column does not exist, the number of times differs from the number of frames, or a single
-                time is 0 or negative.
+            ValueError: The column does not exist, the times are not numbers, their number differs from the number of
+                frames, or a single time is 0, negative or infinite.
         """
         np: Any = load("numpy")
         if seconds is None:
             if "time" not in self._others:
                 raise ValueError("the table has no column 'time'; pass the time between two frames in seconds")
             seconds = self._others["time"]
-        if np.ndim(seconds) == 0:
-            if not seconds > 0:
+        times: Any = np.asarray(seconds)
+        if times.dtype.kind not in "uifO":
+            raise ValueError(f"times must be numbers in seconds, got an array of {times.dtype}")
+        try:
+            # Differences of unsigned integers would wrap around.
+            times = times.astype(np.float64)
+        except (TypeError, ValueError, OverflowError):
+            raise ValueError(f"times must be numbers in seconds, got {shorten(seconds)}") from None
+        if times.ndim == 0:
+            if not 0 < times < np.inf:
                 raise ValueError(f"the time between two frames must be above 0 s, got {seconds}")
-            return np.arange(self.count) * seconds
-        times = np.asarray(seconds)
+            return np.arange(self.count) * times
+        if times.ndim > 1:
+            raise ValueError(f"expected one time per frame, got an array of the shape {times.shape}")
         if len(times) != self.count:
             raise ValueError(f"expected {self.count} times, one per frame, got {len(times)}")
         return times

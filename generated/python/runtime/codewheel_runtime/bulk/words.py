@@ -48,8 +48,8 @@ def numbers(rows: Any, words: WordKind = "packed") -> Any:
 def read_floats(frames: Any, bits: int, done: int = 0) -> Any:
     """Return floating-point frames as integers, masked if they are NaN or out of range.
 
-    NaN, infinities, negative values, and values from 2**63 on represent missing frames. ``done`` is the number of
-    earlier rows, to number the row in an error.
+    NaN, infinities, negative values, and values from 2**64 on represent missing frames, as do masked ones. ``done`` is
+    the number of earlier rows, to number the row in an error.
 
     Raises:
         TypeError: A value is not an integer, or the type cannot represent every frame of that length.
@@ -57,8 +57,9 @@ def read_floats(frames: Any, bits: int, done: int = 0) -> Any:
     # A float has one more significant bit than its stored mantissa.
     if bits > np.finfo(frames.dtype).nmant + 1:
         raise TypeError(f"{frames.dtype} cannot represent every frame of {bits} bits: use integers or text")
-    is_frame = (frames >= 0) & (frames < 2.0**63)
-    whole = np.where(is_frame, frames, 0)
+    values = np.ma.getdata(frames)
+    is_frame = (values >= 0) & (values < 2.0**64) & ~np.ma.getmaskarray(frames)
+    whole = np.where(is_frame, values, 0)
     fractional_rows = np.flatnonzero(whole != np.floor(whole))
     if len(fractional_rows):
         first_row = fractional_rows[0]

@@ -61,6 +61,8 @@ def open_signals(
                     "the file of the data line" if wanted == 1 else "two files, that of the clock and of the data line"
                 )
                 raise UsageError(f"each binary file of Saleae has one signal: give {lines}")
+            if len({*paths}) < len(paths):
+                raise UsageError("the clock and the data line are the same file: give one file for each")
             signals = _read_saleae(files[::-1], paths[::-1]) if names.exchanged else _read_saleae(files, paths)
         elif len(files) != 1:
             raise UsageError("give one file: only binary files of Saleae have one signal each")
@@ -149,7 +151,7 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
     )
     # Places are indices in ``channels``. The lowest bit is probe 1.
     masks = tuple(1 << (numbers[place] - 1) for place in numbered_names.places(channels, path))
-    entries = _list_sample_files(archive, stem)
+    entries = _list_sample_files(archive, stem, path)
     if not entries:
         raise InputError(path, "", "this sigrok session has no samples")
     sample_rate = rate or parse_rate(device.get("samplerate", ""))
@@ -180,14 +182,20 @@ def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], 
     return str(numbers.index(int(text)) + 1)
 
 
-def _list_sample_files(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipInfo]:
-    """Return the files of samples in order: ``logic-1`` (the stem), or ``logic-1-1``, ``logic-1-2`` and so on."""
+def _list_sample_files(archive: zipfile.ZipFile, stem: str, path: str) -> list[zipfile.ZipInfo]:
+    """Return the files of samples in order: ``logic-1`` (the stem), or ``logic-1-1``, ``logic-1-2`` and so on.
+
+    Raises InputError if one is missing before others.
+    """
     named = {info.filename: info for info in archive.infolist()}
     if stem in named:
         return [named[stem]]
     parts: list[zipfile.ZipInfo] = []
     while (name := f"{stem}-{len(parts) + 1}") in named:
         parts.append(named[name])
+    numbered_names = [file_name for file_name in named if re.fullmatch(re.escape(stem) + "-[0-9]+", file_name)]
+    if len(numbered_names) > len(parts):
+        raise InputError(path, "", f"this sigrok session is damaged: its file {name} is missing")
     return parts
 
 
@@ -225,13 +233,14 @@ def _parse_small_number(text: str) -> int:
 
 
 class _ArrayForm(NamedTuple):
-    """Form of an array of samples: its NumPy type, and the number of channels.
+    """Form of an array of samples: its NumPy type, the number of channels, and that of samples.
 
     If ``channels`` is None, each number is a sample whose bits are the channels.
     """
 
     kind: Any
     channels: int | None
+    sample_count: int
 
 
 def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
@@ -249,39 +258,45 @@ def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
         raise InputError(path, "", "this is not a valid NumPy file") from None
     has_rows = len(shape) == 2
     are_whole_numbers = dtype.kind in "uib" and dtype.itemsize <= 8
-    # In Fortran order, the samples of a channel follow each other.
-    if not are_whole_numbers or len(shape) not in (1, 2) or (is_fortran and has_rows):
+    if is_fortran and has_rows:
+        reason = "the samples of a channel follow each other: save numpy.ascontiguousarray(samples)"
+        raise InputError(path, "", reason)
+    if not are_whole_numbers or len(shape) not in (1, 2):
         raise InputError(path, "", f"expected whole numbers, one row per sample, got {dtype} {shape}")
     if has_rows and not 0 < shape[1] <= 1024:
         raise InputError(path, "", f"expected 1 to 1024 channels, got {shape[1]}")
-    return _ArrayForm(dtype, shape[1] if has_rows else None)
+    return _ArrayForm(dtype, shape[1] if has_rows else None, shape[0])
 
 
 def _read_array_file(file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
     """Return the signals of a ``.npy`` file."""
-    dtype, channels = _read_array_form(file, path)
-    channel_count = 8 * dtype.itemsize if channels is None else channels
+    form = _read_array_form(file, path)
+    channels = form.channels
+    channel_count = 8 * form.kind.itemsize if channels is None else channels
     places = names.places([str(number) for number in range(1, channel_count + 1)], path)
     # Bits of the signals in a sample. The chosen columns of rows are packed, so their bits are numbered from 0.
     bits = places if channels is None else range(len(places))
-    parts = _read_array_parts(file, dtype, channels, places)
+    parts = _read_array_parts(file, path, form, places)
     edges = read_samples(parts, tuple(1 << bit for bit in bits))
     return Signals(edges, seconds=1 / rate if rate else None, is_sampled=True)
 
 
 def _read_array_parts(
-    file: BinaryIO, dtype: Any, channels: int | None, places: Sequence[int]
+    file: BinaryIO, path: str, form: _ArrayForm, places: Sequence[int]
 ) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield the samples of some rows as unsigned numbers, the amount read, and None, because samples have no times.
 
-    ``places`` are the columns of the signals. If ``channels`` is None, there are no columns, and all bits are kept.
+    ``places`` are the columns of the signals. Without channels, there are no columns, and all bits are kept.
+
+    Raises InputError at the end if samples are missing there.
     """
+    dtype = form.kind
+    channels = form.channels
     row_width = 1 if channels is None else channels
     row_bytes = row_width * dtype.itemsize
     done = 0
     while data := file.read(max(SAMPLES // row_width, 1) * row_bytes):
         done += len(data)
-        # An incomplete row at the end is ignored.
         row_count = len(data) // row_bytes
         samples = np.frombuffer(data, dtype, count=row_count * row_width)
         if channels is not None:
@@ -291,6 +306,9 @@ def _read_array_parts(
         # Signed numbers are read as unsigned ones of the same bits, and then in the byte order of this machine.
         samples = samples.view(f"{byte_order}u{dtype.itemsize}")
         yield samples.astype(f"u{dtype.itemsize}", copy=False), done, None
+    if done < form.sample_count * row_bytes:
+        reason = f"this NumPy file ends early: it has {done // row_bytes} of {form.sample_count} samples"
+        raise InputError(path, "", reason)
 
 
 class _Arrays(NamedTuple):
@@ -315,8 +333,10 @@ def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
             times = array.astype(np.float64)
         elif array.ndim:
             channels[name] = array
-        elif name.lower() in _RATES and array > 0:
+        elif name.lower() in _RATES:
             # An array without dimensions is a single number. If there are several rates, the first one counts.
+            if not 0 < array < np.inf:
+                raise InputError(path, "", f"expected a sample rate above 0 in {short(name)}, got {array}")
             rate = rate or float(array)
     return _Arrays(channels, times, rate)
 
@@ -348,23 +368,26 @@ def _read_array_archive(
         )
     places = names.places([*channels], path)
     cells = np.stack([arrays[place] for place in places], 1)
-    samples = pack_bits(_convert_to_levels(cells, threshold))
+    samples = pack_bits(_convert_to_levels(cells, threshold, path))
     masks = tuple(1 << bit for bit in range(len(places)))
     edges = read_samples([(samples, len(samples), times)], masks)
     if times is None:
         return Signals(edges, seconds=1 / sample_rate if sample_rate else None, is_sampled=True, total=len(samples))
-    if not (np.diff(times) >= 0).all():
-        raise InputError(path, "", "the times are not in ascending order")
+    if not (np.isfinite(times).all() and (np.diff(times) >= 0).all()):
+        raise InputError(path, "", "the times are not finite numbers in ascending order")
     return Signals(edges, seconds=1.0, is_sampled=False, total=len(samples))
 
 
-def _convert_to_levels(cells: Any, threshold: float | None) -> Any:
+def _convert_to_levels(cells: Any, threshold: float | None, path: str) -> Any:
     """Return the levels of samples, a column for each channel.
 
-    All numbers are voltages if one of them is neither 0 nor 1, or if there is a ``threshold``.
+    All numbers are voltages if one of them is neither 0 nor 1, or if there is a ``threshold``. Raises InputError if a
+    voltage is not finite.
     """
     if threshold is None and ((cells == 0) | (cells == 1)).all():
         return cells
+    if not np.isfinite(cells).all():
+        raise InputError(path, "", "expected finite voltages: remove the samples that are infinite or NaN")
     return Voltages(cells.min(axis=0), cells.max(axis=0), threshold).levels(cells)
 
 
@@ -445,6 +468,8 @@ class _Saleae:
         yield level, np.zeros(0), self._file.tell()
         for chunk_index in range(self.chunks):
             first_level, count = self._ready if not chunk_index else self._read_chunk()
+            if self._start < last_time:
+                raise InputError(self._path, "", "the parts of this Saleae file are not in ascending order")
             if first_level != level:
                 # The signal changed in the gap before this chunk.
                 level = first_level
@@ -464,6 +489,8 @@ class _Saleae:
                 last_time = float(edge_times[-1])
                 # An odd number of edges inverts the level.
                 level ^= read_count & 1
+        if self._file.read(1):
+            raise InputError(self._path, "", "this Saleae file is damaged: more bytes follow its last edge")
 
 
 def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:

@@ -32,10 +32,13 @@ _NUMBERS: Final = ("sample", "samples", "sample number", "index", "no", "no.", "
 _COMMENT_MARKS: Final = (";", "#")
 #: Number of rows that are enough to recognise numbers of samples.
 _FIRST_ROWS: Final = 4
+#: Most digits of the number of a sample. Python does not convert texts of thousands of digits.
+_MOST_DIGITS: Final = 18
 #: A decimal comma: one between two digits.
 _DECIMAL_COMMA: Final = re.compile(r"(?<=\d),(?=\d)")
 #: Name of the column whose unit is the time between two samples in seconds, as oscilloscopes of Rigol write it.
 _INCREMENT: Final = "increment"
+_SMALLEST_INCREMENT: Final = 1e-300
 _RATE: Final = re.compile(r"\s*([0-9]{1,12}(?:\.[0-9]{1,9})?)\s*([kKMG]?)(?:Hz|S/s|Sa/s)?\s*")
 _PREFIXES: Final = {"": 1.0, "k": 1e3, "K": 1e3, "M": 1e6, "G": 1e9}
 
@@ -202,7 +205,8 @@ def _find_increment_rate(headers: _Headers) -> float | None:
     if headers.names is None or headers.units is None:
         return None
     for name, unit in zip(headers.names, headers.units, strict=False):
-        if name.lower() == _INCREMENT and _is_number(unit) and float(unit) > 0:
+        # The inverse of a smaller number is infinite.
+        if name.lower() == _INCREMENT and _is_number(unit) and float(unit) > _SMALLEST_INCREMENT:
             return 1 / float(unit)
     return None
 
@@ -239,7 +243,9 @@ def _are_numbered(rows: Sequence[list[str]]) -> bool:
     Rows of a single cell do not count.
     """
     first_cells = [row[0] for row in rows if len(row) > 1]
-    if len(first_cells) < _FIRST_ROWS or not all(cell.isascii() and cell.isdigit() for cell in first_cells):
+    are_short = all(len(cell) <= _MOST_DIGITS for cell in first_cells)
+    are_decimal = all(cell.isascii() and cell.isdigit() for cell in first_cells)
+    if len(first_cells) < _FIRST_ROWS or not are_short or not are_decimal:
         return False
     first = int(first_cells[0])
     return [int(cell) for cell in first_cells] == [*range(first, first + len(first_cells))]

@@ -145,7 +145,7 @@ def read_seconds(cells: Any, source: str) -> Any:
     """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN. Arrays stay as they are.
 
     Raises:
-        InputError: A cell is not a number.
+        InputError: A cell is not a number, or infinite.
     """
     # Only a NumPy array has a ``dtype``. Other columns are lists or Arrow arrays.
     if hasattr(cells, "dtype"):
@@ -154,8 +154,12 @@ def read_seconds(cells: Any, source: str) -> Any:
     seconds: list[float] = []
     for cell in cells:
         try:
-            seconds.append(np.nan if cell in (None, "") else float(cell))
+            time = np.nan if cell in (None, "") else float(cell)
         except (TypeError, ValueError):
+            time = np.inf
+        # Python also reads digits with underscores between them, and bools.
+        if np.isinf(time) or isinstance(cell, bool) or "_" in str(cell):
             reason = f"expected numbers in seconds with a decimal point, got {shorten(cell)}"
-            raise InputError(source, "column 'time'", reason) from None
+            raise InputError(source, "column 'time'", reason)
+        seconds.append(time)
     return np.array(seconds, np.float64)
