@@ -29,7 +29,6 @@ from ...model import (
 )
 from ...model.known_crcs import KNOWN_CRCS
 from ...model.layout import have_lengths
-from ...order_codes import labels
 from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, expression_of_code
 from ...plan.crcs import Carrier, carriers
 from ...plan.frames import Dispatch, HeldParameter, dispatches, held_parameters
@@ -37,7 +36,6 @@ from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
 from ...say import notations, report
 from ...say.evidence import GRADES, grade, lowest_grade, mark_in_lists, origin
-from ...say.layout import as_one_number
 from ...say.markdown import escape
 from ...say.names_and_places import field_at
 from ...say.order_code import not_on_label
@@ -76,6 +74,7 @@ from .layouts import (
     script_json,
     without_empty,
 )
+from .messages import MESSAGES, PASTED
 
 
 def label_grammar(device: Device) -> Data:
@@ -284,77 +283,6 @@ def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
     ) | {"fallback": indexes[dispatch.fallback.name] if dispatch.fallback is not None else -1}
 
 
-#: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
-_MESSAGES = {
-    "length": report.length("{0}", "{1}", "{2}"),
-    "length_of_channels": report.length_of_channels("{0}", "{1}", "{2}", "{3}"),
-    "bits_around": report.bits_around("{0}", "{1}"),
-    "other_order": report.other_order("{0}"),
-    "all_crcs_correct": report.all_crcs_correct("{0}"),
-    "crc": report.crc("{0}", "{1}"),
-    "constant": report.constant("{0}", "{1}", "{2}"),
-    "parity": report.parity("{0}", "{1}", "{2}", "{3}"),
-    "no_value": report.no_value("{0}", "{1}"),
-    "too_high": report.too_high("{0}", "{1}", "{2}"),
-    "digits": report.digits("{0}", "{1}", "{2}"),
-    "of_other_frame": report.of_other_frame("{0}", "{1}"),
-    "too_few_bytes": report.too_few_bytes("{0}"),
-    "no_frame": report.no_frame("{0}", "{1}", "{2}"),
-    "other_value": report.other_value("{0}", "{1}", "{2}"),
-    "other_content": report.other_content("{0}", "{1}", "{2}", "{3}"),
-    "too_wide": report.too_wide("{0}", "{1}", "{2}"),
-    "no_power_of_two": report.no_power_of_two("{0}", "{1}"),
-    "outside": report.outside("{0}", "{1}", "{2}"),
-    "as_one_number": as_one_number("{0}"),
-    "frame_empty": report.EMPTY,
-    "frame_too_long": report.TOO_LONG,
-    "not_hex": report.not_hex("{0}"),
-    "one_digit": report.one_digit("{0}", "{1}"),
-    "odd": report.odd("{0}"),
-    "bits_or_bytes": report.bits_or_bytes("{0}"),
-    "no_bits": report.no_bits("{0}", "{1}", "{2}"),
-    "write_number": report.write_number("{0}"),
-    "write_bits": report.write_bits("{0}", "{1}"),
-    "no_order_code": report.no_order_code("{0}", "{1}"),
-    "write_any": report.write_any(),
-    "write_one_of": report.write_one_of("{0}"),
-    "if_decimal": report.if_decimal("{0}"),
-    "if_hex": report.if_hex("{0}"),
-    "if_bits": report.if_bits("{0}"),
-    "also": report.also_possible("{0}"),
-    "instead": report.possible_instead("{0}"),
-    "valid_other": report.valid_other("{0}"),
-    "register_length": report.register_length("{0}", "{1}", "{2}"),
-    "too_long": labels.too_long("{0}", "{1}", "{2}"),
-    "code_empty": labels.EMPTY,
-    "cannot_be_combined": labels.cannot_be_combined("{0}", "{1}", "{2}"),
-    "not_of_family": labels.not_of_family("{0}", "{1}", "{2}"),
-    "wrong_part": labels.wrong_part("{0}", "{1}", "{2}", "{3}"),
-    "has_part": labels.has_part("{0}", "{1}"),
-    "has_no_part": labels.has_no_part("{0}"),
-    "family": labels.family_instead_of_code("{0}", "{1}"),
-    "unknown": labels.unknown_code("{0}"),
-    "gray": report.in_gray_code("{0}", "{1}"),
-    "together": report.explained_together("{0}", "{1}"),
-    "looks_wrong": report.looks_wrong("{0}", "{1}"),
-    "own_request": report.own_request("{0}"),
-    "own_requests": report.own_requests("{0}"),
-    "another_frame": report.ANOTHER_FRAME,
-    "uncertain": report.UNCERTAIN_READINGS,
-    "disturbed": report.disturbed("{0}", has_crc=True),
-    "disturbed_without_crc": report.disturbed("{0}", has_crc=False),
-    "hidden_shift": report.HIDDEN_SHIFT,
-    "no_explanation": report.NO_EXPLANATION,
-    "equal_readings": report.equal_readings("{0}"),
-    "no_position": report.no_position("{0}"),
-    "compared": report.compared("{0}", "{1}", agree=True),
-    "compared_not": report.compared("{0}", "{1}", agree=False),
-    "nearest": labels.nearest_codes_hint("{0}"),
-}
-#: Spellings of programs and logs, and their replacement in the notation of JavaScript.
-_PASTED = [(pattern, replacement.replace("\\", "$")) for pattern, replacement in notations.PASTED]
-
-
 class Page(TypedDict):
     title: Annotated[str, "the manufacturers on one line"]
     codes: Annotated[int, "number of order codes"]
@@ -395,9 +323,9 @@ def script_table(library: Library) -> Data:
         "faults": [fault_code.value for fault_code in Fault],
         "worth": {verdict.value: VERDICT_CLAUSES[verdict] for verdict in Verdict},
         "unexplained": UNEXPLAINED,
-        "said": _MESSAGES,
+        "said": MESSAGES,
         "notations": {
-            "pasted": _PASTED,
+            "pasted": PASTED,
             "odd_blanks": notations.ODD_BLANKS,
             "time": notations.TIME,
             **notations.DIGITS,
