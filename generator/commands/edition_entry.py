@@ -88,9 +88,7 @@ def _lines_of_missing_history(old_family: Family, new_family: Family) -> Iterato
     """
     name = new_family.device.name
     revision = new_family.device.manual.revision
-    listed_revisions = [
-        history_row["revision"] for history_row in new_family.document.data["manual"].get("history", ())
-    ]
+    listed_revisions = [listed.revision for listed in new_family.device.manual.history]
     # An edition describes encoders before a revision, so an older revision must be listed before it.
     if revision in listed_revisions[1:]:
         return
