@@ -71,3 +71,13 @@ def test_an_open_part_with_an_enormous_count(tmp_path: Path) -> None:
     assert document is not None
     check_document(document, report)
     assert [problem.rule for problem in report.problems] == ["order-code-pattern"]
+
+
+@pytest.mark.parametrize(
+    ("name", "rule"), [("my_encoder.changes.json", "changes-file"), ("my_encoder.coverage.json", "coverage-file")]
+)
+def test_a_record_nested_too_deeply_was_edited(tmp_path: Path, name: str, rule: str) -> None:
+    write_spec("my_encoder", tmp_path / "my_encoder.yaml", like="biss")
+    (tmp_path / name).write_text("[" * 100_000, encoding="utf-8")
+    _, report = load_library([tmp_path])
+    assert [problem.rule for problem in report.problems] == [rule]
