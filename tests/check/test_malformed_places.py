@@ -81,3 +81,15 @@ def test_a_record_nested_too_deeply_was_edited(tmp_path: Path, name: str, rule: 
     (tmp_path / name).write_text("[" * 100_000, encoding="utf-8")
     _, report = load_library([tmp_path])
     assert [problem.rule for problem in report.problems] == [rule]
+
+
+def test_a_bound_that_is_not_a_number(tmp_path: Path) -> None:
+    text = (BROKEN / "numbers_in_texts.yaml").read_text(encoding="utf-8")
+    assert "min: 10, max: 10," in text
+    file = tmp_path / "numbers_in_texts.yaml"
+    file.write_text(text.replace("min: 10, max: 10,", "min: 10, max: .nan,"), encoding="utf-8")
+    report = Report()
+    document = read_document(file, report)
+    assert document is not None
+    check_document(document, report)
+    assert "quantity-text" in {problem.rule for problem in report.problems}
