@@ -18,6 +18,8 @@ from ..model import Variant
 _NOT_IN_EDITIONS = frozenset("manual errata examples editions documents lost_figures printed_defaults".split())
 #: Keys whose value is a map with names as keys. A key that such a map lost is a removed item.
 _NAMED_MAPS = frozenset(("interfaces", "parameters", "values"))
+#: Keys of a spec that the paths of changes leave out.
+_NOT_IN_CHANGES = frozenset(("combinations", "fields", "meanings", "values"))
 _OPTION = re.compile(r"order_code\.parts\.(?P<part>\w+)\.values\.(?P<label>[^.]+)")
 #: Keys whose values name options or whole order codes.
 _REFERENCES = frozenset(("only", "only_with", "open_only_with", "order_code"))
@@ -46,17 +48,37 @@ def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Seq
     The entry keeps these items for older encoders. Families are compared by name. Renamed items are not lost, except
     options of the order code: labels of older encoders have the old text.
     """
-    renamings = [change for change in changes if change.rule.name.endswith("-renamed") and isinstance(change.old, str)]
+    renamings = [change for change in changes if change.rule.is_renaming and isinstance(change.old, str)]
     old_families = {family.device.name: family for family in olds}
     for new in news:
         old = old_families.get(new.device.name)
         if old is None or old.device.manual.revision == new.device.manual.revision:
             continue
-        renamed_names = {str(change.old) for change in renamings if change.family == new.device.name}
-        edition_changes = list(_edition_changes(old, new, renamed_names))
+        renamed_places = {_old_place(change) for change in renamings if change.family == new.device.name}
+        edition_changes = list(_edition_changes(old, new, renamed_places))
         if edition_changes:
             lines = [*_lines_of_missing_history(old, new), *_lines_of_entry(new, edition_changes)]
             yield "\n".join(lines)
+
+
+def _old_place(renaming: Change) -> str:
+    """Return the path of a renamed item as it was in the old spec: ``registers.mode`` for ``registers.state``."""
+    place_of_owner, _, _ = renaming.path.rpartition(".")
+    return f"{place_of_owner}.{renaming.old}"
+
+
+def _place_in_changes(place: str, removed_node: Any) -> str:
+    """Return the path of a removed item as changes give it, which leave out some keys: ``registers.mode.busy``.
+
+    The place of a list item is the place of its list, so the name comes from the item itself. The place of a value in a
+    map includes its name.
+    """
+    *owner_steps, last_step = map(str, steps_of(place))
+    name_in_list = label_of(removed_node)
+    if name_in_list is not None:
+        owner_steps.append(last_step)
+    owners = [step for step in owner_steps if step not in _NOT_IN_CHANGES]
+    return ".".join((*owners, name_in_list or last_step))
 
 
 def _lines_of_missing_history(old_family: Family, new_family: Family) -> Iterator[str]:
@@ -66,9 +88,7 @@ def _lines_of_missing_history(old_family: Family, new_family: Family) -> Iterato
     """
     name = new_family.device.name
     revision = new_family.device.manual.revision
-    listed_revisions = [
-        history_row["revision"] for history_row in new_family.document.data["manual"].get("history", ())
-    ]
+    listed_revisions = [listed.revision for listed in new_family.device.manual.history]
     # An edition describes encoders before a revision, so an older revision must be listed before it.
     if revision in listed_revisions[1:]:
         return
@@ -110,7 +130,7 @@ def _lines_of_entry(new_family: Family, edition_changes: Iterable[Mapping[str, A
 
 
 def _edition_changes(
-    old_family: Family, new_family: Family, renamed_names: Container[str]
+    old_family: Family, new_family: Family, renamed_places: Container[str]
 ) -> Iterator[Mapping[str, Any]]:
     """Yield the changes that lead from the new edition to the old one, each as a change of an overlay.
 
@@ -122,11 +142,7 @@ def _edition_changes(
     first_option_source = ""
     removed_options: list[tuple[str, Any]] = []
     for place, removed_node in _removed_nodes(old_data, new_data, place=""):
-        # The place of a list item is the place of its list, so the name comes from the item itself. The place of a
-        # value in a map includes its name.
-        _, _, last_step = place.rpartition(".")
-        name = label_of(removed_node) or last_step
-        if name in renamed_names:
+        if _place_in_changes(place, removed_node) in renamed_places:
             continue
         source = _source_of_removed(old_data, place, removed_node)
         yield {"add": place, "value": removed_node, "why": reason, "source": source}

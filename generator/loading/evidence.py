@@ -31,7 +31,7 @@ def read_counts(spec: Path, report: Report) -> TimesRead | None:
         has_expected_keys = set(counts) == set(expected_keys)
         if has_expected_keys and all(type(counts[name]) is int for name in expected_keys):
             return TimesRead(**counts)
-    except (OSError, ValueError, TypeError):  # TypeError: the content is not a map.
+    except (OSError, ValueError, TypeError, RecursionError):  # TypeError: the content is not a map.
         pass
     message = "the file was edited; write it again: codewheel check --coverage --write"
     report.add_at(str(file), 1, 1, RULE, message)
@@ -88,7 +88,7 @@ def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
         releases = tuple(_build_release(release) for release in history_data["releases"])
         if all(_has_only_texts(release) for release in releases):
             return releases
-    except (OSError, ValueError, TypeError, KeyError):
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
         pass
     message = "the file was edited; undo the edit, or remove it and write it again: codewheel diff --record"
     report.add_at(str(file), 1, 1, CHANGES_RULE, message)

@@ -6,7 +6,7 @@ expressions. Overlaps and negative widths are found with the parameters of every
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from ..language.problems import Path
@@ -108,7 +108,7 @@ def _build_layout(
         bits=bits,
         widest=site.widest(bits),
         fields=tuple(fields),
-        joins=tuple(Join(name, tuple(members)) for name, members in raw_layout.get("join", {}).items()),
+        joins=tuple(_joins_of_fields(raw_layout, fields)),
         selector=selector,
         selects=selects,
         gaps=gaps,
@@ -118,6 +118,14 @@ def _build_layout(
         combinations=build_combinations(raw_layout),
         position_range=_build_position_range(raw_layout, site.context),
     )
+
+
+def _joins_of_fields(raw_layout: Raw, fields: Sequence[Field]) -> Iterator[Join]:
+    """Yield the joined numbers of a layout, except those of a field that does not exist, which are reported."""
+    field_names = {field.name for field in fields}
+    for name, members in raw_layout.get("join", {}).items():
+        if field_names.issuperset(members):
+            yield Join(name, tuple(members))
 
 
 def _with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: Site) -> list[Field]:

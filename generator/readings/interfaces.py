@@ -351,6 +351,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
                 description=f"a time{interface_text}",
                 place=place,
                 name=name,
+                name_place=(*place, "name"),
             )
             continue
         symbol = comparable_text(timing.symbol).replace(" ", "")
@@ -362,4 +363,5 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
                 description=f"time {timing.symbol}{interface_text}, '{bound_name}'",
                 place=(*place, bound_name),
                 name=name,
+                name_place=(*place, "name"),
             )

@@ -90,8 +90,8 @@ class Fact:
 
     ``depends_on`` is the key of the fact on which this fact depends, such as the register of a default. A fact that
     ``may_be_missing`` from the other reading is, for example, a printed name in another language. ``name`` is the
-    reader's name of the item whose first fact this is. A fact that ``is_implied`` follows from another fact. If one
-    reader still states it, the other must, too.
+    reader's name of the item whose first fact this is, at ``name_place``. A fact that ``is_implied`` follows from
+    another fact. If one reader still states it, the other must, too.
     """
 
     sort: Sort
@@ -102,6 +102,7 @@ class Fact:
     depends_on: Key = ()
     may_be_missing: bool = False
     name: str = ""
+    name_place: Path = ()
     is_implied: bool = False
 
 
@@ -180,9 +181,8 @@ class Facts:
     def _add_name_of(self, key: Key, fact: Fact) -> None:
         """Add ``fact.name`` as the name of an item, under its kind: ``("register", "ssi")``, or ``("alarm",)``."""
         kind = key[:2] if key[0] in _BY_INTERFACE else key[:1]
-        item_place = fact.place[: fact.place.index(fact.name) + 1]  # It ends with the name.
         description = f"name of {fact.description}"
-        name_fact = Fact(sort=fact.sort, key=key, value=fact.name, description=description, place=(*item_place, "name"))
+        name_fact = Fact(sort=fact.sort, key=key, value=fact.name, description=description, place=fact.name_place)
         self.add_name(kind, name_fact)
 
     def add_name(self, kind: Key, name: Fact) -> None:

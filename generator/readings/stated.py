@@ -55,6 +55,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
             description=f"a procedure over {interface_label(procedure.interface)}",
             place=procedure_place,
             name=procedure.name,
+            name_place=(*procedure_place, "name"),
         )
         for detail in (*_argument_limits(reading, procedure), *_waits_and_repetitions(reading, procedure)):
             yield Fact(
@@ -259,6 +260,7 @@ class Subject:
             place=place,
             depends_on=depends_on or self.depends_on or (),
             name=name,
+            name_place=(*self.place, "name"),
         )
 
     def all_facts(self, sort: Sort, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:

@@ -9,8 +9,11 @@ from pathlib import Path
 import pytest
 import yaml
 from codewheel.changes.accepted import read_accepted
+from codewheel.changes.families import compare
 from codewheel.commands.cli import main, parser_for
+from codewheel.commands.edition_entry import edition_entries
 from codewheel.commands.new import device_text, manufacturer_text
+from codewheel.loading.library import load_families
 
 SPEC = device_text("my_encoder", "example", "d.json")
 CLOCK, SLOWER = "max_hz: 10000000", "max_hz: 5000000"
@@ -191,6 +194,40 @@ def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
         assert ("spare" in [register["name"] for register in data["registers"]]) == is_kept
         assert ("MY-ENCODER-17-SC" in json.dumps(data["order_codes"])) == is_kept
     assert "removed these items" not in run(capsys, "diff", old, old, "--editions")[1]
+
+
+def test_an_item_is_not_renamed_because_another_item_of_its_name_is(tmp_path: Path) -> None:
+    """The field busy of one register is renamed, and the one of the other register is removed."""
+    register = """
+  - name: {name}
+    interface: biss
+    address: {address}
+    length: 1
+    access: read_only
+    other_bits: zero
+    fields:
+      - {{name: busy, at: "0"}}
+      - {{name: fault, at: "1"}}
+    source: "6"
+"""
+    renamed = register.format(name="memory", address="0x60")
+    thinned = register.format(name="state", address="0x61")
+    removed_field = '      - {name: busy, at: "0"}\n'
+    old = write_specs(tmp_path / "old", ("registers:\n", f"registers:\n{renamed}{thinned}"))
+    renaming = renamed.replace("name: busy", "name: working")
+    removal = thinned.replace(removed_field, "")
+    new = write_specs(
+        tmp_path / "new",
+        ("registers:\n", f"registers:\n{renaming}{removal}"),
+        ('  revision: "1.0"', '  revision: "1.1"'),
+    )
+    (old_families, _), (new_families, _) = load_families([old]), load_families([new])
+    old_devices = [family.device for family in old_families]
+    new_devices = [family.device for family in new_families]
+    changes = compare(old_devices, new_devices)
+    assert [change.path for change in changes if change.rule.is_renaming] == ["registers.memory.working"]
+    entry = "\n".join(edition_entries(old_families, new_families, changes))
+    assert re.findall(r"\{add: ([\w.]+), value: \{name: (\w+)", entry) == [("registers.state.fields", "busy")]
 
 
 FIRST = '  history:\n    - {revision: "1.0", changes: First issue.}\n'

@@ -374,3 +374,30 @@ def test_reach_of_a_few(amm5: Device) -> None:
         "AMM5A17/1BG1, AMM5A17/65KSC1, AMM5A21/1JP1 and 1 more"
     )
     assert describe_codes(amm5, [codes[0], codes[6]]) == "AMM5A{17,21}/1BG1"
+
+
+def test_a_joined_number_of_a_missing_field_is_left_out(
+    git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "specs" / "demo.yaml"
+    text = file.read_text(encoding="utf-8")
+    assert "join: {position: [multiturn, singleturn]}" in text
+    file.write_text(text.replace("[multiturn, singleturn]", "[multiturn, single]"), encoding="utf-8")
+    git("commit", "-q", "-a", "-m", "a mistake")
+    file.write_text(text, encoding="utf-8")
+    exit_code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
+    assert exit_code == 1
+    assert "reply: number position is new" in out
+
+
+def test_the_entry_for_older_encoders_of_a_spec_without_its_manual(
+    git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "specs" / "demo.yaml"
+    edit(file, "\nmanual:", "\nmanuals:")
+    register = '  - {name: spare, interface: biss, address: 0x60, length: 1, access: read_only, source: "6"}\n'
+    git("commit", "-q", "-a", "-m", "new form")
+    edit(file, "\nmanuals:", "\nmanual:")
+    edit(file, "\nregisters:\n", f"\nregisters:\n{register}")
+    _, out, _ = diff(capsys, "--lenient", "--editions", "specs", "HEAD:specs")
+    assert "{add: registers, value: {name: spare, " in out

@@ -29,17 +29,19 @@ def test_a_malformed_place_next_to_a_note_on_unused_bits(tmp_path: Path, place: 
 
 
 def test_a_place_with_too_many_digits_in_a_layout_of_bytes(tmp_path: Path) -> None:
+    """All fields of the layout have places, and so the highest bit decides whether it needs an order of bytes."""
     text = (BROKEN / "unused_bits.yaml").read_text(encoding="utf-8")
-    fields = "        fields:\n          - {name: position, bits: position_bits}\n"
-    assert fields in text
+    before_fields, _, fields_and_rest = text.partition("        fields:\n")
+    _, _, rest = fields_and_rest.partition("\nregisters:\n")
     layout = f'        carried_as: bytes\n        fields:\n          - {{name: lone, at: "{DIGITS}"}}\n'
     file = tmp_path / "unused_bits.yaml"
-    file.write_text(text.replace(fields, layout), encoding="utf-8")
+    file.write_text(f"{before_fields}{layout}registers:\n{rest}", encoding="utf-8")
     report = Report()
     document = read_document(file, report)
     assert document is not None
     check_document(document, report)
-    assert "layout-keys" in {problem.rule for problem in report.problems}
+    (message,) = [problem.message for problem in report.problems if problem.rule == "layout-keys"]
+    assert message.startswith("'word' is carried as bytes, so it needs 'byte_order'")
 
 
 @pytest.mark.parametrize(
@@ -57,3 +59,37 @@ def test_a_part_with_problems_is_only_reported(tmp_path: Path, old: str, new: st
     (tmp_path / "my_encoder.yaml").write_text(text.replace(old, new, 1), encoding="utf-8")
     _, report = load_library([tmp_path])
     assert message in {problem.rule for problem in report.problems}
+
+
+def test_an_open_part_with_an_enormous_count(tmp_path: Path) -> None:
+    """The expression is invalid, and texts with order codes are then not compared with it."""
+    text = (BROKEN / "order_code_open.yaml").read_text(encoding="utf-8")
+    file = tmp_path / "order_code_open.yaml"
+    file.write_text(text.replace('"[A-"', f'"[A-Z]{{{10**20}}}"'), encoding="utf-8")
+    report = Report()
+    document = read_document(file, report)
+    assert document is not None
+    check_document(document, report)
+    assert [problem.rule for problem in report.problems] == ["order-code-pattern"]
+
+
+@pytest.mark.parametrize(
+    ("name", "rule"), [("my_encoder.changes.json", "changes-file"), ("my_encoder.coverage.json", "coverage-file")]
+)
+def test_a_record_nested_too_deeply_was_edited(tmp_path: Path, name: str, rule: str) -> None:
+    write_spec("my_encoder", tmp_path / "my_encoder.yaml", like="biss")
+    (tmp_path / name).write_text("[" * 100_000, encoding="utf-8")
+    _, report = load_library([tmp_path])
+    assert [problem.rule for problem in report.problems] == [rule]
+
+
+def test_a_bound_that_is_not_a_number(tmp_path: Path) -> None:
+    text = (BROKEN / "numbers_in_texts.yaml").read_text(encoding="utf-8")
+    assert "min: 10, max: 10," in text
+    file = tmp_path / "numbers_in_texts.yaml"
+    file.write_text(text.replace("min: 10, max: 10,", "min: 10, max: .nan,"), encoding="utf-8")
+    report = Report()
+    document = read_document(file, report)
+    assert document is not None
+    check_document(document, report)
+    assert "quantity-text" in {problem.rule for problem in report.problems}

@@ -17,6 +17,8 @@ from codewheel.language.problems import Report
 from codewheel.loading import library as loading
 from codewheel.loading.library import in_edition
 from codewheel.model import Device
+from codewheel.targets import Library
+from codewheel.targets.docs.files import generate as generate_docs
 from python_path import python_path
 from xml_reader import from_xml
 
@@ -479,3 +481,8 @@ def test_reports_of_editions_are_no_problem_of_the_spec() -> None:
     families, _ = loading.load_families([SPECS / "amm5.yaml"])
     assert in_edition(families[0], "1.0", report) is not None
     assert len(report) == 0
+
+
+def test_changes_are_recorded_for_the_edition_of_the_spec() -> None:
+    page = generate_docs(Library((edition("amm5", "1.4"),)))["docs/amm5_1_4-changes.md"]
+    assert page.endswith("\n\nChanges are recorded for `amm5`, which is the edition that the spec transcribes.\n")

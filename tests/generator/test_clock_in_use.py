@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.commands.new import write_spec
 from codewheel.loading.library import load_library
 from codewheel.model import Biss, Device
 from codewheel.targets import Library
@@ -125,3 +126,16 @@ def test_files_for_masters_say_so(capsys: pytest.CaptureFixture[str]) -> None:
     assert (
         "Only a value to start with, because the highest clock of the encoder is not known: Sensor mode: Max" in joined
     )
+
+
+def test_the_example_of_a_page_is_not_below_the_lowest_clock(tmp_path: Path) -> None:
+    """Only the lowest clock is known. It is above 1 MHz, at which pages otherwise give the duration of a frame."""
+    spec = tmp_path / "my_encoder.yaml"
+    write_spec("my_encoder", spec, like="ssi")
+    text = spec.read_text(encoding="utf-8")
+    assert text.count("min_hz: 100000, max_hz: 1000000,") == 1
+    spec.write_text(text.replace("min_hz: 100000, max_hz: 1000000,", "min_hz: 2000000,"), encoding="utf-8")
+    devices, report = load_library([tmp_path])
+    assert not report.problems
+    page = pages(Library(tuple(devices)))["docs/my_encoder/MY-ENCODER-13-1-BG.md"]
+    assert "13 bits at 2 MHz: 6.5 µs." in page

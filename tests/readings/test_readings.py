@@ -365,6 +365,16 @@ def test_names_count_once_the_second_reading_has_those_of_the_spec(folder: pathl
     assert disagreement.partition(" in ")[0] == "name of bits 7:0 of 'command': 'task' here, 'function'"
 
 
+def test_the_line_of_an_item_with_the_name_of_its_list(folder: pathlib.Path) -> None:
+    write_facts_only(folder)
+    spec = folder / "twice.yaml"
+    spec.write_text(spec.read_text(encoding="utf-8").replace("command", "registers"), encoding="utf-8")
+    line_number = spec.read_text(encoding="utf-8").splitlines().index("  - name: registers") + 1
+    assert [line.partition(" in ")[0] for line in problem_lines() if line.startswith("twice.yaml")] == [
+        f"twice.yaml:{line_number}:11: readings-disagree: name of register 0x48: 'registers' here, 'command'"
+    ]
+
+
 def write_facts_only(folder: pathlib.Path) -> None:
     """A second reading that is a copy of the spec."""
 

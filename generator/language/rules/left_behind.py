@@ -235,7 +235,7 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
             alternatives = sorted(map(re.escape, part.values), key=len, reverse=True)
             alternatives += [part.open] if part.open else []
         expression = None
-        with suppress(re.error):  # An invalid expression is reported elsewhere.
+        with suppress(re.error, OverflowError):  # An invalid expression is reported elsewhere.
             has_empty_label = not all(alternatives)
             expression = re.compile("|".join(alternatives)) if alternatives and not has_empty_label else None
         literal_before = "" if index == 1 else literals_and_names[index - 1]

@@ -92,7 +92,8 @@ def _check_quantity(quantity: Quantity, characteristic_text: str, path: Path, re
         return []
     bounds = {name: Decimal(str(number)) for name, number in _bounds_of(quantity).items()}
     bounds_in_order = list(bounds.values())
-    if not bounds or bounds_in_order != sorted(bounds_in_order):
+    are_finite = all(bound.is_finite() for bound in bounds_in_order)
+    if not bounds or not are_finite or bounds_in_order != sorted(bounds_in_order):
         report.add("quantity-text", path, "give 'min', 'typical' or 'max', in ascending order")
         return []
     possible_numbers = set(_possible_numbers(characteristic_text, unit))

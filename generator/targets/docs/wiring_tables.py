@@ -338,10 +338,10 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
 def _example_clock(clock: Clock) -> int:
     """Return 1 MHz, or the clock in Hz nearest to it that the encoder supports.
 
-    If neither its highest clock nor one in use is known, it is 1 MHz.
+    If neither its highest clock nor one in use is known, the lowest clock is the only limit.
     """
     at_least_lowest = max(_COMMON_HZ, clock.min_hz or 0)
-    return min(at_least_lowest, clock.fastest_hz or _COMMON_HZ)
+    return min(at_least_lowest, clock.fastest_hz or at_least_lowest)
 
 
 def _limit_of_used_clocks(clock: Clock) -> str:
