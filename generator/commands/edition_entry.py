@@ -207,14 +207,20 @@ def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -
     options_place, _, _ = place.rpartition(".")
     old_options = value_at(old_data, resolve(old_data, options_place))
     new_options = value_at(new_data, resolve(new_data, options_place))
-    for label, new_option in new_options.items():
+    # With ``--lenient``, the options can be something else than a map.
+    for label, new_option in new_options.items() if isinstance(new_options, dict) else ():
         if label not in old_options and _selection_of_option(new_option) == _selection_of_option(removed_option):
             yield f"{options_place}.{label}"
             return
 
 
-def _selection_of_option(option: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the interface, parameters and supply that an option selects, or its meaning if it selects none of them."""
+def _selection_of_option(option: Any) -> Mapping[str, Any]:
+    """Return the interface, parameters and supply that an option selects, or its meaning if it selects none of them.
+
+    With ``--lenient``, an option can be something else than a map. It then selects nothing.
+    """
+    if not isinstance(option, dict):
+        return {}
     selects = {key: option[key] for key in ("interface", "sets", "supply") if key in option}
     return selects or {"meaning": option.get("meaning")}
 

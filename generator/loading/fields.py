@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from ..language.problems import DocumentReport, Path
 from ..language.rules.shapes import RESERVED
@@ -291,3 +292,41 @@ def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
         pieces.append(Piece(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))
         bits_done += bits_in_byte
     return tuple(pieces)
+
+
+def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: Site) -> list[Field]:
+    """Return the fields, with each parity bit covering the fields of a join instead of the join."""
+    joins = {name: tuple(members) for name, members in raw_layout.get("join", {}).items()}
+    constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
+    return [_resolve_parity(field, joins, constants, site) for field in fields]
+
+
+def _resolve_parity(
+    field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site
+) -> Field:
+    """Return the field. If it is a parity bit, joins in it are replaced by their fields, and constants are counted.
+
+    An odd number of ones in the covered constants inverts the parity of the other fields. A parity bit of constants
+    only is a constant itself. A single covered field stays, even if it is constant.
+    """
+    parity = field.kind
+    if not isinstance(parity, Parity):
+        return field
+    covered_names: list[str] = []
+    for name in parity.of:
+        if parity.over and name in joins:
+            message = f"'over' counts the bits of each field from 0, and '{name}' has several fields; list its fields"
+            site.report("parity-of", message, "fields", field.name, "parity_of")
+        covered_names += joins.get(name, (name,))
+    constant_names = [name for name in covered_names if name in constants]
+    # A parity bit of one constant covers it like a data field.
+    if len(covered_names) == 1:
+        constant_names = []
+    data_names = [name for name in covered_names if name not in constant_names]
+    # An odd number of ones in constants inverts the parity of the other fields.
+    ones_in_constants = sum((constants[name] & parity.mask).bit_count() for name in constant_names)
+    inverts_parity = ones_in_constants % 2 == 1
+    is_odd = parity.odd != inverts_parity
+    if not data_names:
+        return replace(field, kind=Constant(int(is_odd)))
+    return replace(field, kind=Parity(tuple(data_names), is_odd, parity.over, tuple(constant_names), inverts_parity))

@@ -11,11 +11,21 @@ from dataclasses import replace
 
 from ..language.problems import Path
 from ..language.rules.shapes import PLACES
-from ..model import INTERFACES, Constant, Field, Join, Layout, LayoutRange, Parity
+from ..model import INTERFACES, Constant, Field, Join, Layout, LayoutRange
 from ..model.expressions import Expression
 from ..model.kinds import WIDEST
 from ..model.record import dataclass
-from .fields import Context, Site, bit_range, build_combinations, expected_value, kind_of, pieces, zero_field
+from .fields import (
+    Context,
+    Site,
+    bit_range,
+    build_combinations,
+    expected_value,
+    kind_of,
+    pieces,
+    with_joins_covered,
+    zero_field,
+)
 from .frame_kinds import with_unknown_verdicts
 from .from_mapping import Raw, record, sources
 from .gaps import (
@@ -75,7 +85,7 @@ def build_layout(raw_layout: Raw, site: Site, total: int | None = None) -> Layou
     if byte_order:
         length = site.widest(bits) // 8
         fields = [replace(field, pieces=pieces(field, length, low_first)) for field in fields]
-    fields = _with_joins_covered(raw_layout, fields, site)
+    fields = with_joins_covered(raw_layout, fields, site)
     layout = _build_layout(
         raw_layout, site, byte_order, bits, _sort_for_sending(fields, low_first and total is None), gaps
     )
@@ -128,13 +138,6 @@ def _joins_of_fields(raw_layout: Raw, fields: Sequence[Field]) -> Iterator[Join]
             yield Join(name, tuple(members))
 
 
-def _with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: Site) -> list[Field]:
-    """Return the fields, with each parity bit covering the fields of a join instead of the join."""
-    joins = {name: tuple(members) for name, members in raw_layout.get("join", {}).items()}
-    constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
-    return [_resolve_parity(field, joins, constants, site) for field in fields]
-
-
 def _build_position_range(raw_layout: Raw, context: Context) -> LayoutRange | None:
     """Return the range of the position in frames of this layout, or None if the range of the interface applies."""
     if "position_range" not in raw_layout:
@@ -142,37 +145,6 @@ def _build_position_range(raw_layout: Raw, context: Context) -> LayoutRange | No
     raw_range = raw_layout["position_range"]
     bounds = context.expressions(raw_range, ("turns", "modulus", "highest"))
     return LayoutRange(source=sources(raw_range) or sources(raw_layout), wraps=raw_range.get("wraps", True), **bounds)
-
-
-def _resolve_parity(
-    field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site
-) -> Field:
-    """Return the field. If it is a parity bit, joins in it are replaced by their fields, and constants are counted.
-
-    An odd number of ones in the covered constants inverts the parity of the other fields. A parity bit of constants
-    only is a constant itself. A single covered field stays, even if it is constant.
-    """
-    parity = field.kind
-    if not isinstance(parity, Parity):
-        return field
-    covered_names: list[str] = []
-    for name in parity.of:
-        if parity.over and name in joins:
-            message = f"'over' counts the bits of each field from 0, and '{name}' has several fields; list its fields"
-            site.report("parity-of", message, "fields", field.name, "parity_of")
-        covered_names += joins.get(name, (name,))
-    constant_names = [name for name in covered_names if name in constants]
-    # A parity bit of one constant covers it like a data field.
-    if len(covered_names) == 1:
-        constant_names = []
-    data_names = [name for name in covered_names if name not in constant_names]
-    # An odd number of ones in constants inverts the parity of the other fields.
-    ones_in_constants = sum((constants[name] & parity.mask).bit_count() for name in constant_names)
-    inverts_parity = ones_in_constants % 2 == 1
-    is_odd = parity.odd != inverts_parity
-    if not data_names:
-        return replace(field, kind=Constant(int(is_odd)))
-    return replace(field, kind=Parity(tuple(data_names), is_odd, parity.over, tuple(constant_names), inverts_parity))
 
 
 def _byte_order(raw_layout: Raw, carried_as: str) -> str:

@@ -401,3 +401,17 @@ def test_the_entry_for_older_encoders_of_a_spec_without_its_manual(
     edit(file, "\nregisters:\n", f"\nregisters:\n{register}")
     _, out, _ = diff(capsys, "--lenient", "--editions", "specs", "HEAD:specs")
     assert "{add: registers, value: {name: spare, " in out
+
+
+def test_the_entry_for_older_encoders_of_a_spec_whose_options_are_numbers(
+    git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "specs" / "demo.yaml"
+    option = "S: {meaning: Singleturn, sets: {multiturn_bits: 0}}"
+    edit(file, option, "single: 0")
+    edit(file, '\n  revision: "1.0"', '\n  revision: "2.0"')
+    git("commit", "-q", "-a", "-m", "a damaged option")
+    edit(file, "single: 0", option)
+    edit(file, '\n  revision: "2.0"', '\n  revision: "1.0"')
+    _, out, _ = diff(capsys, "--lenient", "--editions", "specs", "HEAD:specs")
+    assert "{add: order_code.parts.turns.values.S, value: {meaning: Singleturn, " in out
