@@ -215,7 +215,7 @@ def with_consequences(change: Change) -> Change:
 def fold_defaults(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with a field's changed default merged into the change of its register's default.
 
-    The text of the register's change continues with ``(speed 1 → 2)``. If the register has no such change, the default
+    ``(speed 1 → 2)`` is appended to the text about the register's change. If the register has no such change, the default
     of a field remains a separate change.
     """
     register_paths = {_owner_path(change) for change in changes if change.rule.name == "register-default"}

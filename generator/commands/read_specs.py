@@ -102,7 +102,7 @@ _MOST_SHOWN = 8
 
 @dataclass(frozen=True, slots=True)
 class Specs:
-    """The specs of the user, and the packaged specs that a read-only command also knows.
+    """The user's specs, and the packaged specs that read-only commands can also use.
 
     Attributes:
         paths: Files and folders of the user. Empty if there are none.
@@ -120,7 +120,7 @@ class Specs:
 
     @property
     def groups(self) -> list[tuple[Path, ...]]:
-        """The specs of the user, and then the packaged specs. Groups without specs are omitted."""
+        """The user's specs, and then the packaged specs. Groups without specs are omitted."""
         return [group for group in (self.paths, self.packaged) if group]
 
 

@@ -105,7 +105,7 @@ def _remedy_for_order(low_first: bool, site: Site) -> str:
 def _check_bytes(layout: Layout, site: Site) -> None:
     """Check that no number in a word has more than 8 bits, because then the low byte of each number comes first."""
     for field in layout.fields:
-        # The order of bytes changes nothing in unused bits and zeros.
+        # Byte order has no effect on unused bits and zeros.
         is_number = not isinstance(field.kind, Unused) and not _is_zeros(field.kind)
         if is_number and field.widest > 8:
             message = f"'{field.name}' has {field.widest} bits, but the low byte of each number comes first"

@@ -259,7 +259,7 @@ def _message_of_signed_range(case: _Case, field_text: str, total: int) -> str:
 def _order_problem(
     measurement: Measurement, case: _Case, counts_key: str, values: Mapping[str, int]
 ) -> KeyProblem | None:
-    """Return the key and the message if a number of revolutions is below the position within one revolution.
+    """Return the key and the message if the revolutions are in lower bits than the position within one revolution.
 
     In a frame of bytes, the order in which fields are sent does not show which field is more significant.
     """

@@ -156,7 +156,7 @@ def _explanation_of_all(device: Device, same_mistake: Sequence[Hypothesis]) -> E
     return replace(
         likeliest,
         text=without_details(likeliest.template),
-        # Two hypotheses that match one of 64 random frames each count as one of 128.
+        # If each of two hypotheses matches 1 in 64 random frames, each counts as matching 1 in 128.
         one_in=sum(explanation.one_in for explanation in explanations),
         score=sum(explanation.score for explanation in explanations),
         or_reads=tuple(explanation.reads for explanation in others),

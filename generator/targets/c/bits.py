@@ -252,7 +252,7 @@ class Unused:
         return shifted_left(Cast(self.work_type, byte), -moved.shift) if moved.shift else byte
 
     def member_from(self, bits: Expr) -> Expr:
-        """Return the member from bytes that ``at_place`` shifted, without their other bits."""
+        """Return the member from bytes that ``at_place`` has shifted, with all other bits masked off."""
         mask = sum(moved.mask for moved in self.moved)
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
         differing_bits = _with_inverted(masked(bits, mask), documented)

@@ -228,7 +228,7 @@ class StructCodec:
 
     @property
     def encoder_depends(self) -> bool:
-        """True if the encoder uses the variant: for Gray code, terms, unused bits, limits or a CRC.
+        """True if Gray code, terms, unused bits, limits or a CRC depend on the variant when a frame is encoded.
 
         It does not use the variant if the layout depends on an answer alone.
         """

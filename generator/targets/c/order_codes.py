@@ -88,7 +88,7 @@ def written_out(expression: str) -> tuple[str, ...]:
 
 
 def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
-    """Return one unit with its repetitions, the longest first, or nothing if its kind has no mark.
+    """Return a unit followed by its repetitions, longest first, or nothing if this kind of unit has no mark.
 
     More than ``_MOST_PATTERNS`` repetitions give nothing, too.
     ``[0-9]{1,2}`` gives ``##`` and ``#``, or the single pattern ``#~`` at the end of an expression.

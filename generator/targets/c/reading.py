@@ -50,7 +50,7 @@ class ReadCode:
 
     @property
     def expected_size(self) -> str:
-        """The number of bytes in the array of the macro, as C: a macro, or ``sizeof(rx)`` to accept any array.
+        """C expression for the number of bytes in the array: a macro, or ``sizeof(rx)`` to accept any array.
 
         It is empty if there is no frame to read.
         """
@@ -67,7 +67,7 @@ class ReadCode:
 
         ``code`` and ``width`` are arguments of the macro: the order code, and the answer to a choice.
         """
-        # With several frames, the name contains the name of the frame.
+        # If there are several frames, the name includes the name of the frame.
         layout_names = [frame.struct.layout.name.upper()] if len(self._lengths.layouts) > 1 else []
         answers = [f"##{question.argument}##" for question in frame.length_alternatives]
         return "_".join((f"{self._context.PREFIX}_##code##", *layout_names, *answers, "RX_BYTES"))

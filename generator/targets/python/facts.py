@@ -35,7 +35,7 @@ from .records import record_of, records_of
 
 @dataclass(frozen=True)
 class Table:
-    """Table of a module: comment, name, class of the rows, and rows."""
+    """Table in a module: its comment, its name, the class of its rows, and its rows."""
 
     comment: str
     name: str
