@@ -215,8 +215,8 @@ def with_consequences(change: Change) -> Change:
 def fold_defaults(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with a field's changed default merged into the change of its register's default.
 
-    ``(speed 1 → 2)`` is appended to the text about the register's change. If the register has no such change, the default
-    of a field remains a separate change.
+    The text about the register's change then ends with ``(speed 1 → 2)``. If there is no such change, the default of a
+    field remains a separate change.
     """
     register_paths = {_owner_path(change) for change in changes if change.rule.name == "register-default"}
     field_changes = [change for change in changes if change.rule.name == "field-default"]

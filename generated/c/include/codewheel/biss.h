@@ -26,7 +26,7 @@
  * CDS is sent early in a frame and CDM at its end, so the response to a bit comes in the next
  * frame. The CRC is x^4 + x + 1 with initial value 0, and it is sent inverted. It covers CTS, ID
  * and ADR, or a data byte. No CRC covers S, R, W, P and IDL. Therefore:
- *  - A write that no slave understood looks like a refused one: R W comes back as 00.
+ *  - A write that no slave understood looks like a refused one: the bits R and W come back as 00.
  *  - If the slave's S bit is lost on its way to the master, the two stay out of step by one bit. A
  *    value read in this state has a wrong CRC. A value that is written is not stored, but if its
  *    CRC ends in 0, which is true of half of all values, it comes back as if it had been stored. If

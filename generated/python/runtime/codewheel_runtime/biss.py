@@ -24,7 +24,7 @@ CDS comes early in a frame and CDM at its end, so the answer to a bit comes in t
 start value 0, inverted, over CTS, ID and ADR, or over a byte of data. S, R, W, P and IDL are not protected by a CRC.
 Therefore:
 
-* A write that no slave understood looks like a refused one: R W comes back as 00.
+* A write that no slave understood looks like a refused one: the bits R and W come back as 00.
 * If the slave's S bit is lost on its way to the master, master and slave stay out of step by one bit. A byte read then
   fails its CRC. A byte written is not stored, but values whose CRC ends in 0 (half of all values) are echoed as if they
   had been stored. Read back what you write.
@@ -907,7 +907,7 @@ class Slave:
         return 0
 
     def _take_byte(self) -> None:
-        """Ask the program to store the byte that was received. With a CRC error, leave the frame instead.
+        """Ask the program to store the byte that was received. After a CRC error, leave the control frame instead.
 
         The master notices the error by the echo.
         """

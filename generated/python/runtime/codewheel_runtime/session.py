@@ -94,7 +94,7 @@ _REPLY_TIMES = 16
 #: Number of extra replies with new values that show a second device. One or two can follow from other errors. If they
 #: come so late that they are read before the next request, fewer are sufficient.
 _FOREIGN_REPLIES, _LATE_FOREIGN_REPLIES = 3, 2
-#: Number of requests in a row with exactly one reply that show that there is no second device.
+#: Number of consecutive requests that must each get exactly one reply before a second device is ruled out.
 _SINGLE_REPLIES = 2
 
 

@@ -21,7 +21,7 @@ _DIGITS: Final = 38
 
 
 class Columns(Protocol):
-    """Columns of decoded frames, such as a table."""
+    """Columns of decoded frames. A table is one example."""
 
     def __getitem__(self, name: str, /) -> Any: ...
 

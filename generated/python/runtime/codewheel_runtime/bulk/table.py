@@ -252,7 +252,7 @@ class Table(_TableOf[_Name, _Unit]):
     def _replace_columns(
         self, columns: dict[str, Any], fault: Any, verdict: Any, other_columns: Mapping[str, Any]
     ) -> Table:
-        """Return a table with these columns, for instance of other rows, and everything else unchanged."""
+        """Return a copy of the table with these columns, which can have other rows."""
         return Table(
             encoder=self.encoder,
             columns=columns,

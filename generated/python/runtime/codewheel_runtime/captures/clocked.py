@@ -37,7 +37,7 @@ _ENDLESS: Final = 1 << 22
 _LEAST: Final = 1e-12
 #: Shortest period, as a fraction of the pause.
 _SHORTEST_PERIOD: Final = 1e-6
-#: Number of edges of the clock that are needed to determine its period.
+#: Number of clock edges needed to determine the clock period.
 _FEW: Final = 64
 #: Indices of the two signals of a capture.
 _CLOCK: Final = 0

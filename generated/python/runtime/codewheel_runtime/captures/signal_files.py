@@ -474,7 +474,7 @@ class _Saleae:
                 # The signal changed in the gap before this chunk.
                 level = first_level
                 last_time = self._start
-                # One edge at the beginning of the chunk, with the other level before it.
+                # One edge at the start of the chunk, after the opposite level.
                 level_before = level ^ 1
                 yield level_before, np.array([self._start]), self._file.tell()
             while count:
