@@ -93,8 +93,8 @@ static inline bool cw_fits_signed(int64_t value, uint32_t bits)
 {
     const uint64_t half = cw_mask(bits) >> 1U;
     const int64_t most = (int64_t)half;
-    const int64_t least = (bits != 0U) ? (-most - 1) : 0;
-    return (value <= most) && (value >= least);
+    const int64_t below_zero = (bits != 0U) ? (int64_t)1 : (int64_t)0;
+    return (value <= most) && (value >= (-most - below_zero));
 }
 
 /** Convert the field that starts at bit low from Gray code to binary and return the word. */

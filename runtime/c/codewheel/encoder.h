@@ -61,14 +61,14 @@ static inline bool cw_is_letter_or_digit(char letter)
     return cw_is_digit(letter) || ((capital >= 'A') && (capital <= 'Z'));
 }
 
-/** Return the index of the next character of a label that is not a space. */
-static inline size_t cw_label_after_spaces(const char *label, size_t index)
+/** Return the number of spaces with which a label begins. */
+static inline size_t cw_label_spaces(const char *label)
 {
-    size_t at = index;
-    while (label[at] == ' ') {
-        at++;
+    size_t count = 0U;
+    while (label[count] == ' ') {
+        count++;
     }
-    return at;
+    return count;
 }
 
 /**
@@ -77,23 +77,25 @@ static inline size_t cw_label_after_spaces(const char *label, size_t index)
  */
 static inline bool cw_label_ends(const char *label)
 {
-    size_t at = cw_label_after_spaces(label, 0U);
+    size_t at = cw_label_spaces(label);
+    char kind;
     if ((label[at] == '\0') || (label[at] == '-')) {
         return true;
     }
     if (label[at] != '/') {
         return false;
     }
-    at = cw_label_after_spaces(label, at + 1U);
-    if (cw_capital(label[at]) != 'S') {
+    at += 1U + cw_label_spaces(&label[at + 1U]);
+    kind = cw_capital(label[at]);
+    if (kind != 'S') {
         return false;
     }
-    at = cw_label_after_spaces(label, at + 1U);
+    at += 1U + cw_label_spaces(&label[at + 1U]);
     if (label[at] == '\0') {
         return false;
     }
     while (cw_is_letter_or_digit(label[at])) {
-        at = cw_label_after_spaces(label, at + 1U);
+        at += 1U + cw_label_spaces(&label[at + 1U]);
     }
     return label[at] == '\0';
 }
@@ -112,7 +114,7 @@ static inline size_t cw_label_match(const char *label, const char *code)
         if (wanted == ' ') {
             continue;
         }
-        at = cw_label_after_spaces(label, at);
+        at += cw_label_spaces(&label[at]);
         const char letter = label[at];
         const bool digit = cw_is_digit(letter);
         const bool either = cw_is_letter_or_digit(letter);
@@ -140,7 +142,7 @@ static inline size_t cw_label_match(const char *label, const char *code)
             /* No digit: ~ allows that. */
         }
     }
-    at = cw_label_after_spaces(label, at);
+    at += cw_label_spaces(&label[at]);
     return cw_label_ends(&label[at]) ? at : 0U;
 }
 

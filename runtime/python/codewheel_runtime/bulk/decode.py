@@ -163,7 +163,7 @@ def _read_words(frames: Any, bits: int) -> ReadFrames:
         ValueError: The length of a buffer is not a multiple of eight bytes.
     """
     if isinstance(frames, memoryview):
-        frames = as_bytes(frames) if frames.itemsize == 1 else np.asarray(frames)
+        frames = as_bytes(cast(Any, frames)) if frames.itemsize == 1 else np.asarray(frames)
     if isinstance(frames, (bytes, bytearray)):
         if len(frames) % 8:
             raise ValueError(f"expected eight bytes per frame, got {len(frames)} bytes")
