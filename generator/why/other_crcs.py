@@ -142,8 +142,13 @@ def _status_hypotheses(without_mistake: Hypothesis, placed_layout: PlacedLayout,
 
 
 def _has_active_low_status(placed_layout: PlacedLayout) -> bool:
-    """Return whether an error or warning bit is 1 while it is inactive, so that it can be converted to active high."""
-    kinds = [status_field.kind for status_field in placed_layout.layout.status_fields]
+    """Return whether an error or warning bit is 1 while it is inactive, so that it can be converted to active high.
+
+    A bit that the order code lacks does not count.
+    """
+    status_names = [status_field.name for status_field in placed_layout.layout.status_fields]
+    present_fields = [field for field in placed_layout.fields if field.name in status_names and field.width]
+    kinds = [placed_field.field.kind for placed_field in present_fields]
     return any(isinstance(kind, Unused) or (isinstance(kind, Flag) and kind.active_low) for kind in kinds)
 
 
