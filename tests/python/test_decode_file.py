@@ -28,7 +28,7 @@ from codewheel_runtime.bulk.chunk import Chunk
 from codewheel_runtime.commands.main import main
 from codewheel_runtime.errors import ErrorKind, UsageError
 from codewheel_runtime.files import inputs
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from python_path import python_path
 
@@ -411,6 +411,7 @@ CODES = st.sampled_from([CODE, "AMM5A23/65KJP1", "AM3616/4096-I7", "SMA21-JP1-00
 
 
 @pytest.mark.slow
+@example(code="ASC8525/GG1", options=["-ox.parquet"], content=b"\x02\0\0\0", name="in.bin")
 @given(code=CODES, options=OPTIONS, content=ODD, name=st.sampled_from(["in.bin", "in.csv", "in.parquet"]))
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_nothing_crashes_it(
@@ -424,7 +425,9 @@ def test_nothing_crashes_it(
     assert outcome.code in (0, 1, 2)
     assert outcome.code == 0 or outcome.err.strip()
     files_written = {path.name for path in tmp_path.iterdir()} - {name}
-    assert files_written <= ({"x.parquet", "x.arrow"} if outcome.code == 0 else set())
+    # The frames are also written if more of them than --max-errors have an error.
+    has_written = outcome.code == 0 or "of the frames have an error" in outcome.err
+    assert files_written <= ({"x.parquet", "x.arrow"} if has_written else set())
 
 
 @pytest.mark.slow
