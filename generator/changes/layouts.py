@@ -75,7 +75,7 @@ def _compare_fields(family_pair: FamilyPair, subject: Subject, old: Layout, new:
 
 
 def _is_padding(field: Field, layout: Layout) -> bool:
-    """Return whether the field is the padding of another field: ``position_padding`` of ``position``."""
+    """Return whether the field pads another field, as ``position_padding`` pads ``position``."""
     padded_name, suffix, _ = field.name.rpartition("_padding")
     padded_field = layout.find_field(padded_name) if suffix else None
     return padded_field is not None and padded_field.container > 0

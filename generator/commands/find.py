@@ -119,8 +119,8 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
 def _frame_texts(frame_arguments: Sequence[str]) -> list[str]:
     """Return the text of each frame.
 
-    A frame is an argument, or one line of an argument with several lines. If ``-`` is the only argument, it is a line
-    of standard input.
+    Each argument is a frame, or has a frame on each of its lines. If ``-`` is the only argument, the frames are the
+    lines of standard input.
     """
     from .decode.decoding import argument_lines
 

@@ -169,7 +169,7 @@ def _is_packaged(family: str) -> bool:
 def _own_specs(settings: Configuration | None) -> list[str]:
     """Return the arguments that name the specs that are read if the user names none.
 
-    These are the specs in the settings, or the folder of the settings or the current folder, if any specs are found.
+    These are the specs that the settings name, or else the folder of the settings, or else the current folder.
     """
     if settings is not None and settings.specs:
         return [path.as_posix() for path in settings.specs]

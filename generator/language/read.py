@@ -445,5 +445,5 @@ def _decode_text(content: bytes) -> str:
 
 
 def _not_text(content: bytes, problem: str) -> str:
-    """Return the problem, or the problem that the file is binary if a NUL is near its start."""
+    """Return ``problem``, or instead that the file is binary if a NUL is near its start."""
     return "this is a binary file; a spec is UTF-8 text" if b"\0" in content[:65536] else problem

@@ -136,7 +136,7 @@ class _Attribute:
 
 
 def written(about: str, **options: Any) -> Callable[[type[T]], type[T]]:
-    """Return the decorator of a part as it is written in specs. The options are the options of ``About``."""
+    """Return the decorator of a part as it is written in specs. ``options`` are those of ``About``."""
 
     def decorate(part_class: type[T]) -> type[T]:
         described: Any = part_class

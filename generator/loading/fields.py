@@ -295,7 +295,7 @@ def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
 
 
 def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: Site) -> list[Field]:
-    """Return the fields, with each parity bit covering the fields of a join instead of the join."""
+    """Return the fields. In parity bits that cover a join, the fields of the join replace it."""
     joins = {name: tuple(members) for name, members in raw_layout.get("join", {}).items()}
     constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
     return [_resolve_parity(field, joins, constants, site) for field in fields]

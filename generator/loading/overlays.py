@@ -91,8 +91,8 @@ def apply_overlays(
     _refuse_same_names(valid_overlays, report)
     resulting_families: list[Family] = []
     for name, family in families_by_name.items():
-        # Together with the files of all its corrections, a family counts as faulty if one of them has a problem. So one
-        # with only some of its corrections, or none, is not mistaken for the corrected family.
+        # Together with the files of all its corrections, a family counts as faulty if one of them has a problem. So a
+        # family with only some of its corrections, or none, is not mistaken for the corrected family.
         files_of_corrections = {overlay.file for overlay in overlays if _is_correction_of(name, overlay)}
         family_with_files = replace(family, files=family.files | files_of_corrections)
         overlays_of_family = [overlay for overlay in valid_overlays if overlay.data["of"] == name]

@@ -10,15 +10,14 @@ from ..language.problems import DocumentReport
 from ..language.schema_files import is_second
 from ..model import Device, Field, Interface, Layout, Measurement, Number, Variant
 from ..model.expressions import Expression, is_power_of_two
+from ..model.key_types import LARGEST
 from ..model.record import dataclass
 from .gray_positions import KeyProblem, check_gray_positions
 
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
-SEVERAL = 15
+_SEVERAL = 15
 #: Keys of a measurement that are not numbers of counts. They state the length of a count.
 _STEPS = ("step_um", "step_nm", "per_counts")
-#: Highest number in a step, as for every number in a spec. C must be able to compute with it in 64 bits.
-_MOST = 2**53 - 1
 #: Nanometres in the units of a field whose counts are lengths.
 _NANOMETRES = {"nm": 1, "um": 1000, "µm": 1000, "μm": 1000, "mm": 1_000_000}
 _REVOLUTIONS = ("revolution", "revolutions", "turn", "turns")
@@ -136,9 +135,14 @@ def _limit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
     for name, value in values.items():
         if value < 1:
             return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1")
-        if name in _STEPS and value > _MOST:
-            return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}")
+        if name in _STEPS and value > LARGEST:
+            return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at most {LARGEST}")
     return None
+
+
+def is_probably_highest(count: int) -> bool:
+    """Return whether a number of counts is all ones, such as 4095, and so probably the highest count."""
+    return count >= _SEVERAL and is_power_of_two(count + 1)
 
 
 def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyProblem | None:
@@ -148,8 +152,7 @@ def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyP
     """
     for name, value in fixed_values.items():
         is_number_of_counts = name not in _STEPS
-        is_highest = is_number_of_counts and value >= SEVERAL and is_power_of_two(value + 1)
-        if is_highest:
+        if is_number_of_counts and is_probably_highest(value):
             message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
             return KeyProblem(name, f"{message}; including 0 there are {value + 1}")
     return None

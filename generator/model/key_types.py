@@ -22,8 +22,8 @@ class WordOfType(NamedTuple):
 
 
 _INTERFACES = ["ssi", "biss", "rs485", "spi"]
-#: Largest number that JavaScript represents exactly.
-_LARGEST = 2**53 - 1
+#: Largest number of a spec. JavaScript represents it exactly, and C can compute with it in 64 bits.
+LARGEST = 2**53 - 1
 _CLOCK = {"minimum": 1, "maximum": 1_000_000_000}
 _NAME = "^[a-z][a-z0-9]*(_[a-z0-9]+)*$"
 _WORDS: Mapping[str, WordOfType] = MappingProxyType(
@@ -82,8 +82,8 @@ _WORDS: Mapping[str, WordOfType] = MappingProxyType(
             {"type": "string", "minLength": 1, "maxLength": 70, "pattern": r"^\S+ .*[^.\s]$"}, "text"
         ),
         "FactPath": WordOfType({"type": "string", "pattern": r"^[a-z0-9_]+(\.[a-z0-9_]+)*$", "maxLength": 120}, "name"),
-        "ParameterValue": WordOfType({"type": "integer", "minimum": 0, "maximum": _LARGEST}, "integer"),
-        "SignedNumber": WordOfType({"type": "integer", "minimum": -_LARGEST, "maximum": _LARGEST}, "integer"),
+        "ParameterValue": WordOfType({"type": "integer", "minimum": 0, "maximum": LARGEST}, "integer"),
+        "SignedNumber": WordOfType({"type": "integer", "minimum": -LARGEST, "maximum": LARGEST}, "integer"),
         "AddressRange": WordOfType(
             {"type": ["integer", "string"], "pattern": "^0x[0-9A-Fa-f]+-0x[0-9A-Fa-f]+$", "maxLength": 20}, "string"
         ),
@@ -196,7 +196,7 @@ class KeyType(NamedTuple):
 
 
 def name_of_part(class_name: str) -> str:
-    """Return the name of a part by the name of its class. ``WrittenField`` is a field as it is written in a spec."""
+    """Return the name of the part that a class describes. ``WrittenField`` is a field as it is written in a spec."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name.removeprefix("Written")).lower()
 
 

@@ -181,7 +181,7 @@ def key(about: str, **options: Any) -> Any: ...
 def key(about: str, *, default: Any = MISSING, **options: Any) -> Any:
     """Describe a key of the spec language. Without a ``default``, specs must contain the key.
 
-    The options are the options of ``Key`` and of ``Member``.
+    ``options`` are those of ``Key`` and of ``Member``.
     """
     own_options = {name: options.pop(name) for name in list(options) if name in Key._fields}
     metadata = {_KEY: Key(about, member=options, **own_options)}
@@ -262,7 +262,7 @@ def source_key(**options: Any) -> Any:
     ),
 )
 def part(about: str, *, kw_only: bool = True, **options: Any) -> Callable[[type[T]], type[T]]:
-    """Return the decorator of a part of the language. The options are the options of ``About`` and of data classes."""
+    """Return the decorator of a part of the language. ``options`` are those of ``About`` and of data classes."""
 
     def decorate(part_class: type[T]) -> type[T]:
         described: Any = dataclass(frozen=True, slots=True, kw_only=kw_only)(part_class)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from ..loading.position_rules import SEVERAL
+from ..loading.position_rules import is_probably_highest
 from ..model.expressions import is_power_of_two
 from .fields import WIDEST
 from .line import IN_TURN, POSITION, TURNS, Crc, Filler, LineField, LineProblem, Number, Options, Parity
@@ -116,7 +116,7 @@ def _problems_of_counts(
     if options.turns and not options.counts:
         yield LineProblem(columns.get("turns", 1), "'turns' needs the counts per revolution; add counts=NUMBER")
     for name, count in (("counts", options.counts), ("turns", options.turns)):
-        if count >= SEVERAL and is_power_of_two(count + 1):
+        if is_probably_highest(count):
             message = f"{count} is the highest value; including 0 there are {count + 1}, so write {name}={count + 1}"
             yield LineProblem(columns.get(name, 1), message)
     turns = options.turns or 1

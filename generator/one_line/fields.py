@@ -7,14 +7,13 @@ from collections.abc import Sequence
 from typing import Literal
 
 from ..language.problems import quoted, suggestion
+from ..model.key_types import LARGEST
 from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, LineField, Number, Parity
 
 #: Verdict of an active flag, by the word for it in the line.
 VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": "usable"}
 #: Widest field and widest CRC in bits.
 WIDEST, _WIDEST_CRC = 64, 32
-#: Highest constant of a spec. JavaScript represents it exactly.
-HIGHEST_CONSTANT = (1 << 53) - 1
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _DIGITS = re.compile(r"0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19}")
 #: Names of fields that need no width or level, with an example of how to write them.
@@ -99,8 +98,8 @@ def _read_number(name: str, values: Sequence[str], column: int) -> Number:
         raise FieldError(f"{wrong_text} does not fit after a width; write signed, or the value of a constant", offset)
     if value >> bits:
         raise FieldError(f"{value:#x} does not fit into {bits} bits; write at most {(1 << bits) - 1:#x}", offset)
-    if value > HIGHEST_CONSTANT:
-        raise FieldError(f"{value:#x} is too large; write at most {HIGHEST_CONSTANT:#x}, or two constants", offset)
+    if value > LARGEST:
+        raise FieldError(f"{value:#x} is too large; write at most {LARGEST:#x}, or two constants", offset)
     if name in (POSITION, IN_TURN, TURNS):
         raise FieldError(f"'{name}' is not a constant; give the constant bits another name", offset)
     return Number(name, bits, column, value=value)

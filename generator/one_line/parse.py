@@ -8,8 +8,9 @@ from dataclasses import replace
 from typing import Any
 
 from ..language.problems import listed, quoted, suggestion
+from ..model.key_types import LARGEST
 from .checks import problems_of_fields, problems_of_options
-from .fields import HIGHEST_CONSTANT, FieldError, number_in, read_field
+from .fields import FieldError, number_in, read_field
 from .line import POSITION, Line, LineError, LineField, LineProblem, Options
 
 INTERFACES = ("biss", "ssi", "spi", "rs485")
@@ -160,7 +161,7 @@ def _read_hex_bytes(option_text: str) -> bytes | None:
     if not re.fullmatch(r"(?:[0-9A-Fa-f]{2})+", digits) or len(digits) > 2 * _LONGEST_REQUEST:
         return None
     request = bytes.fromhex(digits)
-    return request if int.from_bytes(request, "big") <= HIGHEST_CONSTANT else None
+    return request if int.from_bytes(request, "big") <= LARGEST else None
 
 
 #: Options with a value: the interfaces that have them, the member, its reader, and an example.

@@ -56,7 +56,7 @@ class Diagnosis:
     of random frames. ``cannot_see`` lists mistakes that a CRC of this kind cannot detect. ``disturbed`` are the bits,
     counted from the last as 0, that make the frame valid if one of them is inverted. Such noise is the usual cause if
     only some frames fail, but one frame cannot prove it: the CRC is short, and most random frames have such a bit.
-    ``unmerged`` contains all that fit, including hypotheses that lead to the same frame as a likelier one. ``missing``
+    ``unmerged`` contains all explanations, including those that lead to the same frame as a likelier one. ``missing``
     is the part that a recording without a complete frame lacks. ``has_crc`` is false if only constants, parity and the
     length can contradict a frame, so that nothing is certain.
     """
@@ -129,8 +129,8 @@ def diagnose_without_crc(
 def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypothesis]]:
     """Return the hypotheses that fit in lists, the likeliest first in each.
 
-    Hypotheses that differ only in the assumed value of a lost bit are in one list. All others form a group of their
-    own.
+    Hypotheses that differ only in the assumed value of a lost bit share a list. Each other hypothesis is alone in its
+    list.
     """
     fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
     fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)

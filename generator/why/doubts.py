@@ -27,7 +27,7 @@ _POSITION = "position"
 
 
 def position_name(device: Device, variant: Variant) -> str:
-    """Return the name of the position. An encoder that does not state its counts still has the count "position"."""
+    """Return the name of the position, which is ``position`` for an encoder without a measurement."""
     measurement = device.measurement_of(variant.interface)
     return measurement.of if measurement is not None else _POSITION
 

@@ -54,7 +54,7 @@ class ExchangedFrame:
 def exchange_hypotheses(device: Device, variant: Variant, received_bytes: bytes) -> Iterator[Hypothesis]:
     """Yield one hypothesis that bytes over RS-485 are whole frames, unless they are a single reply or no whole frames.
 
-    Its frame is the last one if that is a reply, unless the manual leaves open what the reply means.
+    If the last of these frames is a reply whose meaning is known, the hypothesis contains it.
     """
     frames = _frames_in(device, variant, received_bytes) if variant.interface == Rs485.name else None
     if not frames:

@@ -3,8 +3,8 @@
 
 /**
  * Decode the frame in a text with all data channels. Return null if it is a single channel.
- * It is one if it has all digits of a channel, in hex digits or in bytes. Fewer digits may be those of a whole frame
- * without its leading zeros. Exact bits are one if they are no more than the longest channel has.
+ * A text is a single channel if it has all digits of one, in hex digits or in bytes. Fewer digits may be a whole frame
+ * without its leading zeros. Exact bits are a single channel if they are not more than the bits of the longest channel.
  */
 function decodeChannels(orderCode, text, registerContents, answers) {
   const { channels } = orderCode.interface;

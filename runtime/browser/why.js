@@ -664,7 +664,7 @@ function tryFrameAtEveryBit(placedLayout, crc, receivedText) {
   });
 }
 
-/** The bits during the command are missing, and the command is the command that the layout expects. */
+/** The bits during the command are missing. They are assumed to be those that the layout expects. */
 function tryLeftOutCommand(placedLayout, crc, typedFrame) {
   if (interfaceOf(placedLayout)?.name !== "spi") return [];
   const [coveredLow, coveredBits] = crc ? placeOfCoveredBits(placedLayout) : [0, placedLayout.bits];

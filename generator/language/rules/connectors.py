@@ -27,7 +27,7 @@ _SHARED = re.compile(
 )
 _IN_PARENTHESES = re.compile(r"\(([^()]*)\)")
 _SIGNS = {"+": "-", "-": "+"}
-#: The index in the list and the number of each contact with a number.
+#: Index in the list and number of each numbered contact.
 Numbered = Sequence[tuple[int, int]]
 
 

@@ -327,7 +327,7 @@ class _LimitKeys:
 
 @dataclass(frozen=True, slots=True)
 class _Limited:
-    """A part of a spec that can have limits, with its source or the source of the part around it."""
+    """A part of a spec that can have limits, with its source, which it may inherit from the part around it."""
 
     part: PlacedPart
     source: str

@@ -23,6 +23,7 @@ from ...model import (
     cite,
 )
 from ...model.expressions import Expression, Factor, Term
+from ...model.key_types import LARGEST
 from ...model.lookup import assert_never
 from ...order_codes.labels import edition_before, tests_of
 from ...plan.codec import Codec, codec_of
@@ -50,8 +51,6 @@ from ...say.text import PLAIN_STYLE, spec_text
 from ...why.exchanges import usual_values_of
 
 Data = dict[str, Any]
-#: Highest integer that JavaScript represents exactly.
-_HIGHEST_EXACT_INTEGER = (1 << 53) - 1
 #: Characters that could end the surrounding script element, an HTML comment, or a line of the script.
 _ESCAPES = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029"}
 
@@ -63,7 +62,7 @@ def without_empty(**members: Any) -> Data:
 
 def json_number(value: int) -> int | str:
     """Return a number, or a hexadecimal text if JavaScript would round it."""
-    return value if abs(value) <= _HIGHEST_EXACT_INTEGER else f"{value:#x}"
+    return value if abs(value) <= LARGEST else f"{value:#x}"
 
 
 def expression_data(expression: Expression) -> Any:

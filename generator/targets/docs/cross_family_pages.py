@@ -89,7 +89,7 @@ def _family_link(device: Device) -> str:
 def _label_row(device: Device) -> Row:
     """Return a row of family, title, patterns of its order codes, interfaces, supply.
 
-    The supplies are the supplies of all order codes, each once, such as ``4.5 V to 5.5 V``.
+    The supply cell lists the supplies of all order codes, each once, such as ``4.5 V to 5.5 V``.
     """
     supplies_of_variants = [device.supply_of(variant) for variant in device.variants]
     supplies = dict.fromkeys(supply for supply in supplies_of_variants if supply is not None)
@@ -185,8 +185,8 @@ def _range_of_lengths(device: Device, interface: Interface, layout: Layout) -> s
 def _resolution_rows(device: Device) -> Iterator[Row]:
     """Yield rows of family, quantity, values, unit, source.
 
-    The quantities are the quantities with a unit that an order code sets, and that no register changes at run time. The
-    values are the values of all listed order codes, in ascending order.
+    A quantity is a parameter with a unit that an order code sets and no register changes at run time. Its values are
+    those of all listed order codes, in ascending order.
     """
     run_time_parameters = run_time_names(device)
     for parameter in device.set_parameters:

@@ -269,7 +269,7 @@ class Coder:
 
     @property
     def digit_fields(self) -> list[Field]:
-        """Fields of decimal digits without a run of digits of the same name."""
+        """Fields of decimal digits that share their name with no run of digits."""
         decimals = (part.field for part in self.plan.parts if part.field.runs)
         return [field for field in decimals if not _has_run_of_its_name(field)]
 

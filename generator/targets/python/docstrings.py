@@ -158,8 +158,8 @@ def _split_label(statement: Statement) -> tuple[str, str]:
 def _short_erratum(statement: Statement) -> tuple[str, str]:
     """Return the title of an erratum, and the value that is used instead.
 
-    A change by an overlay or another edition has no value used. Instead, return the first sentence of its first
-    statement, with the label.
+    A change by an overlay or another edition has no such value. Its first statement takes this place, with the label
+    and the first sentence.
     """
     title_of_erratum = statement.label.removeprefix("Erratum: ")
     phrases_by_label = {part.label: DOCSTRING_STYLE.phrase(part) for part in statement.below}

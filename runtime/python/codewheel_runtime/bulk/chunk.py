@@ -287,7 +287,7 @@ def _make_crc_tables(compute_difference: Callable[[int], int], bits: int) -> tup
 
     ``compute_difference`` returns the CRC difference of one frame: its CRC XOR the CRC computed from its other bits.
     Each bit contributes the same difference in every frame, so the differences of bytes can be combined with XOR. The
-    difference of the frame 0 is part of each frame, and is included in the first table.
+    difference of the frame 0 is part of every difference, and is included in the first table.
     """
     zero_difference = compute_difference(0)
     tables: list[Any] = []
