@@ -104,6 +104,7 @@ def test_changes_and_count_are_those_of_complete_files(sides: tuple[Path, Path])
     assert list(found.changed) == [name for name in sorted(before | after) if before.get(name) != after.get(name)]
 
 
+@pytest.mark.slow
 def test_outputs_that_the_settings_leave_out_are_not_compared(sides: tuple[Path, Path]) -> None:
     old, new = devices_of(sides)
     changed_names = {device.name for device in new}

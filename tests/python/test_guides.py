@@ -133,6 +133,7 @@ def test_every_live_example_runs(
     assert runs >= 4 * 3
 
 
+@pytest.mark.slow
 def test_a_guide_has_only_the_interfaces_of_the_package(every_encoder: Library, output: Path) -> None:
     lines = {
         "rs485": ("RS-485", "open_encoder"),

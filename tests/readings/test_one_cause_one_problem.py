@@ -47,6 +47,7 @@ def test_a_widened_constant_is_one_problem(folder: Path, capsys: pytest.CaptureF
     assert problem.startswith("bits of 'identification_reply': 80 here, 72 in sma21.second.yaml:")
 
 
+@pytest.mark.slow
 def test_a_difference_in_another_frame_stays(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     edit(
         folder / "sma21.yaml",
@@ -155,6 +156,7 @@ def test_a_row_that_a_table_no_longer_has_is_one_problem(folder: Path, capsys: p
     assert all("more with the same cause" in problem for problem in found)
 
 
+@pytest.mark.slow
 def test_a_wrong_cell_next_to_a_missing_row_stays(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     lines = (folder / "sma21.yaml").read_text(encoding="utf-8").splitlines(keepends=True)
     (row,) = [line for line in lines if line.lstrip().startswith("- [SMA21-xxx-0010-")]
