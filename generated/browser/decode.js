@@ -2041,8 +2041,40 @@
       const timeMatch = LEADING_TIME.exec(timeAndFrame);
       const frameText = timeMatch ? timeAndFrame.slice(timeMatch[0].length) : timeAndFrame;
       const offset = beforeComment.length - frameText.length;
-      return frameText ? [{ number: lineIndex + 1, time: timeMatch?.[1] ?? "", text: frameText, offset }] : [];
+      return frameText ? [{ number: lineIndex + 1, time: timeMatch?.[1] ?? "", text: frameText, lineIndex, offset }] : [];
     });
+  }
+
+  /**
+   * Return the lines of ``linesOf``, with a line for each word instead of a line with several SPI words, such as
+   * {0x7FFE, 0x3FFF}, if each word is a whole frame. The words of a single line are numbered from 1.
+   */
+  function splitIntoWords(lines, orderCode, sender, registerContents, answers) {
+    const digitCount = countDigitsOfWords(orderCode, sender, registerContents, answers);
+    const digits = `[0-9A-Fa-f]{${digitCount}}`;
+    const prefixedPattern = new RegExp(`^0[xX]${digits}[uUlL]*$`);
+    const digitsPattern = new RegExp(`^${digits}$`);
+    return lines.flatMap((line) => {
+      const matches = [...line.text.matchAll(/[^\s'",;[\](){}<>]+/g)];
+      const words = matches.map(([word]) => word);
+      const arePrefixed = words.every((word) => prefixedPattern.test(word));
+      // A letter shows that digits without a prefix are hex.
+      const areDigits = words.every((word) => digitsPattern.test(word)) && /[A-Fa-f]/.test(words.join(""));
+      if (!digitCount || words.length < 2 || !(arePrefixed || areDigits)) return [line];
+      return words.map((word, wordIndex) => ({
+        ...line, number: lines.length > 1 ? line.number : wordIndex + 1, text: arePrefixed ? word : `0x${word}`,
+        offset: line.offset + matches[wordIndex].index,
+      }));
+    });
+  }
+
+  /** Return the number of hex digits of an SPI frame if the sender's frames are words of one size, otherwise 0. */
+  function countDigitsOfWords(orderCode, sender, registerContents, answers) {
+    const layouts = orderCode.interface.frames.filter((layout) => layout.sender === sender);
+    const sizes = new Set(layouts.map((layout) => placedFor(orderCode, layout, registerContents, answers).bits));
+    const [bits] = sizes;
+    const areWords = orderCode.interface.name === "spi" && sizes.size === 1;
+    return areWords && bits % 4 === 0 && bits > 8 ? bits / 4 : 0;
   }
 
   /** Return the text of a frame, cleared of brackets, quotes and other marks of the program that it was copied from. */
@@ -3443,7 +3475,7 @@
     addField, anotherHelps, builtLine, canCrcContradict, deadLine, decodeRegister, explained, findCode,
     findDisturbedBits, formOf, highestNumber, inferred, judgedTogether, linesOf, lineFamily, missingPart,
     notOfAnyCode, numberIn, numbersRead, otherFrames, otherPositions, ownRequest, parsedLine, placedFor, quantityOf,
-    readLabel, UnknownCode,
+    readLabel, splitIntoWords, UnknownCode,
   };
   if (typeof document === "undefined") return;
 
@@ -4193,6 +4225,14 @@
       return decodeFrame(orderCode, state.frameType, frameText, registerContents, answers);
     }
 
+    /** Return the lines of the input, or the words of a line if each of them is a frame. */
+    function listFrames() {
+      const lines = linesOf(frameInput.value);
+      if (selectedRegister()) return lines;
+      const [sender] = state.frameType.split(":");
+      return splitIntoWords(lines, state.orderCode, sender, state.registerContents, state.answers);
+    }
+
     /** Return {line, decoded} with the decoded frame of a line, or {line, error} with the reason why it is unreadable. */
     function decodeLine(line) {
       try {
@@ -4215,7 +4255,7 @@
         resultArea.replaceChildren(...helpToFindCode());
         return;
       }
-      const rows = linesOf(frameInput.value).map(decodeLine);
+      const rows = listFrames().map(decodeLine);
       const layout = rows.find(({ decoded }) => decoded?.placedLayout)?.decoded.placedLayout.layout ?? selectedRegister();
       askQuestions(layout);
       const openQuestions = unansweredQuestions(layout);
@@ -4261,10 +4301,10 @@
     }
 
     /** Replace the text of a frame in its line by another spelling, and show the result. */
-    function rewriteLine({ number, text, offset }, spelling) {
+    function rewriteLine({ lineIndex, text, offset }, spelling) {
       const inputLines = frameInput.value.split(/\r\n|\r|\n/);
-      const line = inputLines[number - 1];
-      inputLines[number - 1] = line.slice(0, offset) + spelling + line.slice(offset + text.length);
+      const line = inputLines[lineIndex];
+      inputLines[lineIndex] = line.slice(0, offset) + spelling + line.slice(offset + text.length);
       frameInput.value = inputLines.join("\n");
       showResult();
     }

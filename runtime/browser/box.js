@@ -94,6 +94,14 @@ function box(root) {
     return decodeFrame(orderCode, state.frameType, frameText, registerContents, answers);
   }
 
+  /** Return the lines of the input, or the words of a line if each of them is a frame. */
+  function listFrames() {
+    const lines = linesOf(frameInput.value);
+    if (selectedRegister()) return lines;
+    const [sender] = state.frameType.split(":");
+    return splitIntoWords(lines, state.orderCode, sender, state.registerContents, state.answers);
+  }
+
   /** Return {line, decoded} with the decoded frame of a line, or {line, error} with the reason why it is unreadable. */
   function decodeLine(line) {
     try {
@@ -116,7 +124,7 @@ function box(root) {
       resultArea.replaceChildren(...helpToFindCode());
       return;
     }
-    const rows = linesOf(frameInput.value).map(decodeLine);
+    const rows = listFrames().map(decodeLine);
     const layout = rows.find(({ decoded }) => decoded?.placedLayout)?.decoded.placedLayout.layout ?? selectedRegister();
     askQuestions(layout);
     const openQuestions = unansweredQuestions(layout);
@@ -162,10 +170,10 @@ function box(root) {
   }
 
   /** Replace the text of a frame in its line by another spelling, and show the result. */
-  function rewriteLine({ number, text, offset }, spelling) {
+  function rewriteLine({ lineIndex, text, offset }, spelling) {
     const inputLines = frameInput.value.split(/\r\n|\r|\n/);
-    const line = inputLines[number - 1];
-    inputLines[number - 1] = line.slice(0, offset) + spelling + line.slice(offset + text.length);
+    const line = inputLines[lineIndex];
+    inputLines[lineIndex] = line.slice(0, offset) + spelling + line.slice(offset + text.length);
     frameInput.value = inputLines.join("\n");
     showResult();
   }

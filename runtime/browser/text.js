@@ -48,8 +48,40 @@ function linesOf(input) {
     const timeMatch = LEADING_TIME.exec(timeAndFrame);
     const frameText = timeMatch ? timeAndFrame.slice(timeMatch[0].length) : timeAndFrame;
     const offset = beforeComment.length - frameText.length;
-    return frameText ? [{ number: lineIndex + 1, time: timeMatch?.[1] ?? "", text: frameText, offset }] : [];
+    return frameText ? [{ number: lineIndex + 1, time: timeMatch?.[1] ?? "", text: frameText, lineIndex, offset }] : [];
   });
+}
+
+/**
+ * Return the lines of ``linesOf``, with a line for each word instead of a line with several SPI words, such as
+ * {0x7FFE, 0x3FFF}, if each word is a whole frame. The words of a single line are numbered from 1.
+ */
+function splitIntoWords(lines, orderCode, sender, registerContents, answers) {
+  const digitCount = countDigitsOfWords(orderCode, sender, registerContents, answers);
+  const digits = `[0-9A-Fa-f]{${digitCount}}`;
+  const prefixedPattern = new RegExp(`^0[xX]${digits}[uUlL]*$`);
+  const digitsPattern = new RegExp(`^${digits}$`);
+  return lines.flatMap((line) => {
+    const matches = [...line.text.matchAll(/[^\s'",;[\](){}<>]+/g)];
+    const words = matches.map(([word]) => word);
+    const arePrefixed = words.every((word) => prefixedPattern.test(word));
+    // A letter shows that digits without a prefix are hex.
+    const areDigits = words.every((word) => digitsPattern.test(word)) && /[A-Fa-f]/.test(words.join(""));
+    if (!digitCount || words.length < 2 || !(arePrefixed || areDigits)) return [line];
+    return words.map((word, wordIndex) => ({
+      ...line, number: lines.length > 1 ? line.number : wordIndex + 1, text: arePrefixed ? word : `0x${word}`,
+      offset: line.offset + matches[wordIndex].index,
+    }));
+  });
+}
+
+/** Return the number of hex digits of an SPI frame if the sender's frames are words of one size, otherwise 0. */
+function countDigitsOfWords(orderCode, sender, registerContents, answers) {
+  const layouts = orderCode.interface.frames.filter((layout) => layout.sender === sender);
+  const sizes = new Set(layouts.map((layout) => placedFor(orderCode, layout, registerContents, answers).bits));
+  const [bits] = sizes;
+  const areWords = orderCode.interface.name === "spi" && sizes.size === 1;
+  return areWords && bits % 4 === 0 && bits > 8 ? bits / 4 : 0;
 }
 
 /** Return the text of a frame, cleared of brackets, quotes and other marks of the program that it was copied from. */

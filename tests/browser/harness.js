@@ -119,7 +119,9 @@
         throw error;
       }
     };
-    return wheel.linesOf(item.text).map((line) => [line.number, line.time, one(line.text)]);
+    const inputLines = wheel.linesOf(item.text);
+    const frames = register ? inputLines : wheel.splitIntoWords(inputLines, found, "encoder", {}, {});
+    return frames.map((line) => [line.number, line.time, one(line.text)]);
   }
 
   /** Return the record of each line, or its problems. */

@@ -5,19 +5,22 @@ from __future__ import annotations
 import io
 import random
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from browser_harness import Asker, Case
+from codewheel.commands.decode.decoding import digits_of_words, split_into_words
 from codewheel.commands.decode.frames import FrameTextError, decode_register_text, decode_text, frame_lines
 from codewheel.commands.find_encoder import find_among
 from codewheel.order_codes.parameters import RegisterError
 from codewheel.targets import Library
 from working_tools import require
 
+Ask = Callable[[Library, str], Asker]
 ROOT = Path(__file__).resolve().parents[2]
-BISS, RS485, SSI = "AMM5A21/65KSC1", "AMM5A23/65KJP1", "AMM5A21/65KBG1"
+BISS, RS485, SSI, SPI = "AMM5A21/65KSC1", "AMM5A23/65KJP1", "AMM5A21/65KBG1", "AS5047P"
 #: Order code, register or nothing, and text.
 TEXTS = (
     (BISS, "", "0F 42 43 D3"),
@@ -105,6 +108,17 @@ TEXTS = (
     (BISS, "", "0F:42:43:D3\r\n12:00:01 0F:42:43:D3\r\n"),
     (BISS, "", "0x" + "F" * 5000),
 )
+#: Texts for an encoder whose frames are words of 16 bits.
+SPI_TEXTS = (
+    "0x7FFE 0x3FFF",
+    "{0x7FFEu, 0x3FFF};",
+    '["7FFE", "3fff", "FFFF"]',
+    "7FFE 3FFF\n0x0123, 0xFFFF # the next access",
+    "7F FE",
+    "0x7FFE 0x3FF",
+    "0x7FFE3FFF",
+    "8021 9712",
+)
 
 
 def lines_of_command(library: Library, code: str, register: str, text: str) -> list[Any]:
@@ -122,7 +136,12 @@ def lines_of_command(library: Library, code: str, register: str, text: str) -> l
         except (FrameTextError, RegisterError) as error:
             return str(error)
 
-    return [[line.number, line.time, one(line.text)] for line in frame_lines(io.StringIO(text, newline=None))]
+    lines = list(frame_lines(io.StringIO(text, newline=None)))
+    digit_count = 0 if register else digits_of_words(device, match.variant, "encoder")
+    frames = [frame for line in lines for frame in split_into_words(line, digit_count)]
+    if len(lines) == 1 and len(frames) > 1:
+        frames = [frame._replace(number=index) for index, frame in enumerate(frames, 1)]
+    return [[frame.number, frame.time, one(frame.text)] for frame in frames]
 
 
 @pytest.mark.slow
@@ -130,6 +149,16 @@ def test_page_and_command_line_say_the_same(node: Asker, library: Library) -> No
     items = [{"code": code, "register": register, "text": text} for code, register, text in TEXTS]
     for question, answer in zip(items, node("lines", items), strict=True):
         assert answer == lines_of_command(library, question["code"], question["register"], question["text"]), question
+
+
+@pytest.mark.slow
+def test_page_and_command_line_split_the_same_words(ask: Ask, every_encoder: Library) -> None:
+    library = Library(tuple(device for device in every_encoder.devices if device.name == "as5047p"))
+    items = [{"code": SPI, "register": "", "text": text} for text in SPI_TEXTS]
+    answers = ask(library, "node")("lines", items)
+    for text, answer in zip(SPI_TEXTS, answers, strict=True):
+        assert answer == lines_of_command(library, SPI, "", text), text
+    assert [len(answer) for answer in answers] == [2, 2, 3, 4, 1, 1, 1, 1]
 
 
 @pytest.mark.slow

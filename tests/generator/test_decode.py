@@ -646,6 +646,19 @@ def test_bytes_in_pieces(capsys: Capture) -> None:
         assert decode(capsys, "AMM5A23/65KJP1", typed)[1]["crc"]["ok"] is True
 
 
+def test_several_words_are_several_frames_over_spi(capsys: Capture) -> None:
+    """An array of 16-bit words from a program. Each is the reply in one access."""
+    for typed in ("0x3FFF 0x7FFE 0x8124", "{0x3FFFu, 0x7FFE, 0x8124};", "3FFF 7FFE 8124"):
+        assert main(["decode", "AS5047P", "--json", typed]) == 3
+        frames = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+        assert [(frame["line"], frame["fields"][-1]["value"]) for frame in frames] == [
+            (1, 0x3FFF),
+            (2, 0x3FFE),
+            (3, 0x0124),
+        ]
+    assert decode(capsys, "AS5047P", "3F FF")[1]["fields"][-1]["value"] == 0x3FFF
+
+
 @pytest.mark.slow
 def test_a_frame_of_bits_as_bytes(capsys: Capture) -> None:
     """Position 1,000,003 of the manual, in the bytes that a master passes on."""

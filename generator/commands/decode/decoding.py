@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import json
 import sys
 from collections import deque
@@ -10,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TextIO
 
-from ...model import Device, Flag, PlacedLayout, Verdict
+from ...model import Device, Flag, PlacedLayout, Variant, Verdict
 from ...order_codes.labels import Match
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
@@ -18,6 +19,7 @@ from ...reference.findings import Difference, Findings, findings, strange_values
 from ...why import MOST_FRAMES
 from ..open_questions import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels
+from .digits import words_of
 from .frames import (
     FrameTextError,
     Line,
@@ -95,6 +97,32 @@ def _bounded_lines(file: TextIO) -> Iterator[str]:
             line_continues = len(piece) == _LONGEST_LINE and not piece.endswith("\n")
 
 
+def digits_of_words(device: Device, variant: Variant, sender: str) -> int:
+    """Return the number of hex digits of an SPI frame if the sender's frames are words of one size, else 0.
+
+    A master receives such a word in each access, so several of them are several frames.
+    """
+    layouts = [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
+    sizes = {layout.place(variant.parameters).bits for layout in layouts}
+    if variant.interface != "spi" or len(sizes) != 1:
+        return 0
+    (bits,) = sizes
+    has_whole_digits = bits % 4 == 0 and bits > 8
+    return bits // 4 if has_whole_digits else 0
+
+
+def split_into_words(line: Line, digit_count: int) -> list[Line]:
+    """Return a line for each SPI word if the line has several, such as ``{0x7FFE, 0x3FFF}``, else the line itself.
+
+    Each word has ``digit_count`` hex digits, and is a whole frame. With 0 digits, no line is split. The words of a line
+    without a number are numbered from 1. The page follows the same rule.
+    """
+    words = words_of(line.text, digit_count) if digit_count else []
+    if not words:
+        return [line]
+    return [line._replace(number=line.number or index, text=word) for index, word in enumerate(words, 1)]
+
+
 class Decoding:
     """Decoder of one frame after another. ``code`` is the exit code so far."""
 
@@ -109,6 +137,7 @@ class Decoding:
         self._other_frames = None if has_known_layout else OtherFrames(device, variant, sender)
         has_channels = sender == "encoder" and not has_known_layout
         self._channels = channel_decoder(device, variant) if has_channels else None
+        self._word_digits = 0 if request.register is not None else digits_of_words(device, variant, sender)
         self._label = tuple(label_lines(device, request.match))
         #: The layouts whose questions are answered, and the answers that each layout needs, by name.
         self._decided_layouts: set[str] = set()
@@ -132,7 +161,8 @@ class Decoding:
         Text that cannot be decoded is reported on standard error, and the next line follows. ``code`` changes with
         each line.
         """
-        for frames_before, line in enumerate(lines):
+        frames = itertools.chain.from_iterable(split_into_words(line, self._word_digits) for line in lines)
+        for frames_before, line in enumerate(frames):
             if frames_before == MANY and self._request.register is None:
                 self._suggest_package()
             try:

@@ -15,6 +15,8 @@ _DIGITS = re.compile(r"[0-9A-Fa-f]+")
 _DECIMAL = re.compile(DIGITS["decimal"])
 _ZEROS_AND_ONES = re.compile(r"[01]+")
 _BITS = re.compile(r"0[bB][01]+")
+#: What separates words in the arrays of programs and logs.
+_SEPARATORS = re.compile(r"[\s'\",;\[\](){}<>]+")
 #: Bits with a prefix, which may be misspelt as b, although all of it are hex digits.
 _PREFIXED_BITS = re.compile(r"0?[bB][01]+")
 
@@ -130,3 +132,17 @@ def meanings_of_long_number(digits: str) -> Iterator[str]:
     if re.fullmatch(DIGITS["long_number"], digits):
         yield say.if_decimal(f"0x{int(digits):X}")
         yield say.if_hex(digits)
+
+
+def words_of(text: str, digit_count: int) -> list[str]:
+    """Return the words in a text such as ``{0x7FFE, 0x3FFF}`` that has several, each of ``digit_count`` hex digits.
+
+    Words without ``0x`` get it, if a letter shows that they are hex. Return an empty list for any other text.
+    """
+    words = [word for word in _SEPARATORS.split(text) if word]
+    digits = rf"[0-9A-Fa-f]{{{digit_count}}}"
+    are_prefixed = all(re.fullmatch(rf"0[xX]{digits}[uUlL]*", word) for word in words)
+    are_digits = all(re.fullmatch(digits, word) for word in words) and not "".join(words).isdecimal()
+    if len(words) < 2 or not (are_prefixed or are_digits):
+        return []
+    return words if are_prefixed else [f"0x{word}" for word in words]
