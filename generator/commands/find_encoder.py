@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ..cache import Cache
 from ..say.plain_text import counted, first_of
 from .arguments import bytes_by_address
-from .line_encoder import encoder_in_line, is_line, refuse_line
+from .line_encoder import WITHOUT_SPEC, encoder_in_line, is_line, refuse_line
 from .specs_by_text import families_for, has_family, has_same_spec
 from .terminal import Stop, problems
 
@@ -197,10 +197,11 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: b
         if report:
             return problems(report)
         devices += group_devices
-    reason = _unknown_code_error(devices, text)
-    if specs.packaged:
-        return reason
-    packaged_match, _ = _find_in_group(packaged_families(), text, cache, accepts_family=accepts_family)
+    packaged_match = None
+    if not specs.packaged:
+        packaged_match, _ = _find_in_group(packaged_families(), text, cache, accepts_family=accepts_family)
+    # The other commands also accept an encoder in one line.
+    reason = _unknown_code_error(devices, text, suggests_line=not accepts_family and packaged_match is None)
     if packaged_match is None:
         return reason
     return Stop(f"{reason}; the packaged specs have it, so leave out the names of specs", reason.code)
@@ -234,11 +235,12 @@ def _is_special_model(device: Device, code: str) -> bool:
     return any(overlay.special and code.endswith(f"/{overlay.special}") for overlay in device.overlays)
 
 
-def _unknown_code_error(devices: Sequence[Device], text: str) -> Stop:
+def _unknown_code_error(devices: Sequence[Device], text: str, *, suggests_line: bool = False) -> Stop:
     """Return the error for an unknown code.
 
     The message is the first of these that applies: that the text is a file, that it is the name of a family, why it is
-    not the code that it is close to, or the most similar codes.
+    not the code that it is close to, or the most similar codes. With ``suggests_line``, the last one also shows how to
+    describe an encoder without a spec.
     """
     from ..language.files import SUFFIXES
     from ..order_codes import labels
@@ -259,6 +261,8 @@ def _unknown_code_error(devices: Sequence[Device], text: str) -> Stop:
     remedy = "; codewheel list shows the known patterns"
     if similar_codes:
         remedy = labels.nearest_codes_hint(", ".join(similar_codes))
+    if suggests_line:
+        remedy += f". {WITHOUT_SPEC}"
     return Stop(labels.unknown_code(text) + remedy, 2)
 
 

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from ..model import Device
     from ..order_codes.labels import Match
 
+#: Hint for an unknown order code.
+WITHOUT_SPEC = "To describe an encoder without a spec, write it in one line, such as ssi:position=25,error=low"
 #: End of the help of an order code.
 OR_A_LINE = ", or the encoder in one line, such as biss:position=32,error,warning,crc=6:0x43"
 

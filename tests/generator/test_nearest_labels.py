@@ -43,7 +43,8 @@ def test_an_empty_order_code_is_called_empty(capsys: pytest.CaptureFixture[str],
 @pytest.mark.parametrize("label", ["-", "/"])
 def test_marks_alone_are_not_like_a_family_of_one_part(capsys: pytest.CaptureFixture[str], label: str) -> None:
     """The pattern of the AS5047P is ``{model}``, so that its code without the part is empty."""
-    expected = f"'{label}' is not a known order code; codewheel list shows the known patterns"
+    expected = f"'{label}' is not a known order code; codewheel list shows the known patterns. "
+    expected += "To describe an encoder without a spec, write it in one line, such as ssi:position=25,error=low"
     assert refusal(capsys, label, "ams") == expected
 
 
