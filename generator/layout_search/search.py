@@ -115,25 +115,15 @@ def _with_undecided_codes_joined(layouts: list[FoundLayout]) -> list[FoundLayout
     with ``other_code``.
     """
     joined_layouts: list[FoundLayout] = []
+    # The index of the first layout in each code, by what a layout and the same one in the other code have in common.
+    indexes: dict[tuple[object, bool], int] = {}
     for layout in layouts:
-        index = _index_of_other_code(joined_layouts, layout)
+        split = layout.split
+        same_but_code = layout.crc, layout.parity, split.start, split.end
+        index = indexes.get((same_but_code, not split.is_gray))
         if index is not None and layout.cost - joined_layouts[index].cost < _UNDECIDED:
             joined_layouts[index] = replace(joined_layouts[index], other_code=True)
         else:
+            indexes.setdefault((same_but_code, split.is_gray), len(joined_layouts))
             joined_layouts.append(layout)
     return joined_layouts
-
-
-def _index_of_other_code(layouts: list[FoundLayout], layout: FoundLayout) -> int | None:
-    """Return the index of the first layout that differs from ``layout`` only in Gray code or binary, if any."""
-    for index, candidate in enumerate(layouts):
-        if _differ_only_in_code(candidate, layout):
-            return index
-    return None
-
-
-def _differ_only_in_code(first: FoundLayout, second: FoundLayout) -> bool:
-    """Return True if two layouts differ only in the code of the position: binary or Gray."""
-    has_same_place = (first.split.start, first.split.end) == (second.split.start, second.split.end)
-    has_same_checks = (first.crc, first.parity) == (second.crc, second.parity)
-    return has_same_place and has_same_checks and first.split.is_gray != second.split.is_gray

@@ -213,7 +213,7 @@ def test_a_frame_of_spi_has_at_least_a_byte(run: Run) -> None:
 
 
 def test_great_positions_are_compared(run: Run) -> None:
-    assert run("find", "ssi", f"0b{'01' * 12}", f"0b{'10' * 12}", "--positions=1e20,-1e20")[0] == 0
+    assert run("find", "ssi", f"0b{'01' * 32}", f"0b{'10' * 32}", "--positions=1e20,-1e20")[0] == 0
 
 
 def test_a_wide_field_is_several_fields_of_the_line(run: Run) -> None:
