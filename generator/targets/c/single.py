@@ -37,6 +37,8 @@ _FOR_REGISTERS = "_CONTROL_"
 _READING = ("bits", "decode", "verdict", "position", "read")
 #: Suffixes of the functions that collect the bytes of a reply over RS-485.
 _BYTE_BY_BYTE = ("ask", "take", "take_any", "resume", "late", "reason")
+#: The parts of the runtime that a program uses itself. Their comments stay, without examples.
+_USED_BY_PROGRAMS = frozenset(f"cw_rs485_{part}" for part in ("line", *_BYTE_BY_BYTE))
 #: Paragraphs that reading a position does not need, by what they begin with.
 _OTHER_PARAGRAPHS = (
     *("Control data: ", "Description file: ", "For register access with ", "How it folds: ", "In the manual: "),
@@ -176,11 +178,10 @@ class SingleCode:
         yield from self._roots_of_requests()
 
     def _roots_of_requests(self) -> Iterator[str]:
-        """Yield the names that a program uses to request positions over RS-485 or SPI. ``exchanged`` can be empty."""
+        """Yield the names that a program uses to request positions over RS-485 or SPI."""
         usage, exchanged = self.view.usage, self.view.interface.exchanged
         if usage is not None and usage.request:
             yield usage.request
-        yield exchanged
         if usage is not None and (usage.request or usage.request_for_reply is not None):
             yield from (f"cw_rs485_{action}" for action in _BYTE_BY_BYTE)
         if self.request is not None:
@@ -227,7 +228,10 @@ class SingleCode:
     def _format_declaration(self, declaration: Declaration) -> str:
         """Return a declaration with its comment, with the names of this header and its lines broken anew."""
         comment, code = declaration.comment, declaration.code
-        if self._is_helper(declaration):
+        is_used_by_programs = not _USED_BY_PROGRAMS.isdisjoint(declaration.names)
+        if is_used_by_programs:
+            comment = _without_example(comment)
+        elif self._is_helper(declaration):
             comment = _first_paragraph(comment)
         if declaration.has_macro:
             comment, code = self._without_argument(comment, code)
@@ -239,7 +243,9 @@ class SingleCode:
         named_code = self.named(unmarked_code)
         if declaration.has_macro:
             named_code = _refilled_macro(named_code)
-        return self._in_comment(comment) + break_lines(_with_guards_in_line(_with_head_in_line(named_code)))
+        return self._in_comment(comment, with_arguments=is_used_by_programs) + break_lines(
+            _with_guards_in_line(_with_head_in_line(named_code))
+        )
 
     def _without_argument(self, comment: str, c_code: str) -> tuple[str, str]:
         """Return the comment and the code of a macro without its parameter ``c_code``, since there is one order code.
@@ -259,11 +265,14 @@ class SingleCode:
         pattern = rf"\b(?:{self.view.row.macro}|{self.view.PREFIX})_(?=\w*##)"
         return re.sub(pattern, f"{self.STEM}_", line)
 
-    def _in_comment(self, comment: str) -> str:
-        """Return a comment up to its first ``@param``, with new names, without sentences on what the header lacks."""
+    def _in_comment(self, comment: str, *, with_arguments: bool) -> str:
+        """Return a comment with new names, without sentences on what the header lacks.
+
+        Without arguments, it ends before its first ``@param``.
+        """
         lines: list[str] = []
         for paragraph in _split_paragraphs(_comment_lines(comment)):
-            if paragraph[0].startswith("@"):
+            if paragraph[0].startswith("@") and not with_arguments:
                 break
             lines += self._shorten_paragraph(paragraph)
         return _as_comment(lines)
@@ -299,7 +308,9 @@ class SingleCode:
         """
         if sentence.startswith(_OTHER_SENTENCES):
             return True
-        is_elsewhere = re.search(r"\b\w+\.h\b|_reports\(\)|order code is named once|[Cc]ode can be ", sentence)
+        is_elsewhere = re.search(
+            r"\b\w+\.h\b|_reports\(\)|order code is named once|[Cc]ode can be |examples/", sentence
+        )
         return is_elsewhere is not None or any(map(self._is_absent, _WORD.findall(sentence)))
 
     def _is_absent(self, name: str) -> bool:
@@ -333,8 +344,8 @@ def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]]
 
 def _with_head_in_line(c_code: str) -> str:
     """Return a function with its head on one line, after the macros that mark it if they and the name fit there."""
-    # The marks, each on a line, and the head up to the bracket that closes its parameters.
-    function = re.match(r"((?:CW_[A-Z]+\n)*)(static inline [^{;]*\))\n\{", c_code)
+    # The marks, and the head up to the bracket that closes its parameters.
+    function = re.match(r"((?:CW_[A-Z]+[ \n])*)(static inline [^{;]*\))\n\{", c_code)
     if function is None:
         return c_code
     marks = function[1].replace("\n", " ")
@@ -398,6 +409,15 @@ def _first_paragraph(comment: str) -> str:
     description, _, _ = first_paragraph.partition("\n@")
     first_sentence, *_ = _SENTENCE_END.split(description.replace("\n", " "))
     return _as_comment(_wrap_text(first_sentence))
+
+
+def _without_example(comment: str) -> str:
+    """Return a comment of the runtime without the example that follows its first sentence, if there is one."""
+    first_sentence, example_begins, example_and_rest = "\n".join(_comment_lines(comment)).partition(":\n\n")
+    if not example_begins:
+        return comment
+    _, _, rest = example_and_rest.partition("\n\n")
+    return _as_comment([*_wrap_text(first_sentence.replace("\n", " ") + "."), "", *rest.splitlines()])
 
 
 def _wrap_text(text: str, width: int = _COMMENT_WIDTH, first_margin: str = "", margin: str = "") -> list[str]:

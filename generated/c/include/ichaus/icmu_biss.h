@@ -351,8 +351,7 @@ static inline uint32_t ichaus_icmu_biss_crc(uint64_t word)
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_decode(
     ichaus_icmu_biss variant, cw_word received, ichaus_icmu_biss_frame *out)
 {
@@ -377,8 +376,7 @@ static inline cw_result ichaus_icmu_biss_decode(
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_receive(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
@@ -393,8 +391,7 @@ static inline cw_result ichaus_icmu_biss_receive(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict ichaus_icmu_biss_verdict(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_frame *frame)
 {
