@@ -55,3 +55,9 @@ def test_every_interface_reads_a_position_with_the_order_code_named_once(headers
     for name, text in headers.items():
         for macro in ("READ", "READ_BYTES"):
             assert re.search(rf"^#define \w+_{macro}\(", text, re.MULTILINE), (name, macro)
+
+
+@pytest.mark.slow
+def test_a_header_without_the_unit_of_its_positions_says_so(headers: dict[str, str]) -> None:
+    sentence = "The spec leaves the size of a count open."
+    assert {name for name, text in headers.items() if sentence in text} == WITHOUT_UNIT

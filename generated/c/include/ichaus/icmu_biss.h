@@ -17,6 +17,8 @@
  *         ... position ...
  *     }
  *
+ * Positions are in counts. The spec leaves the size of a count open.
+ *
  * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
  * ichaus_icmu_biss_position with cw_word_of.
  *
