@@ -332,6 +332,11 @@ class Device:
                     return value.supply
         return None if has_supply_by_code else self.supply
 
+    def position_name(self, interface: str) -> str:
+        """Return the name of the field or join with the position. Without a measurement, it is ``position``."""
+        measurement = self.measurement_of(interface)
+        return measurement.of if measurement is not None else "position"
+
     def position_names(self, interface: str) -> frozenset[str]:
         """Return the names of the fields and joins that form the measured position or a part of it.
 
@@ -344,8 +349,7 @@ class Device:
         """Names of the fields and joins of the position or a part of it, by interface."""
         position_names = {}
         for interface in self.interfaces:
-            measurement = self.measurement_of(interface.name)
-            position_name = measurement.of if measurement is not None else "position"
+            position_name = self.position_name(interface.name)
             joins = (join for layout in interface.layouts for join in layout.joins)
             position_names[interface.name] = frozenset(
                 {position_name}.union(*(join.fields for join in joins if join.name == position_name))

@@ -396,9 +396,9 @@ def _channel_words(channels: DataChannels) -> str:
 
 def data_id(request: DataId) -> Statement:
     """Return a T-format request: its control field, such as ``1Ah``, purpose and meaning, labelled with its ID."""
-    meaning_text = f": {request.meaning}" if request.meaning else ""
+    meaning_text = f". {request.meaning}" if request.meaning else ""
     return statement(
-        f"{request.control:02X}h, {request.purpose}{meaning_text}",
+        f"control field {request.control:02X}h, {request.purpose}{meaning_text}",
         label=f"Data ID {request.id:X}",
         source=request.source,
     )

@@ -362,8 +362,7 @@ class VirtualEncoder:
 
     @property
     def _position_name(self) -> str:
-        measurement = self.device.measurement_of(self.variant.interface)
-        return measurement.of if measurement is not None else "position"
+        return self.device.position_name(self.variant.interface)
 
     def _carries_position(self, layout: Layout) -> bool:
         """Return whether a layout contains the position, as a join of several fields or as one field."""

@@ -8,6 +8,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from codewheel.loading.library import load_library
+from codewheel.targets import Library
+from codewheel.targets.c.files import generate
 from exhaustive import mostly_exhaustive
 from working_tools import require
 
@@ -201,3 +204,29 @@ int main(void)
     (tmp_path / "choice.c").write_text(text, encoding="ascii")
     subprocess.run(["gcc", "-std=c99", f"-I{include}", "choice.c", "-o", "choice"], cwd=tmp_path, check=True)
     assert subprocess.run([str(tmp_path / "choice")], capture_output=True, text=True, check=True).stdout == "4"
+
+
+@pytest.mark.parametrize("command", mostly_exhaustive(COMPILERS, *COMPILERS[:3]))
+def test_a_buffer_of_another_size_than_an_spi_word_does_not_compile(command: str, tmp_path: Path) -> None:
+    require(command.split())
+    (as5047p,) = (device for device in load_library()[0] if device.name == "as5047p")
+    for path, text in generate(Library((as5047p,))).items():
+        if path.startswith("c/include/"):
+            target = tmp_path / path.removeprefix("c/include/")
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(text, encoding="ascii")
+    statuses = []
+    for size in (2, 3):
+        program = f"""#include "ams/as5047p_spi.h"
+int read_encoder(uint16_t *position);
+int read_encoder(uint16_t *position)
+{{
+    static uint8_t rx[{size}];
+    return AMS_AS5047P_SPI_READ(AS5047P, rx, position) != CW_NOT_USABLE;
+}}
+"""
+        (tmp_path / "program.c").write_text(program, encoding="ascii")
+        arguments = [*command.split(), f"-I{tmp_path}", "-fsyntax-only", str(tmp_path / "program.c")]
+        statuses.append(subprocess.run(arguments, capture_output=True, text=True).returncode)
+    assert statuses[0] == 0
+    assert statuses[1] != 0

@@ -1,4 +1,4 @@
-"""Every interface whose spec gives the unit of its position has the functions that read and convert positions."""
+"""Every interface has the functions that read positions and, if its spec gives their unit, those that convert them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from codewheel.targets import Library
 from codewheel.targets.c.files import generate
 
 #: The spec leaves out what its position measures: that depends on the configuration of the chip.
-WITHOUT_POSITION = {"ichaus/icmu_biss.h"}
+WITHOUT_UNIT = {"ichaus/icmu_biss.h"}
 #: A linear scale that is shorter than its range of positions.
 NEVER_WRAPS = {"renishaw/resolute_linear_biss.h"}
 #: Linear encoders. A wire or a tape has no turns.
@@ -35,9 +35,9 @@ def headers() -> dict[str, str]:
 @pytest.mark.parametrize(
     ("ending", "without"),
     [
-        ("position", WITHOUT_POSITION),
-        ("modulus", WITHOUT_POSITION | NEVER_WRAPS),
-        ("counts_per_turn", WITHOUT_POSITION | LINEAR),
+        ("position", set()),
+        ("modulus", WITHOUT_UNIT | NEVER_WRAPS),
+        ("counts_per_turn", WITHOUT_UNIT | LINEAR),
     ],
 )
 def test_every_interface_has_the_function(ending: str, without: set[str], headers: dict[str, str]) -> None:
@@ -48,3 +48,16 @@ def test_every_interface_has_the_function(ending: str, without: set[str], header
         if not re.search(rf"^static inline \w+ \w+_{ending}\(", text, re.MULTILINE)
     }
     assert missing == without
+
+
+@pytest.mark.slow
+def test_every_interface_reads_a_position_with_the_order_code_named_once(headers: dict[str, str]) -> None:
+    for name, text in headers.items():
+        for macro in ("READ", "READ_BYTES"):
+            assert re.search(rf"^#define \w+_{macro}\(", text, re.MULTILINE), (name, macro)
+
+
+@pytest.mark.slow
+def test_a_header_without_the_unit_of_its_positions_says_so(headers: dict[str, str]) -> None:
+    sentence = "The spec leaves the size of a count open."
+    assert {name for name, text in headers.items() if sentence in text} == WITHOUT_UNIT

@@ -279,3 +279,25 @@ def test_each_compiles_without_a_warning(
     command = [*compiler, *STRICT, "-fsyntax-only", f"-I{tmp_path}", "-"]
     compiled = subprocess.run(command, input=program, capture_output=True, text=True)
     assert compiled.returncode == 0, compiled.stderr[:3000]
+
+
+@pytest.mark.slow
+def test_functions_that_a_program_calls_explain_their_arguments(packaged: tuple[Device, ...]) -> None:
+    """Of the runtime, a program calls only the functions that collect the bytes of a reply."""
+    for device in packaged:
+        for interface, code in codes_of(device):
+            if interface == "rs485":
+                text = single(device, code)
+                for argument in ("line", "control", "length", "echo", "now_us", "at_most_us"):
+                    assert f" * @param {argument}  " in text, (code, argument)
+                comment = text.partition(" * Start waiting")[2].partition("*/")[0]
+                assert max(map(len, comment.splitlines())) <= 100, code
+
+
+@pytest.mark.slow
+def test_an_spi_header_has_no_macro_for_functions_that_it_lacks(packaged: tuple[Device, ...]) -> None:
+    for device in packaged:
+        for interface, code in codes_of(device):
+            if interface == "spi":
+                # The numbers of requests are for cw_spi_exchange.
+                assert not re.search(r"^#define \w+_REQUEST_\w+ \d+U$", single(device, code), re.MULTILINE), code

@@ -68,7 +68,7 @@ def without_nodiscard(code: str) -> str:
     These are the mark for results that must not be ignored, and the mark for functions that are shorter than a call.
     """
     definitions = r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^#ifdef __GNUC__\n#define CW_INLINE .*?^#endif\n"
-    marks = rf"{definitions}|^(\w+_NODISCARD|CW_CONSTEXPR|CW_INLINE)\n"
+    marks = rf"{definitions}|^(\w+_NODISCARD CW_CONSTEXPR|\w+_NODISCARD|CW_CONSTEXPR|CW_INLINE)\n"
     return re.sub(marks, "", code, flags=re.MULTILINE | re.DOTALL)
 
 

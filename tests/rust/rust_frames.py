@@ -127,13 +127,14 @@ def first_fault(problems: Sequence[Problem]) -> str:
 
 
 def cases(program: Program, index: int) -> list[Case]:
-    """Return a frame or register for the order codes that differ, and for some states of the registers."""
+    """Return a frame or register for the order codes that differ and send it, and for some states of the registers."""
     device, struct = program.device, program.structs[index]
     names = [interface.name for interface, frame in program.family.frames if frame is struct]
     name = struct.register.interface if struct.register is not None else names[0]
     answered = _with_each_answer(device, (*device.variants, *run_time_variants(device)))
     variants = {tuple(variant.parameters.items()): variant for variant in answered if variant.interface == name}
-    return [Case(device, struct, variant, struct.layout.place(variant.parameters)) for variant in variants.values()]
+    placed = ((variant, struct.layout.place(variant.parameters)) for variant in variants.values())
+    return [Case(device, struct, variant, placed_layout) for variant, placed_layout in placed if placed_layout.bits]
 
 
 def _with_each_answer(device: Device, variants: Iterable[Variant]) -> Iterator[Variant]:

@@ -36,16 +36,16 @@ ROOT = HERE.parents[1]
 PACKAGE = ROOT / "examples" / "rust-target"
 
 #: Specs that are not for this target.
-OTHERS = ("long_crc", "lowfirst", "gray_parity", "options", "crc_options", "icmr", "long_names", "switched")
+OTHERS = ("long_crc", "lowfirst", "gray_parity", "options", "crc_options", "long_names", "switched")
 
 
 def _specs() -> Iterator[str]:
     """Yield the specs of the families that the target can express.
 
     It cannot express a CRC that is not whole bytes at the end of a frame in bytes, a parity bit over Gray code, or a
-    flag or CRC that some order codes lack. The words of ``lowfirst`` have 64 bits, so no number is too long for them.
+    flag that some order codes lack. The words of ``lowfirst`` have 64 bits, so no number is too long for them.
     """
-    for folder in ("specs/ichaus", "specs/lika", "tests/specs", "tests/c/specs", "docs/example"):
+    for folder in ("specs/ichaus", "specs/lika", "tests/specs", "tests/c/specs", "tests/rust/specs", "docs/example"):
         for path in sorted((ROOT / folder).rglob("*.yaml")):
             is_device = "\ndevice: " in path.read_text(encoding="utf-8")
             if is_device and not is_second(path) and path.stem not in OTHERS:

@@ -21,9 +21,13 @@ from rust_harness import SPECS, Program, Workshop, masks
 pytestmark = pytest.mark.slow
 #: Number of frames of a layout, over all of its order codes.
 FRAMES = 1000
+#: Order codes with one of several CRCs, or none.
+BY_CODE = "tests/rust/specs/crc_by_code.yaml"
 
 
-@pytest.fixture(scope="module", params=mostly_exhaustive(SPECS, "specs/lika/amm5.yaml", "tests/c/specs/shapes.yaml"))
+@pytest.fixture(
+    scope="module", params=mostly_exhaustive(SPECS, "specs/lika/amm5.yaml", "tests/c/specs/shapes.yaml", BY_CODE)
+)
 def program(request: pytest.FixtureRequest, workshop: Workshop) -> Program:
     return workshop.program(request.param)
 
@@ -32,7 +36,7 @@ def program(request: pytest.FixtureRequest, workshop: Workshop) -> Program:
 def test_frames_and_registers(program: Program) -> None:
     kinds = {kind for index in range(len(program.structs)) for kind in decoding(program, index, FRAMES)}
     assert kinds >= {"ok", "length"}
-    assert "crc" in kinds or not any(struct.crc for struct in program.structs)
+    assert "crc" in kinds or not any(struct.crcs for struct in program.structs)
 
 
 def test_positions_are_read_from_buffers(program: Program) -> None:

@@ -184,7 +184,6 @@ def test_a_layout_that_is_too_wide_has_its_place(codewheel: Run, tmp_path: Path)
     [
         ("gray_parity", "rust-parity", "a parity bit over Gray code"),
         ("options", "rust-parity", "a flag that order codes lack"),
-        ("crc_options", "rust-crc", "a CRC that order codes lack"),
     ],
 )
 def test_what_cannot_be_computed_is_refused(spec: str, rule: str, part: str, codewheel: Run, tmp_path: Path) -> None:

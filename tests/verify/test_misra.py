@@ -8,6 +8,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from codewheel.loading.library import load_library
+from codewheel.targets import Library
+from codewheel.targets.c.files import generate
 from tools import tool
 from uses import use_everything
 
@@ -93,6 +96,19 @@ def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(
     for group in by_interface(names):
         reported = findings(use_everything(group, include), include, tmp_path, USUAL)
         assert [finding for finding in sorted(reported) if finding[0] not in deviations() - UNUSED] == []
+
+
+@pytest.mark.parametrize("order_code", ["AMM5A23/65KSC1", "AMM5A23/65KBG1", "AMM5A23/65KJP1", "AS5047P"])
+def test_a_header_for_one_order_code_has_no_finding_without_a_reason(order_code: str, tmp_path: Path) -> None:
+    families = {"as5047p"} if order_code == "AS5047P" else {"amm5"}
+    devices = tuple(device for device in load_library()[0] if device.name in families)
+    files = generate(Library(devices), {"form": "single", "only": order_code})
+    ((path, text),) = ((path, text) for path, text in files.items() if path.endswith(".h"))
+    name = Path(path).name
+    (tmp_path / name).write_text(text, encoding="ascii")
+    for platform in (SMALL, USUAL):
+        reported = findings(f'#include "{name}"\n', tmp_path, tmp_path, platform)
+        assert [finding for finding in sorted(reported) if finding[0] not in deviations()] == []
 
 
 @pytest.mark.parametrize(

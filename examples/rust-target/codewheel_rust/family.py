@@ -40,7 +40,7 @@ class Struct:
     layout: Layout
     code: str
     codec: Codec
-    crc: CrcFunction | None
+    crcs: Mapping[str, CrcFunction]
     enums: Mapping[str, Enum]
     register: Register | None = None
     limits: Limits | None = None
@@ -173,18 +173,14 @@ class Family:
         for name in [*(join.name for join in layout.joins), *runs]:
             methods.give(snake(name), *place)
         codec = codec_of(self.device, layout)
-        crc = codec.only_crc
-        crc_function = function_of(self.device, layout, crc.crc) if crc is not None else None
-        struct = Struct(layout, pascal(interface), codec, crc_function, types)
+        crcs = {crc.field.name: function_of(self.device, layout, crc.crc) for crc in codec.crcs}
+        struct = Struct(layout, pascal(interface), codec, crcs, types)
         for problem in struct.width_problems():
             self._wide.append(TargetProblem(self.device, "rust-size", place, f"{problem}. Rust allows at most {WORD}"))
         if struct.codec.parity_covers_gray or layout.has_optional_flags:
             part = "a flag that order codes lack" if layout.has_optional_flags else "a parity bit over Gray code"
             problem = f"'{layout.name}' has {part}, which this target does not compute"
             self._wide.append(TargetProblem(self.device, "rust-parity", place, problem))
-        if layout.crc_fields and not layout.always_has_crc:
-            problem = f"'{layout.name}' has a CRC that order codes lack, which this target does not compute"
-            self._wide.append(TargetProblem(self.device, "rust-crc", place, problem))
         return struct
 
 

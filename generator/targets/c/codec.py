@@ -81,12 +81,11 @@ class StructCodec:
         """
         context = self.struct.context
         layout = self.struct.layout
-        measurement = context.device.measurement_of(context.interface.name)
         has_verdict = self.reports is not None and bool(self.reports.verdict)
-        if measurement is None or layout.sender != "encoder" or not has_verdict:
+        if layout.sender != "encoder" or not has_verdict:
             return ""
-        has_position = measurement.of in layout.member_names
-        return measurement.of if has_position else ""
+        position_name = context.device.position_name(context.interface.name)
+        return position_name if position_name in layout.member_names else ""
 
     @property
     def receiver(self) -> str:

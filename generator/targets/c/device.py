@@ -298,20 +298,18 @@ class DeviceView:
     @property
     def usage(self) -> Usage | None:
         """The example at the top of the header: the encoder's first frame with a verdict and the position, or None."""
-        measurement = self.device.measurement_of(self.context.interface.name)
-        if measurement is None:
-            return None
+        position_name = self.device.position_name(self.context.interface.name)
         for codec in self.interface.codecs:
             layout = codec.struct.layout
             verdict = codec.reports.verdict if codec.reports is not None else ""
-            if verdict and measurement.of in layout.member_names and layout.sender == "encoder":
+            if verdict and position_name in layout.member_names and layout.sender == "encoder":
                 return Usage(
                     frame=codec,
                     verdict=verdict,
-                    member=c_name(measurement.of),
+                    member=c_name(position_name),
                     request=self.interface.request_of(layout),
                     request_for_reply=self.interface.request_for_reply(layout),
-                    reads_twice=self._is_read_twice(codec, measurement.of),
+                    reads_twice=self._is_read_twice(codec, position_name),
                 )
         return None
 

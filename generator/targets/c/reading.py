@@ -60,7 +60,17 @@ class ReadCode:
             return self.buffer_macro(self.frame)
         if self.frame.plan.in_bytes:
             return self.frame.length_macro
-        return "sizeof(rx)"
+        return f"{self._word_bytes}U" if self._word_bytes else "sizeof(rx)"
+
+    @property
+    def _word_bytes(self) -> int:
+        """Number of bytes of a word over SPI, 0 if the order code decides or the frame is received otherwise."""
+        is_spi = isinstance(self._context.interface, Spi)
+        if self.frame is None or self.frame.plan.in_bytes or not is_spi:
+            return 0
+        sent_bits = self.frame.struct.layout.sent_bits
+        # Bits to bytes, rounded up.
+        return (sent_bits.constant + 7) // 8 if sent_bits.is_constant else 0
 
     def buffer_macro(self, frame: StructCodec) -> str:
         """Return the name of the size of a buffer, which a macro pastes: ``ACME_X_SSI_##code##_##width##_RX_BYTES``.
@@ -78,10 +88,10 @@ class ReadCode:
         A word over SPI has no macro for its size. Its bytes are the bytes of the word of all order codes.
         """
         buffer_size = self.expected_size
-        if self.frame is not None and buffer_size == "sizeof(rx)":
-            sent_bits = self.frame.struct.layout.sent_bits
-            is_spi = isinstance(self._context.interface, Spi)
-            return str((sent_bits.constant + 7) // 8) if is_spi and sent_bits.is_constant else ""
+        if buffer_size == "sizeof(rx)":
+            return ""
+        if self._word_bytes:
+            return str(self._word_bytes)
         for question in self.questions:
             first_answer = question.alternative.answers[0].name.upper()
             buffer_size = buffer_size.replace(f"##{question.argument}##", first_answer)

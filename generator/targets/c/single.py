@@ -7,7 +7,6 @@ so that several headers can be included together. Only the results and verdicts 
 from __future__ import annotations
 
 import re
-import textwrap
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from itertools import chain
@@ -23,6 +22,16 @@ from .declarations import Declaration, declarations_in, declarations_needed_by, 
 from .device import DeviceView, views_of
 from .names import Passing
 from .runtime_texts import runtime_headers, runtime_version
+from .single_comments import (
+    SENTENCE_END,
+    as_comment,
+    comment_lines,
+    first_paragraph,
+    member_comment,
+    split_paragraphs,
+    without_example,
+    wrap_text,
+)
 
 TEMPLATE = "single.h.jinja"
 #: The headers of the runtime that receive frames, in the order in which they include each other.
@@ -37,17 +46,18 @@ _FOR_REGISTERS = "_CONTROL_"
 _READING = ("bits", "decode", "verdict", "position", "read")
 #: Suffixes of the functions that collect the bytes of a reply over RS-485.
 _BYTE_BY_BYTE = ("ask", "take", "take_any", "resume", "late", "reason")
+#: The parts of the runtime that a program uses itself. Their comments stay, without examples.
+_USED_BY_PROGRAMS = frozenset(f"cw_rs485_{part}" for part in ("line", *_BYTE_BY_BYTE))
 #: Paragraphs that reading a position does not need, by what they begin with.
 _OTHER_PARAGRAPHS = (
     *("Control data: ", "Description file: ", "For register access with ", "How it folds: ", "In the manual: "),
     *("Network: ", "Profile: "),
 )
+#: What sentences about the tree contain: other headers, the examples, reports, and the argument of a macro.
+_ABOUT_ABSENT = re.compile(r"\b\w+\.h\b|examples/|_reports\(\)|order code is named once|[Cc]ode can be ")
 #: Sentences of the same kind.
 _OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC")
-#: Width of a line of a comment after its `` * ``.
-_COMMENT_WIDTH = COLUMNS - 3
 _WORD = re.compile(r"\b[A-Za-z_]\w*\b")
-_SENTENCE_END = re.compile(r"(?<=[.:])\s(?=[A-Z])")
 #: A condition on one line, after which the function only returns a result.
 _GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
 
@@ -84,7 +94,7 @@ class SingleCode:
     def shared(self) -> str:
         """The declarations of the results and verdicts, which other headers share."""
         declarations = declarations_in(runtime_headers()[_SHARED])
-        return "\n".join(_first_paragraph(declaration.comment) + declaration.code for declaration in declarations)
+        return "\n".join(first_paragraph(declaration.comment) + declaration.code for declaration in declarations)
 
     @property
     def runtime_version(self) -> tuple[int, int]:
@@ -176,11 +186,10 @@ class SingleCode:
         yield from self._roots_of_requests()
 
     def _roots_of_requests(self) -> Iterator[str]:
-        """Yield the names that a program uses to request positions over RS-485 or SPI. ``exchanged`` can be empty."""
+        """Yield the names that a program uses to request positions over RS-485 or SPI."""
         usage, exchanged = self.view.usage, self.view.interface.exchanged
         if usage is not None and usage.request:
             yield usage.request
-        yield exchanged
         if usage is not None and (usage.request or usage.request_for_reply is not None):
             yield from (f"cw_rs485_{action}" for action in _BYTE_BY_BYTE)
         if self.request is not None:
@@ -227,8 +236,11 @@ class SingleCode:
     def _format_declaration(self, declaration: Declaration) -> str:
         """Return a declaration with its comment, with the names of this header and its lines broken anew."""
         comment, code = declaration.comment, declaration.code
-        if self._is_helper(declaration):
-            comment = _first_paragraph(comment)
+        is_used_by_programs = not _USED_BY_PROGRAMS.isdisjoint(declaration.names)
+        if is_used_by_programs:
+            comment = without_example(comment)
+        elif self._is_helper(declaration):
+            comment = first_paragraph(comment)
         if declaration.has_macro:
             comment, code = self._without_argument(comment, code)
         # The pattern is a comment on the lines above a member.
@@ -239,7 +251,8 @@ class SingleCode:
         named_code = self.named(unmarked_code)
         if declaration.has_macro:
             named_code = _refilled_macro(named_code)
-        return self._in_comment(comment) + break_lines(_with_guards_in_line(_with_head_in_line(named_code)))
+        new_comment = self._in_comment(comment, with_arguments=is_used_by_programs)
+        return new_comment + break_lines(_with_guards_in_line(_with_head_in_line(named_code)))
 
     def _without_argument(self, comment: str, c_code: str) -> tuple[str, str]:
         """Return the comment and the code of a macro without its parameter ``c_code``, since there is one order code.
@@ -259,22 +272,25 @@ class SingleCode:
         pattern = rf"\b(?:{self.view.row.macro}|{self.view.PREFIX})_(?=\w*##)"
         return re.sub(pattern, f"{self.STEM}_", line)
 
-    def _in_comment(self, comment: str) -> str:
-        """Return a comment up to its first ``@param``, with new names, without sentences on what the header lacks."""
+    def _in_comment(self, comment: str, *, with_arguments: bool) -> str:
+        """Return a comment with new names, without sentences on what the header lacks.
+
+        Without arguments, it ends before its first ``@param``.
+        """
         lines: list[str] = []
-        for paragraph in _split_paragraphs(_comment_lines(comment)):
-            if paragraph[0].startswith("@"):
+        for paragraph in split_paragraphs(comment_lines(comment)):
+            if paragraph[0].startswith("@") and not with_arguments:
                 break
             lines += self._shorten_paragraph(paragraph)
-        return _as_comment(lines)
+        return as_comment(lines)
 
     def _member_comment(self, comment: re.Match[str]) -> str:
         """Return the comment above a member, without sentences about what the header lacks."""
         margin = " " * (len(comment[0]) - len(comment[0].lstrip()))
-        comment_text = " ".join(_comment_lines(comment[0].strip())).strip()
-        sentences = _SENTENCE_END.split(comment_text)
+        comment_text = " ".join(comment_lines(comment[0].strip())).strip()
+        sentences = SENTENCE_END.split(comment_text)
         kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
-        return _member_comment(self.named(" ".join(kept_sentences)), margin)
+        return member_comment(self.named(" ".join(kept_sentences)), margin)
 
     def _shorten_paragraph(self, lines: list[str]) -> list[str]:
         """Return the lines of a paragraph without sentences about what the header lacks, none if nothing is left.
@@ -286,11 +302,11 @@ class SingleCode:
             return [self.named(line) for line in lines]
         if paragraph.startswith(_OTHER_PARAGRAPHS):
             return []
-        sentences = [sentence for sentence in _SENTENCE_END.split(paragraph) if not self._is_about_absent(sentence)]
+        sentences = [sentence for sentence in SENTENCE_END.split(paragraph) if not self._is_about_absent(sentence)]
         new_text = self.named(" ".join(sentences))
         if new_text == paragraph:
             return lines
-        return _wrap_text(new_text)
+        return wrap_text(new_text)
 
     def _is_about_absent(self, sentence: str) -> bool:
         """Return True if a sentence mentions another header, the argument of a macro, or a name left out.
@@ -299,7 +315,7 @@ class SingleCode:
         """
         if sentence.startswith(_OTHER_SENTENCES):
             return True
-        is_elsewhere = re.search(r"\b\w+\.h\b|_reports\(\)|order code is named once|[Cc]ode can be ", sentence)
+        is_elsewhere = _ABOUT_ABSENT.search(sentence)
         return is_elsewhere is not None or any(map(self._is_absent, _WORD.findall(sentence)))
 
     def _is_absent(self, name: str) -> bool:
@@ -333,8 +349,8 @@ def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]]
 
 def _with_head_in_line(c_code: str) -> str:
     """Return a function with its head on one line, after the macros that mark it if they and the name fit there."""
-    # The marks, each on a line, and the head up to the bracket that closes its parameters.
-    function = re.match(r"((?:CW_[A-Z]+\n)*)(static inline [^{;]*\))\n\{", c_code)
+    # The marks, and the head up to the bracket that closes its parameters.
+    function = re.match(r"((?:CW_[A-Z]+[ \n])*)(static inline [^{;]*\))\n\{", c_code)
     if function is None:
         return c_code
     marks = function[1].replace("\n", " ")
@@ -364,86 +380,5 @@ def _refilled_macro(c_code: str) -> str:
         return c_code
     joined_body = " ".join(line.strip() for line in body)
     # 2 characters are the space and the backslash at the end of a line.
-    lines = _wrap_text(joined_body, COLUMNS - 2, first_margin=" " * 4, margin=" " * 8)
+    lines = wrap_text(joined_body, COLUMNS - 2, first_margin=" " * 4, margin=" " * 8)
     return " \\\n".join((head, *lines)) + "\n"
-
-
-def _member_comment(text: str, margin: str) -> str:
-    """Return the comment on a member, with its marks on the first and the last line of the text."""
-    single_line = f"{margin}/* {text} */\n"
-    # Its line break counts too, which leaves room for Doxygen's mark, longer by one character.
-    if len(single_line) <= COLUMNS:
-        return single_line
-    # A joint instead of a space keeps the mark at the end on the line of the last word.
-    joint = "\0"
-    lines = _wrap_text(f"{text}{joint}*/", COLUMNS - 1, first_margin=f"{margin}/* ", margin=f"{margin} * ")
-    return "".join(f"{line}\n" for line in lines).replace(joint, " ")
-
-
-def _first_paragraph(comment: str) -> str:
-    """Return the start of a comment of the runtime: its first sentence, or all text up to a picture and the picture.
-
-    A picture follows ``:`` and a blank line. If it is an example that calls the runtime, it is left out.
-    """
-    text_before_picture, _, picture_and_rest = "\n".join(_comment_lines(comment)).partition(":\n\n")
-    # An empty line ends a picture, and a paragraph.
-    picture, _, _ = picture_and_rest.partition("\n\n")
-    text_on_one_line = text_before_picture.replace("\n", " ")
-    if picture_and_rest and "cw_" in picture:
-        return _as_comment(_wrap_text(f"{text_on_one_line}."))
-    if picture_and_rest:
-        return _as_comment([*_wrap_text(f"{text_on_one_line}:"), "", *picture.splitlines()])
-    first_paragraph, _, _ = text_before_picture.partition("\n\n")
-    # The parameters of a function can follow on the next line.
-    description, _, _ = first_paragraph.partition("\n@")
-    first_sentence, *_ = _SENTENCE_END.split(description.replace("\n", " "))
-    return _as_comment(_wrap_text(first_sentence))
-
-
-def _wrap_text(text: str, width: int = _COMMENT_WIDTH, first_margin: str = "", margin: str = "") -> list[str]:
-    """Return the lines of a text with whole words. ``first_margin`` begins the first line, ``margin`` the others."""
-    wrapper = textwrap.TextWrapper(width, initial_indent=first_margin, subsequent_indent=margin)
-    wrapper.break_long_words = wrapper.break_on_hyphens = False
-    return wrapper.wrap(text)
-
-
-def _comment_lines(comment: str) -> list[str]:
-    """Return the lines of a comment without ``/**``, ``*/`` and the ``*`` in front. Further spaces stay."""
-    if not comment:
-        return []
-    lines = comment.rstrip().removeprefix("/**").removesuffix("*/").strip("\n").splitlines()
-    return [line.strip().removeprefix("*").removeprefix(" ") for line in lines]
-
-
-def _split_paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
-    """Yield the lines of each paragraph. Lines that begin with a space or @ are separate paragraphs.
-
-    A line ends a paragraph if the first word of the next line would have fit.
-    """
-    paragraph: list[str] = []
-    for line in lines:
-        first_word = line.partition(" ")[0]
-        # 1 is the space before the word.
-        is_line_full = bool(paragraph) and len(paragraph[-1]) + 1 + len(first_word) > _COMMENT_WIDTH
-        goes_on = is_line_full and bool(first_word) and not line.startswith("@")
-        if paragraph and not goes_on:
-            yield paragraph
-            paragraph = []
-        paragraph.append(line)
-        if line.startswith((" ", "@")) or not line:
-            yield paragraph
-            paragraph = []
-    if paragraph:
-        yield paragraph
-
-
-def _as_comment(lines: list[str]) -> str:
-    """Return lines as a comment with the marks of Doxygen, or an empty string without lines."""
-    text = "\n".join(lines).strip("\n")
-    if not text:
-        return ""
-    # 7 characters are the marks of a comment on one line.
-    if "\n" not in text and len(text) <= COLUMNS - 7:
-        return f"/** {text.strip()} */\n"
-    body = "\n".join(f" * {line}".rstrip() for line in text.splitlines())
-    return f"/**\n{body}\n */\n"

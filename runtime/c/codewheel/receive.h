@@ -362,10 +362,13 @@ static inline cw_result cw_biss_receive_bits(
     if (start == received) {
         return CW_FAULT_NO_START;
     }
-    if ((bits > 64U) || (stop > received)) {
+    if (stop > received) {
         return CW_FAULT_LENGTH;
     }
     if ((received < 57U) || (bits == 0U) || (bits > 56U)) {
+        if (bits > 64U) {
+            return CW_FAULT_LENGTH;
+        }
         if ((stop < received) && (cw_received_bit(rx, stop) != 0U)) {
             return CW_FAULT_CONSTANT;
         }
@@ -594,7 +597,7 @@ static inline cw_result cw_ssi_repeats(
  *
  *   cw_rs485_ask(&line, control, length, 0U, now_us, 200U);    and send the request
  *   if (cw_rs485_take(&line, byte)) {                          for each byte received
- *       if (REPLY_decode(&encoder, line.bytes, line.length, &reply) != CW_OK) {
+ *       if (REPLY_decode(ENCODER, line.bytes, line.length, &reply) != CW_OK) {
  *           cw_rs485_resume(&line);
  *       }
  *   }
@@ -732,8 +735,8 @@ static inline bool cw_rs485_late(const cw_rs485_line *line, uint32_t now_us)
  *   TIMEOUT       nothing arrived: no supply, a cut cable, or the request was not received.
  *   HEAD_MISSING  the bytes did not begin with the control byte. If every request ends like this,
  *                 the driver is released too late or the receiver enabled too late, and the first
- *                 byte of the reply is lost: see cw_rs485_line. Otherwise the baud rate is wrong,
- *                 or the byte was disturbed.
+ *                 byte of the reply is lost: see cw_rs485_line.
+ *                 Otherwise the baud rate is wrong, or the byte was disturbed.
  *   LENGTH        the reply began but is not complete: a byte was lost, or at_most_us is too short.
  */
 CW_NODISCARD

@@ -9,6 +9,19 @@
  * The chips described here are products of iC-Haus GmbH. This project is not affiliated with it and
  * claims no certification.
  *
+ * To read a position:
+ *
+ *     uint8_t rx[ICHAUS_ICMU_BISS_IC_MU_28_2_RX_BYTES];
+ *     uint64_t position;
+ *     if (ICHAUS_ICMU_BISS_READ(IC_MU_28_2, rx, &position) != CW_NOT_USABLE) {
+ *         ... position ...
+ *     }
+ *
+ * Positions are in counts. The spec leaves the size of a count open.
+ *
+ * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
+ * ichaus_icmu_biss_position with cw_word_of.
+ *
  * More headers of this interface, to include if you need them:
  *   icmu_biss_labels.h           find the order code that a label shows
  *   icmu_biss_reports.h          texts that describe reports, alarms and times
@@ -340,8 +353,7 @@ static inline uint32_t ichaus_icmu_biss_crc(uint64_t word)
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_decode(
     ichaus_icmu_biss variant, cw_word received, ichaus_icmu_biss_frame *out)
 {
@@ -366,8 +378,7 @@ static inline cw_result ichaus_icmu_biss_decode(
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_receive(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
@@ -382,8 +393,7 @@ static inline cw_result ichaus_icmu_biss_receive(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict ichaus_icmu_biss_verdict(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_frame *frame)
 {
@@ -395,6 +405,45 @@ static inline cw_verdict ichaus_icmu_biss_verdict(
         return CW_USABLE_WITH_WARNING;
     }
     return CW_USABLE;
+}
+
+/**
+ * Decode a frame, and store its position if it may be used.
+ *
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A frame
+ * that is not well formed is not usable.
+ */
+CW_NODISCARD
+static inline cw_verdict ichaus_icmu_biss_position(
+    ichaus_icmu_biss variant, cw_word word, uint64_t *position)
+{
+    ichaus_icmu_biss_frame frame;
+    if (ichaus_icmu_biss_decode(variant, word, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
+    }
+    const cw_verdict verdict = ichaus_icmu_biss_verdict(variant, &frame);
+    if (verdict != CW_NOT_USABLE) {
+        *position = frame.position;
+    }
+    return verdict;
+}
+
+/**
+ * Extract a frame from a buffer, decode it, and store its position if it may be used.
+ *
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A buffer
+ * without a well-formed frame is not usable.
+ */
+CW_NODISCARD
+static inline cw_verdict ichaus_icmu_biss_read(
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, uint64_t *position)
+{
+    const uint32_t bits = ichaus_icmu_biss_bits(variant);
+    cw_word word = { 0U, bits };
+    if (cw_biss_receive_bits(bytes, 8U * length, bits, &word.value) != CW_OK) {
+        return CW_NOT_USABLE;
+    }
+    return ichaus_icmu_biss_position(variant, word, position);
 }
 
 /** Return the active reports, as a mask of ICHAUS_ICMU_BISS_REPORT_ bits. */
@@ -418,6 +467,24 @@ static inline uint32_t ichaus_icmu_biss_reports(
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[ICHAUS_ICMU_BISS_##code##_RX_BYTES])&(rx))), \
         (word))
+
+/* -- reading a position ------------------------------------------------------------------------ */
+
+/**
+ * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
+ * position was stored. For example, code can be IC_MU_28_2, as in ICHAUS_ICMU_BISS_IC_MU_28_2. The
+ * order code is named once, so no length or decoder of another one can be mixed in. Another size of
+ * rx, or a pointer, does not compile.
+ */
+#define ICHAUS_ICMU_BISS_READ(code, rx, position) \
+    ichaus_icmu_biss_read(ICHAUS_ICMU_BISS_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[ICHAUS_ICMU_BISS_##code##_RX_BYTES])&(rx))), \
+        (position))
+/** Read a position from a pointer to any number of bytes, or from a constant array. */
+#define ICHAUS_ICMU_BISS_READ_BYTES(code, bytes, length, position) \
+    ichaus_icmu_biss_read(ICHAUS_ICMU_BISS_##code, \
+        (bytes), (length), (position))
 
 #ifdef __cplusplus
 }

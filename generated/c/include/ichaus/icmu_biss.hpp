@@ -6,6 +6,11 @@
  * Runtime 1.0. Spec icmu, hash of its content 8e237863.
  * This file is yours: use it, change it and pass it on as you like.
  *
+ *     const auto found = ichaus::icmu_biss::read(ICHAUS_ICMU_BISS_IC_MU_28_2, rx);
+ *     if (found) {
+ *         ... found.position ...
+ *     }
+ *
  * The functions have the names of those in icmu_biss.h without ichaus_icmu_biss_. They work at
  * compile time too, like all functions in that header except those that end in _position, _read or
  * _read_twice.
@@ -34,6 +39,30 @@ verdict(
     const ::ichaus_icmu_biss &variant, const ::ichaus_icmu_biss_frame &frame) noexcept
 {
     return static_cast<codewheel::verdict>(ichaus_icmu_biss_verdict(variant, &frame));
+}
+
+/** Decode a frame, and return its position and the verdict on it. */
+[[nodiscard]] constexpr codewheel::reading<uint64_t>
+position(
+    const ::ichaus_icmu_biss &variant, cw_word word) noexcept
+{
+    const auto frame = decode(variant, word);
+    return codewheel::read(frame, verdict(variant, *frame), frame->position);
+}
+
+/**
+ * Return the position in a buffer and the verdict on it. rx is an array, a std::array or a span.
+ */
+[[nodiscard]] constexpr codewheel::reading<uint64_t>
+read(
+    const ::ichaus_icmu_biss &variant, codewheel::view rx) noexcept
+{
+    cw_word word{};
+    const cw_result found = ichaus_icmu_biss_receive(variant, rx.data(), rx.size(), &word);
+    if (found != CW_OK) {
+        return static_cast<codewheel::fault>(found);
+    }
+    return position(variant, word);
 }
 
 /** Return the active reports, as a mask of ICHAUS_ICMU_BISS_REPORT_ bits. */

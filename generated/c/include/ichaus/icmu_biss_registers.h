@@ -54,8 +54,7 @@ typedef struct ichaus_icmu_biss_reg_bank {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_bank_decode(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, ichaus_icmu_biss_reg_bank *out)
 {
@@ -69,8 +68,7 @@ static inline cw_result ichaus_icmu_biss_reg_bank_decode(
 }
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_bank_encode(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_bank *in, uint8_t *bytes, size_t length)
 {
@@ -148,8 +146,7 @@ typedef struct ichaus_icmu_biss_reg_mode {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_mode_decode(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, ichaus_icmu_biss_reg_mode *out)
 {
@@ -163,8 +160,7 @@ static inline cw_result ichaus_icmu_biss_reg_mode_decode(
 }
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_mode_encode(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_mode *in, uint8_t *bytes, size_t length)
 {
@@ -248,8 +244,7 @@ typedef struct ichaus_icmu_biss_reg_output_length {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_length_decode(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_output_length *out)
@@ -266,8 +261,7 @@ static inline cw_result ichaus_icmu_biss_reg_output_length_decode(
 }
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_length_encode(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_output_length *in, uint8_t *bytes,
     size_t length)
@@ -370,8 +364,7 @@ typedef struct ichaus_icmu_biss_reg_output_selection {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_selection_decode(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_output_selection *out)
@@ -396,8 +389,7 @@ static inline cw_result ichaus_icmu_biss_reg_output_selection_decode(
 }
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_selection_encode(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_output_selection *in, uint8_t *bytes,
     size_t length)
@@ -516,8 +508,7 @@ typedef struct ichaus_icmu_biss_reg_profile_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_profile_id_decode(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_profile_id *out)
@@ -532,8 +523,7 @@ static inline cw_result ichaus_icmu_biss_reg_profile_id_decode(
 }
 
 /** Encode 2 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_profile_id_encode(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -586,8 +576,7 @@ typedef struct ichaus_icmu_biss_reg_serial_number {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_serial_number_decode(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_serial_number *out)
@@ -603,8 +592,7 @@ static inline cw_result ichaus_icmu_biss_reg_serial_number_decode(
 }
 
 /** Encode 4 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_serial_number_encode(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -775,8 +763,7 @@ typedef struct ichaus_icmu_biss_reg_status0 {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status0_decode(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_status0 *out)
@@ -795,8 +782,7 @@ static inline cw_result ichaus_icmu_biss_reg_status0_decode(
 }
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status0_encode(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_status0 *in, uint8_t *bytes, size_t length)
 {
@@ -859,8 +845,7 @@ typedef struct ichaus_icmu_biss_reg_status1 {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status1_decode(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_status1 *out)
@@ -882,8 +867,7 @@ static inline cw_result ichaus_icmu_biss_reg_status1_decode(
 }
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status1_encode(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_status1 *in, uint8_t *bytes, size_t length)
 {
@@ -937,8 +921,7 @@ typedef struct ichaus_icmu_biss_reg_device_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_device_id_decode(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_device_id *out)
@@ -955,8 +938,7 @@ static inline cw_result ichaus_icmu_biss_reg_device_id_decode(
 }
 
 /** Encode 6 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_device_id_encode(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -1017,8 +999,7 @@ typedef struct ichaus_icmu_biss_reg_manufacturer_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_decode(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_manufacturer_id *out)
@@ -1033,8 +1014,7 @@ static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_decode(
 }
 
 /** Encode 2 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_encode(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)

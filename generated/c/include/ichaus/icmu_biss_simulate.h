@@ -16,8 +16,7 @@ extern "C" {
 #endif
 
 /** Encode a word. The last bit sent is bit 0. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_encode(
     ichaus_icmu_biss variant, const ichaus_icmu_biss_frame *in, uint64_t *out)
 {

@@ -387,8 +387,7 @@ static inline uint32_t lika_am36_biss_crc(uint64_t word)
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_decode(
     lika_am36_biss variant, cw_word received, lika_am36_biss_frame *out)
 {
@@ -423,8 +422,7 @@ static inline bool lika_am36_biss_is_expected(
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_receive(
     lika_am36_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
@@ -439,8 +437,7 @@ static inline cw_result lika_am36_biss_receive(
 }
 
 /** Return the verdict of the most severe active report, or CW_UNKNOWN if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_am36_biss_verdict(
     lika_am36_biss variant, const lika_am36_biss_frame *frame)
 {

@@ -57,8 +57,7 @@ typedef struct lika_am36_biss_reg_profile_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_profile_id_decode(
     lika_am36_biss variant, const uint8_t *bytes, size_t length, lika_am36_biss_reg_profile_id *out)
 {
@@ -72,8 +71,7 @@ static inline cw_result lika_am36_biss_reg_profile_id_decode(
 }
 
 /** Encode 2 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_profile_id_encode(
     lika_am36_biss variant, const lika_am36_biss_reg_profile_id *in, uint8_t *bytes, size_t length)
 {
@@ -143,8 +141,7 @@ typedef struct lika_am36_biss_reg_serial_number {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_serial_number_decode(
     lika_am36_biss variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_serial_number *out)
@@ -163,8 +160,7 @@ static inline cw_result lika_am36_biss_reg_serial_number_decode(
 }
 
 /** Encode 4 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_serial_number_encode(
     lika_am36_biss variant, const lika_am36_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -329,8 +325,7 @@ typedef struct lika_am36_biss_reg_configuration {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_configuration_decode(
     lika_am36_biss variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_configuration *out)
@@ -353,8 +348,7 @@ static inline cw_result lika_am36_biss_reg_configuration_decode(
 }
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_configuration_encode(
     lika_am36_biss variant, const lika_am36_biss_reg_configuration *in, uint8_t *bytes,
     size_t length)
@@ -453,8 +447,7 @@ typedef struct lika_am36_biss_reg_information_per_revolution {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_information_per_revolution_decode(
     lika_am36_biss variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_information_per_revolution *out)
@@ -470,8 +463,7 @@ static inline cw_result lika_am36_biss_reg_information_per_revolution_decode(
 }
 
 /** Encode 3 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_information_per_revolution_encode(
     lika_am36_biss variant, const lika_am36_biss_reg_information_per_revolution *in, uint8_t *bytes,
     size_t length)
@@ -575,8 +567,7 @@ typedef struct lika_am36_biss_reg_number_of_revolutions {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_number_of_revolutions_decode(
     lika_am36_biss variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_number_of_revolutions *out)
@@ -591,8 +582,7 @@ static inline cw_result lika_am36_biss_reg_number_of_revolutions_decode(
 }
 
 /** Encode 2 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_number_of_revolutions_encode(
     lika_am36_biss variant, const lika_am36_biss_reg_number_of_revolutions *in, uint8_t *bytes,
     size_t length)
@@ -692,8 +682,7 @@ typedef struct lika_am36_biss_reg_preset {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_preset_decode(
     lika_am36_biss variant, const uint8_t *bytes, size_t length, lika_am36_biss_reg_preset *out)
 {
@@ -712,8 +701,7 @@ static inline cw_result lika_am36_biss_reg_preset_decode(
 }
 
 /** Encode 5 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_preset_encode(
     lika_am36_biss variant, const lika_am36_biss_reg_preset *in, uint8_t *bytes, size_t length)
 {
@@ -903,8 +891,7 @@ typedef struct lika_am36_biss_reg_device_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_device_id_decode(
     lika_am36_biss variant, const uint8_t *bytes, size_t length, lika_am36_biss_reg_device_id *out)
 {
@@ -922,8 +909,7 @@ static inline cw_result lika_am36_biss_reg_device_id_decode(
 }
 
 /** Encode 6 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_device_id_encode(
     lika_am36_biss variant, const lika_am36_biss_reg_device_id *in, uint8_t *bytes, size_t length)
 {
@@ -998,8 +984,7 @@ typedef struct lika_am36_biss_reg_manufacturer_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_manufacturer_id_decode(
     lika_am36_biss variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_manufacturer_id *out)
@@ -1014,8 +999,7 @@ static inline cw_result lika_am36_biss_reg_manufacturer_id_decode(
 }
 
 /** Encode 2 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_manufacturer_id_encode(
     lika_am36_biss variant, const lika_am36_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)

@@ -271,8 +271,7 @@ static inline uint32_t lika_am36_ssi_bits(lika_am36_ssi variant)
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_ssi_decode(
     lika_am36_ssi variant, cw_word received, lika_am36_ssi_frame *out)
 {
@@ -294,8 +293,7 @@ static inline cw_result lika_am36_ssi_decode(
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_ssi_receive(
     lika_am36_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
@@ -310,8 +308,7 @@ static inline cw_result lika_am36_ssi_receive(
 }
 
 /** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_am36_ssi_verdict(
     lika_am36_ssi variant, const lika_am36_ssi_frame *frame)
 {

@@ -382,8 +382,7 @@ static inline uint32_t lika_amm5_biss_crc(uint64_t word)
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_decode(
     lika_amm5_biss variant, cw_word received, lika_amm5_biss_frame *out)
 {
@@ -408,8 +407,7 @@ static inline cw_result lika_amm5_biss_decode(
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_receive(
     lika_amm5_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
@@ -424,8 +422,7 @@ static inline cw_result lika_amm5_biss_receive(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_amm5_biss_verdict(
     lika_amm5_biss variant, const lika_amm5_biss_frame *frame)
 {

@@ -102,8 +102,7 @@ typedef struct lika_amm5_biss_reg_preset {
 } lika_amm5_biss_reg_preset;
 
 /** Set position together with multiturn and singleturn. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_preset_set_position(
     lika_amm5_biss variant, uint64_t position, lika_amm5_biss_reg_preset *out)
 {
@@ -121,8 +120,7 @@ static inline cw_result lika_amm5_biss_reg_preset_set_position(
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_preset_decode(
     lika_amm5_biss variant, const uint8_t *bytes, size_t length, lika_amm5_biss_reg_preset *out)
 {
@@ -157,8 +155,7 @@ static inline cw_result lika_amm5_biss_reg_preset_decode(
 }
 
 /** Encode 7 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_preset_encode(
     lika_amm5_biss variant, const lika_amm5_biss_reg_preset *in, uint8_t *bytes, size_t length)
 {
@@ -280,8 +277,7 @@ typedef struct lika_amm5_biss_reg_serial_number {
 } lika_amm5_biss_reg_serial_number;
 
 /** Set serial together with year, week, number. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_serial_number_set_serial(
     lika_amm5_biss variant, uint32_t serial, lika_amm5_biss_reg_serial_number *out)
 {
@@ -301,8 +297,7 @@ static inline cw_result lika_amm5_biss_reg_serial_number_set_serial(
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_serial_number_decode(
     lika_amm5_biss variant, const uint8_t *bytes, size_t length,
     lika_amm5_biss_reg_serial_number *out)
@@ -324,8 +319,7 @@ static inline cw_result lika_amm5_biss_reg_serial_number_decode(
 }
 
 /** Encode 4 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_serial_number_encode(
     lika_amm5_biss variant, const lika_amm5_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -440,8 +434,7 @@ typedef struct lika_amm5_biss_reg_device_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_device_id_decode(
     lika_amm5_biss variant, const uint8_t *bytes, size_t length, lika_amm5_biss_reg_device_id *out)
 {
@@ -459,8 +452,7 @@ static inline cw_result lika_amm5_biss_reg_device_id_decode(
 }
 
 /** Encode 6 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_device_id_encode(
     lika_amm5_biss variant, const lika_amm5_biss_reg_device_id *in, uint8_t *bytes, size_t length)
 {
@@ -532,8 +524,7 @@ typedef struct lika_amm5_biss_reg_manufacturer_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_manufacturer_id_decode(
     lika_amm5_biss variant, const uint8_t *bytes, size_t length,
     lika_amm5_biss_reg_manufacturer_id *out)
@@ -548,8 +539,7 @@ static inline cw_result lika_amm5_biss_reg_manufacturer_id_decode(
 }
 
 /** Encode 2 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_manufacturer_id_encode(
     lika_amm5_biss variant, const lika_amm5_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)

@@ -16,8 +16,7 @@ extern "C" {
 #endif
 
 /** Set position together with multiturn and singleturn. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_set_position(
     lika_amm5_biss variant, uint64_t position, lika_amm5_biss_frame *out)
 {
@@ -31,8 +30,7 @@ static inline cw_result lika_amm5_biss_set_position(
 }
 
 /** Encode a word. The last bit sent is bit 0. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_encode(
     lika_amm5_biss variant, const lika_amm5_biss_frame *in, uint64_t *out)
 {

@@ -327,31 +327,36 @@ typedef enum lika_amm5_rs485_data_id {
 } lika_amm5_rs485_data_id;
 
 /* -- requests: the first byte of each one and of its reply ------------------------------------- */
-/** Data ID 0: 02h, capture: Singleturn position [7.3.1 p.42]. */
+/** Data ID 0: control field 02h, capture. Singleturn position [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_SINGLETURN 0x02U
-/** Data ID 1: 8Ah, capture: Multiturn data [7.3.1 p.42]. */
+/** Data ID 1: control field 8Ah, capture. Multiturn data [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_MULTITURN 0x8AU
-/** Data ID 2: 92h, capture: Encoder ID, printed as the fixed value 23h [7.3.1 p.42]. */
+/**
+ * Data ID 2: control field 92h, capture. Encoder ID, printed as the fixed value 23h [7.3.1 p.42].
+ */
 #define LIKA_AMM5_RS485_CONTROL_ENCODER_ID 0x92U
-/** Data ID 3: 1Ah, capture: Singleturn, encoder ID, multiturn and alarms [7.3.1 p.42, 7.4 p.43]. */
+/**
+ * Data ID 3: control field 1Ah, capture. Singleturn, encoder ID, multiturn and alarms [7.3.1 p.42,
+ * 7.4 p.43].
+ */
 #define LIKA_AMM5_RS485_CONTROL_ALL_DATA 0x1AU
-/** Data ID 6: 32h, write: Write one byte of the EEPROM [7.3.1 p.42]. */
+/** Data ID 6: control field 32h, write. Write one byte of the EEPROM [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_EEPROM_WRITE 0x32U
-/** Data ID D: EAh, read: Read one byte of the EEPROM [7.3.1 p.42]. */
+/** Data ID D: control field EAh, read. Read one byte of the EEPROM [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_EEPROM_READ 0xEAU
 /**
- * Data ID 7: BAh, reset: Reset all errors. The reply contains the singleturn position [7.3.1 p.42,
- * 7.4.2 p.45].
+ * Data ID 7: control field BAh, reset. Reset all errors. The reply contains the singleturn position
+ * [7.3.1 p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_ERRORS 0xBAU
 /**
- * Data ID 8: C2h, reset: Reset singleturn and multiturn data to 0. The reply contains the
- * singleturn position [7.3.1 p.42, 7.4.2 p.45].
+ * Data ID 8: control field C2h, reset. Reset singleturn and multiturn data to 0. The reply contains
+ * the singleturn position [7.3.1 p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_SINGLETURN_AND_MULTITURN 0xC2U
 /**
- * Data ID C: 62h, reset: Reset multiturn data and all errors. The reply contains the singleturn
- * position [7.3.1 p.42, 7.4.2 p.45].
+ * Data ID C: control field 62h, reset. Reset multiturn data and all errors. The reply contains the
+ * singleturn position [7.3.1 p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_MULTITURN_AND_ERRORS 0x62U
 
@@ -372,8 +377,7 @@ typedef struct lika_amm5_rs485_data_request {
 } lika_amm5_rs485_data_request;
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_data_request_encode(
     lika_amm5_rs485 variant, const lika_amm5_rs485_data_request *in, uint8_t *bytes, size_t length)
 {
@@ -424,8 +428,7 @@ typedef struct lika_amm5_rs485_eeprom_write_request {
 } lika_amm5_rs485_eeprom_write_request;
 
 /** Encode 4 bytes in the order sent, low byte first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_request_encode(
     lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_write_request *in, uint8_t *bytes, size_t length)
@@ -480,8 +483,7 @@ typedef struct lika_amm5_rs485_eeprom_read_request {
 } lika_amm5_rs485_eeprom_read_request;
 
 /** Encode 3 bytes in the order sent, low byte first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_request_encode(
     lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_read_request *in, uint8_t *bytes, size_t length)
@@ -567,8 +569,7 @@ typedef struct lika_amm5_rs485_singleturn_reply {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_singleturn_reply_decode(
     lika_amm5_rs485 variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_singleturn_reply *out)
@@ -617,8 +618,7 @@ static inline bool lika_amm5_rs485_singleturn_reply_is_expected(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_singleturn_reply_verdict(
     lika_amm5_rs485 variant, const lika_amm5_rs485_singleturn_reply *frame)
 {
@@ -700,8 +700,7 @@ typedef struct lika_amm5_rs485_multiturn_reply {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_multiturn_reply_decode(
     lika_amm5_rs485 variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_multiturn_reply *out)
@@ -745,8 +744,7 @@ static inline bool lika_amm5_rs485_multiturn_reply_is_expected(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_multiturn_reply_verdict(
     lika_amm5_rs485 variant, const lika_amm5_rs485_multiturn_reply *frame)
 {
@@ -828,8 +826,7 @@ typedef struct lika_amm5_rs485_encoder_id_reply {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_encoder_id_reply_decode(
     lika_amm5_rs485 variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_encoder_id_reply *out)
@@ -989,8 +986,7 @@ typedef struct lika_amm5_rs485_complete_reply {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_decode(
     lika_amm5_rs485 variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_complete_reply *out)
@@ -1055,8 +1051,7 @@ static inline bool lika_amm5_rs485_complete_reply_is_expected(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_complete_reply_verdict(
     lika_amm5_rs485 variant, const lika_amm5_rs485_complete_reply *frame)
 {
@@ -1172,8 +1167,7 @@ typedef struct lika_amm5_rs485_eeprom_write_reply {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_reply_decode(
     lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_rs485_eeprom_write_reply *out)
@@ -1257,8 +1251,7 @@ typedef struct lika_amm5_rs485_eeprom_read_reply {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_reply_decode(
     lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_rs485_eeprom_read_reply *out)
@@ -1347,8 +1340,7 @@ static inline size_t lika_amm5_rs485_frame_length(lika_amm5_rs485_frame frame)
 }
 
 /** Find the frame that the encoder sends for this data ID. The result is RANGE if there is none. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_reply_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
 {
@@ -1383,8 +1375,7 @@ static inline cw_result lika_amm5_rs485_reply_for(
  * Find the frame of the encoder from its first byte. Its decoder checks the rest. The result is
  * RANGE if there is no such frame.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_reply_frame(
     const uint8_t *bytes, size_t length, lika_amm5_rs485_frame *frame)
 {

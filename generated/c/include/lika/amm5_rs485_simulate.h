@@ -20,8 +20,7 @@ extern "C" {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_data_request_decode(
     lika_amm5_rs485 variant, const uint8_t *bytes, size_t length, lika_amm5_rs485_data_request *out)
 {
@@ -55,8 +54,7 @@ static inline cw_result lika_amm5_rs485_data_request_decode(
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_request_decode(
     lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_rs485_eeprom_write_request *out)
@@ -102,8 +100,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_request_decode(
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_request_decode(
     lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address, const uint8_t *bytes,
     size_t length, lika_amm5_rs485_eeprom_read_request *out)
@@ -142,8 +139,7 @@ static inline cw_result lika_amm5_rs485_eeprom_read_request_decode(
 }
 
 /** Encode 6 bytes in the order sent, low byte first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_singleturn_reply_encode(
     lika_amm5_rs485 variant, const lika_amm5_rs485_singleturn_reply *in, uint8_t *bytes,
     size_t length)
@@ -175,8 +171,7 @@ static inline cw_result lika_amm5_rs485_singleturn_reply_encode(
 }
 
 /** Encode 6 bytes in the order sent, low byte first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_multiturn_reply_encode(
     lika_amm5_rs485 variant, const lika_amm5_rs485_multiturn_reply *in, uint8_t *bytes,
     size_t length)
@@ -201,8 +196,7 @@ static inline cw_result lika_amm5_rs485_multiturn_reply_encode(
 }
 
 /** Encode 4 bytes in the order sent, low byte first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_encoder_id_reply_encode(
     lika_amm5_rs485 variant, const lika_amm5_rs485_encoder_id_reply *in, uint8_t *bytes,
     size_t length)
@@ -223,8 +217,7 @@ static inline cw_result lika_amm5_rs485_encoder_id_reply_encode(
 }
 
 /** Set position together with multiturn and singleturn. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_set_position(
     lika_amm5_rs485 variant, uint64_t position, lika_amm5_rs485_complete_reply *out)
 {
@@ -238,8 +231,7 @@ static inline cw_result lika_amm5_rs485_complete_reply_set_position(
 }
 
 /** Encode 11 bytes in the order sent, low byte first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_encode(
     lika_amm5_rs485 variant, const lika_amm5_rs485_complete_reply *in, uint8_t *bytes,
     size_t length)
@@ -278,8 +270,7 @@ static inline cw_result lika_amm5_rs485_complete_reply_encode(
 }
 
 /** Encode 4 bytes in the order sent, low byte first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_reply_encode(
     lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_write_reply *in, uint8_t *bytes, size_t length)
@@ -310,8 +301,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_reply_encode(
 }
 
 /** Encode 4 bytes in the order sent, low byte first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_reply_encode(
     lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_read_reply *in, uint8_t *bytes, size_t length)
@@ -343,8 +333,7 @@ static inline cw_result lika_amm5_rs485_eeprom_read_reply_encode(
 }
 
 /** Find the frame that the master sends for this data ID. The result is RANGE if there is none. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_request_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
 {
@@ -373,8 +362,7 @@ static inline cw_result lika_amm5_rs485_request_for(
  * Find the frame of the master from its first byte. Its decoder checks the rest. The result is
  * RANGE if there is no such frame.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_request_frame(
     const uint8_t *bytes, size_t length, lika_amm5_rs485_frame *frame)
 {

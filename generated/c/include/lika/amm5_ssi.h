@@ -259,8 +259,7 @@ static inline uint32_t lika_amm5_ssi_bits(lika_amm5_ssi variant)
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_decode(
     lika_amm5_ssi variant, cw_word received, lika_amm5_ssi_frame *out)
 {
@@ -280,8 +279,7 @@ static inline cw_result lika_amm5_ssi_decode(
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_receive(
     lika_amm5_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
@@ -296,8 +294,7 @@ static inline cw_result lika_amm5_ssi_receive(
 }
 
 /** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_amm5_ssi_verdict(
     lika_amm5_ssi variant, const lika_amm5_ssi_frame *frame)
 {

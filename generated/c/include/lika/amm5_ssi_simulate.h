@@ -16,8 +16,7 @@ extern "C" {
 #endif
 
 /** Set position together with multiturn and singleturn. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_set_position(
     lika_amm5_ssi variant, uint64_t position, lika_amm5_ssi_frame *out)
 {
@@ -31,8 +30,7 @@ static inline cw_result lika_amm5_ssi_set_position(
 }
 
 /** Encode a word. The last bit sent is bit 0. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_encode(
     lika_amm5_ssi variant, const lika_amm5_ssi_frame *in, uint64_t *out)
 {

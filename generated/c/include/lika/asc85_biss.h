@@ -385,8 +385,7 @@ static inline uint32_t lika_asc85_biss_crc(uint64_t word)
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_decode(
     lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, cw_word received,
     lika_asc85_biss_frame *out)
@@ -415,8 +414,7 @@ static inline cw_result lika_asc85_biss_decode(
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_receive(
     lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, const uint8_t *bytes, size_t length,
     cw_word *word)
@@ -432,8 +430,7 @@ static inline cw_result lika_asc85_biss_receive(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_asc85_biss_verdict(
     lika_asc85_biss variant, const lika_asc85_biss_frame *frame)
 {

@@ -68,8 +68,7 @@ typedef struct lika_asc85_biss_reg_profile_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_profile_id_decode(
     lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_profile_id *out)
@@ -86,8 +85,7 @@ static inline cw_result lika_asc85_biss_reg_profile_id_decode(
 }
 
 /** Encode 2 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_profile_id_encode(
     lika_asc85_biss variant, const lika_asc85_biss_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -150,8 +148,7 @@ typedef struct lika_asc85_biss_reg_serial_number {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_serial_number_decode(
     lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_serial_number *out)
@@ -167,8 +164,7 @@ static inline cw_result lika_asc85_biss_reg_serial_number_decode(
 }
 
 /** Encode 4 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_serial_number_encode(
     lika_asc85_biss variant, const lika_asc85_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -281,8 +277,7 @@ typedef struct lika_asc85_biss_reg_diagnostic_data {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_diagnostic_data_decode(
     lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_diagnostic_data *out)
@@ -304,8 +299,7 @@ static inline cw_result lika_asc85_biss_reg_diagnostic_data_decode(
 }
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_diagnostic_data_encode(
     lika_asc85_biss variant, const lika_asc85_biss_reg_diagnostic_data *in, uint8_t *bytes,
     size_t length)
@@ -503,8 +497,7 @@ typedef struct lika_asc85_biss_reg_status {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_status_decode(
     lika_asc85_biss variant, const uint8_t *bytes, size_t length, lika_asc85_biss_reg_status *out)
 {
@@ -525,8 +518,7 @@ static inline cw_result lika_asc85_biss_reg_status_decode(
 }
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_status_encode(
     lika_asc85_biss variant, const lika_asc85_biss_reg_status *in, uint8_t *bytes, size_t length)
 {
@@ -590,8 +582,7 @@ typedef struct lika_asc85_biss_reg_position {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_position_decode(
     lika_asc85_biss variant, const uint8_t *bytes, size_t length, lika_asc85_biss_reg_position *out)
 {
@@ -610,8 +601,7 @@ static inline cw_result lika_asc85_biss_reg_position_decode(
 }
 
 /** Encode 4 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_position_encode(
     lika_asc85_biss variant, const lika_asc85_biss_reg_position *in, uint8_t *bytes, size_t length)
 {
@@ -716,8 +706,7 @@ typedef struct lika_asc85_biss_reg_error_register {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_error_register_decode(
     lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_error_register *out)
@@ -737,8 +726,7 @@ static inline cw_result lika_asc85_biss_reg_error_register_decode(
 }
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_error_register_encode(
     lika_asc85_biss variant, const lika_asc85_biss_reg_error_register *in, uint8_t *bytes,
     size_t length)
@@ -798,8 +786,7 @@ typedef struct lika_asc85_biss_reg_device_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_device_id_decode(
     lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_device_id *out)
@@ -818,8 +805,7 @@ static inline cw_result lika_asc85_biss_reg_device_id_decode(
 }
 
 /** Encode 6 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_device_id_encode(
     lika_asc85_biss variant, const lika_asc85_biss_reg_device_id *in, uint8_t *bytes, size_t length)
 {
@@ -891,8 +877,7 @@ typedef struct lika_asc85_biss_reg_manufacturer_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_manufacturer_id_decode(
     lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_manufacturer_id *out)
@@ -907,8 +892,7 @@ static inline cw_result lika_asc85_biss_reg_manufacturer_id_decode(
 }
 
 /** Encode 2 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_manufacturer_id_encode(
     lika_asc85_biss variant, const lika_asc85_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)

@@ -16,8 +16,7 @@ extern "C" {
 #endif
 
 /** Encode a word. The last bit sent is bit 0. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_encode(
     lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, const lika_asc85_biss_frame *in,
     uint64_t *out)

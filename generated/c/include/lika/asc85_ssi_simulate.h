@@ -16,8 +16,7 @@ extern "C" {
 #endif
 
 /** Encode a word. The last bit sent is bit 0. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_ssi_encode(
     lika_asc85_ssi variant, const lika_asc85_ssi_frame *in, uint64_t *out)
 {

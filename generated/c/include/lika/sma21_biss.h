@@ -403,8 +403,7 @@ static inline uint32_t lika_sma21_biss_crc(uint64_t word)
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_decode(
     lika_sma21_biss variant, cw_word received, lika_sma21_biss_frame *out)
 {
@@ -432,8 +431,7 @@ static inline cw_result lika_sma21_biss_decode(
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_receive(
     lika_sma21_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
@@ -448,8 +446,7 @@ static inline cw_result lika_sma21_biss_receive(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_sma21_biss_verdict(
     lika_sma21_biss variant, const lika_sma21_biss_frame *frame)
 {

@@ -56,8 +56,7 @@ typedef struct lika_sma21_biss_reg_profile_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_profile_id_decode(
     lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_profile_id *out)
@@ -72,8 +71,7 @@ static inline cw_result lika_sma21_biss_reg_profile_id_decode(
 }
 
 /** Encode 2 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_profile_id_encode(
     lika_sma21_biss variant, const lika_sma21_biss_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -140,8 +138,7 @@ typedef struct lika_sma21_biss_reg_serial_number {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_serial_number_decode(
     lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_serial_number *out)
@@ -160,8 +157,7 @@ static inline cw_result lika_sma21_biss_reg_serial_number_decode(
 }
 
 /** Encode 4 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_serial_number_encode(
     lika_sma21_biss variant, const lika_sma21_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -331,8 +327,7 @@ typedef struct lika_sma21_biss_reg_configuration {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_configuration_decode(
     lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_configuration *out)
@@ -356,8 +351,7 @@ static inline cw_result lika_sma21_biss_reg_configuration_decode(
 }
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_configuration_encode(
     lika_sma21_biss variant, const lika_sma21_biss_reg_configuration *in, uint8_t *bytes,
     size_t length)
@@ -517,8 +511,7 @@ typedef struct lika_sma21_biss_reg_preset_offset {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_preset_offset_decode(
     lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_preset_offset *out)
@@ -534,8 +527,7 @@ static inline cw_result lika_sma21_biss_reg_preset_offset_decode(
 }
 
 /** Encode 4 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_preset_offset_encode(
     lika_sma21_biss variant, const lika_sma21_biss_reg_preset_offset *in, uint8_t *bytes,
     size_t length)
@@ -704,8 +696,7 @@ typedef struct lika_sma21_biss_reg_device_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_device_id_decode(
     lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_device_id *out)
@@ -724,8 +715,7 @@ static inline cw_result lika_sma21_biss_reg_device_id_decode(
 }
 
 /** Encode 6 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_device_id_encode(
     lika_sma21_biss variant, const lika_sma21_biss_reg_device_id *in, uint8_t *bytes, size_t length)
 {
@@ -799,8 +789,7 @@ typedef struct lika_sma21_biss_reg_manufacturer_id {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_manufacturer_id_decode(
     lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_manufacturer_id *out)
@@ -815,8 +804,7 @@ static inline cw_result lika_sma21_biss_reg_manufacturer_id_decode(
 }
 
 /** Encode 2 bytes, lowest address first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_manufacturer_id_encode(
     lika_sma21_biss variant, const lika_sma21_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)

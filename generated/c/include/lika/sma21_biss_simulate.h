@@ -16,8 +16,7 @@ extern "C" {
 #endif
 
 /** Encode a word. The last bit sent is bit 0. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_encode(
     lika_sma21_biss variant, const lika_sma21_biss_frame *in, uint64_t *out)
 {

@@ -226,20 +226,25 @@ typedef enum lika_sma21_rs485_data_id {
 } lika_sma21_rs485_data_id;
 
 /* -- requests: the first byte of each one and of its reply ------------------------------------- */
-/** Data ID 4: A2h, capture: 24-bit position and error code [7.3.1 p.38, 7.3.3 p.39]. */
+/**
+ * Data ID 4: control field A2h, capture. 24-bit position and error code [7.3.1 p.38, 7.3.3 p.39].
+ */
 #define LIKA_SMA21_RS485_CONTROL_POSITION 0xA2U
-/** Data ID 5: 2Ah, capture: 48-bit position [7.3.1 p.38, 7.3.3 p.39]. */
+/** Data ID 5: control field 2Ah, capture. 48-bit position [7.3.1 p.38, 7.3.3 p.39]. */
 #define LIKA_SMA21_RS485_CONTROL_WIDE_POSITION 0x2AU
-/** Data ID A: 52h, capture: 24-bit position, encoder ID and error code [7.3.1 p.38, 7.3.3 p.39]. */
+/**
+ * Data ID A: control field 52h, capture. 24-bit position, encoder ID and error code [7.3.1 p.38,
+ * 7.3.3 p.39].
+ */
 #define LIKA_SMA21_RS485_CONTROL_IDENTIFICATION 0x52U
 /**
- * Data ID B: DAh, reset: Reset all errors. The reply carries the 24-bit position and the error code
- * [7.3.1 p.38, 7.3.3.2 p.41].
+ * Data ID B: control field DAh, reset. Reset all errors. The reply carries the 24-bit position and
+ * the error code [7.3.1 p.38, 7.3.3.2 p.41].
  */
 #define LIKA_SMA21_RS485_CONTROL_RESET_ERRORS 0xDAU
 /**
- * Data ID F: 7Ah, reset: Reset the position to 0. The reply carries the 24-bit position and the
- * error code [7.3.1 p.38, 7.3.3.2 p.41].
+ * Data ID F: control field 7Ah, reset. Reset the position to 0. The reply carries the 24-bit
+ * position and the error code [7.3.1 p.38, 7.3.3.2 p.41].
  */
 #define LIKA_SMA21_RS485_CONTROL_RESET_POSITION 0x7AU
 
@@ -260,8 +265,7 @@ typedef struct lika_sma21_rs485_data_request {
 } lika_sma21_rs485_data_request;
 
 /** Encode 1 byte. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_data_request_encode(
     lika_sma21_rs485 variant, const lika_sma21_rs485_data_request *in, uint8_t *bytes,
     size_t length)
@@ -383,8 +387,7 @@ typedef struct lika_sma21_rs485_position_reply {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_position_reply_decode(
     lika_sma21_rs485 variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_position_reply *out)
@@ -441,8 +444,7 @@ static inline bool lika_sma21_rs485_position_reply_is_expected(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_sma21_rs485_position_reply_verdict(
     lika_sma21_rs485 variant, const lika_sma21_rs485_position_reply *frame)
 {
@@ -592,8 +594,7 @@ typedef struct lika_sma21_rs485_wide_position_reply {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_wide_position_reply_decode(
     lika_sma21_rs485 variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_wide_position_reply *out)
@@ -634,8 +635,7 @@ static inline bool lika_sma21_rs485_wide_position_reply_is_expected(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_sma21_rs485_wide_position_reply_verdict(
     lika_sma21_rs485 variant, const lika_sma21_rs485_wide_position_reply *frame)
 {
@@ -787,8 +787,7 @@ typedef struct lika_sma21_rs485_identification_reply {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_identification_reply_decode(
     lika_sma21_rs485 variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_identification_reply *out)
@@ -845,8 +844,7 @@ static inline bool lika_sma21_rs485_identification_reply_is_expected(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_sma21_rs485_identification_reply_verdict(
     lika_sma21_rs485 variant, const lika_sma21_rs485_identification_reply *frame)
 {
@@ -958,8 +956,7 @@ static inline size_t lika_sma21_rs485_frame_length(lika_sma21_rs485_frame frame)
 }
 
 /** Find the frame that the encoder sends for this data ID. The result is RANGE if there is none. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_reply_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
 {
@@ -984,8 +981,7 @@ static inline cw_result lika_sma21_rs485_reply_for(
  * Find the frame of the encoder from its first byte. Its decoder checks the rest. The result is
  * RANGE if there is no such frame.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_reply_frame(
     const uint8_t *bytes, size_t length, lika_sma21_rs485_frame *frame)
 {

@@ -20,8 +20,7 @@ extern "C" {
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_data_request_decode(
     lika_sma21_rs485 variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_data_request *out)
@@ -50,8 +49,7 @@ static inline cw_result lika_sma21_rs485_data_request_decode(
 }
 
 /** Encode 7 bytes in the order sent, low byte first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_position_reply_encode(
     lika_sma21_rs485 variant, const lika_sma21_rs485_position_reply *in, uint8_t *bytes,
     size_t length)
@@ -87,8 +85,7 @@ static inline cw_result lika_sma21_rs485_position_reply_encode(
 }
 
 /** Encode 9 bytes in the order sent, low byte first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_wide_position_reply_encode(
     lika_sma21_rs485 variant, const lika_sma21_rs485_wide_position_reply *in, uint8_t *bytes,
     size_t length)
@@ -118,8 +115,7 @@ static inline cw_result lika_sma21_rs485_wide_position_reply_encode(
 }
 
 /** Encode 9 bytes in the order sent, low byte first. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_identification_reply_encode(
     lika_sma21_rs485 variant, const lika_sma21_rs485_identification_reply *in, uint8_t *bytes,
     size_t length)
@@ -152,8 +148,7 @@ static inline cw_result lika_sma21_rs485_identification_reply_encode(
 }
 
 /** Find the frame that the master sends for this data ID. The result is RANGE if there is none. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_request_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
 {
@@ -174,8 +169,7 @@ static inline cw_result lika_sma21_rs485_request_for(
  * Find the frame of the master from its first byte. Its decoder checks the rest. The result is
  * RANGE if there is no such frame.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_request_frame(
     const uint8_t *bytes, size_t length, lika_sma21_rs485_frame *frame)
 {

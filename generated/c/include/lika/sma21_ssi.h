@@ -307,8 +307,7 @@ static inline uint32_t lika_sma21_ssi_bits(lika_sma21_ssi variant)
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_ssi_decode(
     lika_sma21_ssi variant, cw_word received, lika_sma21_ssi_frame *out)
 {
@@ -328,8 +327,7 @@ static inline cw_result lika_sma21_ssi_decode(
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_ssi_receive(
     lika_sma21_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
@@ -344,8 +342,7 @@ static inline cw_result lika_sma21_ssi_receive(
 }
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
-CW_NODISCARD
-CW_CONSTEXPR
+CW_NODISCARD CW_CONSTEXPR
 static inline cw_verdict lika_sma21_ssi_verdict(
     lika_sma21_ssi variant, const lika_sma21_ssi_frame *frame)
 {
