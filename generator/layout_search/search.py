@@ -71,9 +71,6 @@ def _possible_layouts(recording: Recording) -> Iterator[FoundLayout]:
             first_bit, end = _bits_between_checks(parity, body_bits)
             parity_cost = _parity_cost(recording, parity, crc) if parity is not None else 0.0
             for split in splits_of(recording, first_bit, end):
-                # A line has no parity over Gray code.
-                if parity is not None and split.is_gray:
-                    continue
                 total_cost = crc_cost + parity_cost + split.cost
                 yield FoundLayout(crc=crc, parity=parity, split=split, cost=total_cost)
 

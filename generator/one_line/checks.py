@@ -85,9 +85,6 @@ def _problems_of_gray(
     positions = [field for field in fields if field.name in (POSITION, IN_TURN)]
     if not positions:
         yield LineProblem(column, "'gray' needs a position; add position=BITS, or remove gray")
-    for field in fields:
-        if isinstance(field, Parity):
-            yield LineProblem(field.column, "a parity over Gray code is not supported; write its bit as unused=1")
     names = [field.name for field in fields]
     has_turns = TURNS in names
     # The other order of the two is a problem of its own.

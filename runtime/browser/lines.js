@@ -392,10 +392,6 @@ function checkGrayOption(options, columns, fields) {
     problems.push([fields[singleturnIndex].column,
       "with gray, 'singleturn' must follow 'multiturn' directly; move the fields between them"]);
   }
-  for (const { kind, column } of fields) {
-    if (kind === "parity") problems.push([
-      column, "a parity over Gray code is not supported; write its bit as unused=1"]);
-  }
   for (const { name, bits: width, column, isSigned } of positionFields) {
     if (width === 1 && !hasTurns) {
       problems.push([column, `'${name}' has one bit, which is the same in Gray code; remove gray`]);

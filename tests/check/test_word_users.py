@@ -26,7 +26,10 @@ ALONE = {
         ),
         "two flags of the AS5045 that together mean a field out of range, and two of the AS5055A that mean an error",
     ),
-    "clock.only": "clocks by order code, of the BML. No second encoder with a public source is known",
+    **dict.fromkeys(
+        ("timeout.only", "timeout.rule.fixed", "timeout.typical_ns"),
+        "fixed time-outs by a setting, of the iC-MN. Other public documents give one time-out for all models",
+    ),
     **dict.fromkeys(
         ("biss.channels", "biss.channels.order", "biss.channels.source", "layout.channel"),
         "the temperature channel of the iC-MR. No second encoder with a public source is known",
@@ -48,6 +51,7 @@ ALONE = {
     "rs485.port.parity.even": "one of the three parities of a UART",
     "spi.exchanges.purpose.other": "requests that neither read nor write",
     "ssi.alignment.lsb_right": "the opposite of msb_left",
+    "ssi.output_code.gray": "one of three values. Most manufacturers offer both codes",
 }
 #: Words that no encoder uses, with the reason to keep them.
 UNUSED = {
@@ -58,8 +62,6 @@ UNUSED = {
     **dict.fromkeys(
         (
             "biss.network.topology.bus",
-            "timeout.rule.fixed",
-            "timeout.typical_ns",
             "change.add",
             "change.severity.omission",
             "change.severity.wrong_data",
@@ -82,11 +84,10 @@ UNUSED = {
             "rs485.port.flow_control.software",
             "rs485.port.parity.odd",
             "spi.measurement",
-            "ssi.output_code.gray",
         ),
         "completes a list, or is the same key as in other places",
     ),
-    **dict.fromkeys(("ssi.cable_lengths.only", "timeout.only"), "as clock.only"),
+    "ssi.cable_lengths.only": "as clock.only. No encoder with a public source has cable lengths by order code",
     **dict.fromkeys(
         tuple(f"biss.channels.{key}" for key in ("compared", "compared_bits", "tolerance")),
         "the two words of BiSS Safety. No public document of an encoder with them gives all facts",

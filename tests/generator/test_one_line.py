@@ -119,6 +119,17 @@ def test_gray_code_over_the_whole_position(turns: int) -> None:
     assert frame.values["position"] == position
 
 
+@pytest.mark.parametrize("kind", ["even", "odd"])
+def test_parity_over_gray_code_is_that_of_the_sent_bits(kind: str) -> None:
+    line = f"ssi,gray:position=8,error=high,parity={kind}"
+    for position in range(256):
+        body = [*bits_of(gray(position), 8), position & 1]
+        parity = (sum(body) + (kind == "odd")) % 2
+        frame = decoded(line, text_of([*body, parity]))
+        assert (frame.problems, frame.values["position"]) == ((), position)
+        assert decoded(line, text_of([*body, 1 - parity])).problems
+
+
 def test_gray_code_of_one_field() -> None:
     assert decoded("ssi,gray:singleturn=13", text_of(bits_of(gray(5000), 13))).values["singleturn"] == 5000
     assert decoded("ssi,gray:zero=3,position=13", text_of(bits_of(gray(5000), 16))).values["position"] == 5000
@@ -252,6 +263,7 @@ LINES = [
     "biss:position=32,error,warning,crc=6:0x43",
     "biss,clock=2MHz:multiturn=12,singleturn=24,error,warning,crc=16:0x190d9:0x0",
     "ssi,gray:multiturn=12,singleturn=13",
+    "ssi,gray:multiturn=12,singleturn=13,parity=odd",
     "ssi,right,clock=500kHz:zero=3,position=13,error=high",
     "spi,mode=1:parity=even,error=high,position=14",
     "spi,low_byte_first,clock=1.5MHz:position=16,crc=8:0x1d",

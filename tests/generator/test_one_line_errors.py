@@ -72,7 +72,6 @@ WRONG = {
     "spi,mode=4:position=12": [(10, "'4' is not a value of 'mode'; write it like mode=1")],
     "rs485,request=1:position=8": [(15, "'1' is not a value of 'request'; write it like request=1A")],
     "ssi,gray:temperature=12": [(5, "'gray' needs a position; add position=BITS, or remove gray")],
-    "ssi,gray:position=12,parity=even": [(22, "a parity over Gray code is not supported; write its bit as unused=1")],
     "ssi,gray:multiturn=4,x=1,singleturn=4": [
         (26, "with gray, 'singleturn' must follow 'multiturn' directly; move the fields between them")
     ],

@@ -1,8 +1,8 @@
 """Words of encoders without a public driver, against the tables of their manuals.
 
-Of each word, half are valid words with one to three bits changed. No implementation of the DL100, the DL1000, the
-BML-S1G0 and the MSA213C is public, so these decoders are written from the pages that the specs cite, with arithmetic
-on whole numbers. They share no code with the generator.
+Of each word, half are valid words with one to three bits changed. No implementation of these encoders is public, so
+the decoders are written from the pages that the specs cite, with arithmetic on whole numbers. They share no code with
+the generator.
 """
 
 from __future__ import annotations
@@ -118,6 +118,29 @@ def msa213c(_: str, word: int) -> Expected:
     return Expected(position, verdict_of(True, is_negative or data & 2 == 0, data & 1 == 0))
 
 
+def ocd(order_code: str, word: int) -> Expected:
+    """The rows "SSI Format" and "Code" of the product pages: M and S in Gray code, and 0 only for the SHD1."""
+    if "-SHD1G-" in order_code:
+        word, zero = divmod(word, 2)
+        if zero:
+            return REJECTED
+    return Expected(binary_number(word), "unknown")
+
+
+def acuro(order_code: str, word: int) -> Expected:
+    """Page 9 of the interface data sheet: all bits are the position. The product page names the two codes."""
+    return Expected(binary_number(word) if order_code.endswith("G") else word, "unknown")
+
+
+def icmn(order_code: str, word: int) -> Expected:
+    """Tables 59, 60 and 63 of the data sheet: revolutions and angle, error, warning and CRC."""
+    _, _, angle, turns, _ = order_code.split("-")
+    data = word >> 6
+    if remainder(data, int(angle) + int(turns) + 2) != word % 64:
+        return REJECTED
+    return Expected(data >> 2, verdict_of(True, data & 2 == 0, data & 1 == 0))
+
+
 class Family(NamedTuple):
     """A family with its decoder from the manual, and the bits of each order code."""
 
@@ -136,6 +159,8 @@ DL100 = {"GRY24E": 25, "GRY24": 24, "GRY25": 25, "G25DME": 25, "G24S8": 32}
 DL100_BINARY = {"BIN24E": 25, "BIN24": 24, "BIN25": 25, "B24S8": 32}
 DL1000 = {"24": 24, "24S1": 25, "24S8": 32, "25": 25}
 BML = {"S24": 24, "S25": 25, "S26": 26, "S32": 32}
+OCD = {"OCD-S101G-0013": 13, "OCD-S101G-1213": 25, "UCD-SHD1G-0013": 14, "UTD-S101G-1616": 32}
+ACURO = {"0014-G": 14, "0017-B": 17, "1214-B": 26, "1217-G": 29}
 FAMILIES = [
     Family("sick", "dl100", "distance", dl100, {f"DL100-{form}": n for form, n in (DL100 | DL100_BINARY).items()}),
     Family("sick", "dl1000", "distance", dl1000, {f"DT1000-GRAY{form}-1MM": n for form, n in DL1000.items()}),
@@ -143,6 +168,10 @@ FAMILIES = [
     Family("balluff", "bml_s1g", "position", bml_s1g, {f"BML-S1G0-{form}-2000": n for form, n in BML.items()}),
     Family("balluff", "bml_s1g", "position", bml_biss, {"BML-S1G0-B-2048": 40}, data_bits=34, zeros=4),
     Family("siko", "msa213c", "position", msa213c, {"MSA213C-S": 33}, data_bits=27),
+    Family("posital", "ocd", "position", ocd, OCD),
+    Family("hengstler", "acuro", "position", acuro, {f"ACURO-{form}": n for form, n in ACURO.items()}),
+    Family("ichaus", "icmn", "position", icmn, {"iC-MN-25-8-T2": 41}, data_bits=35),
+    Family("ichaus", "icmn", "position", icmn, {"iC-MN-8-0-T16": 16}, data_bits=10),
 ]
 
 

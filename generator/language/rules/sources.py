@@ -347,9 +347,7 @@ def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
     documents_read = spec.evidence.part.documents
     if not spec.evidence.is_valid("grade") or grade in _IN_THE_MANUFACTURERS_WORDS:
         return
-    needed_source = "a document of the manufacturer under 'evidence'"
-    if documents_read:
-        needed_source = f"a source in {listed(documents_read, 'or')}"
+    listed_documents = f" ({listed(documents_read, 'and')})" if documents_read else ""
     for limited in _yield_limited(spec):
         cited_keys = set()
         for piece in limited.source.split(";"):
@@ -358,8 +356,12 @@ def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                 cited_keys.add(document[1] or "manual")  # A place without a key refers to the manual.
         given_limits = [key for key in limited.kind.keys if key in limited.part.data]
         if given_limits and cited_keys.isdisjoint(documents_read):
-            problem = f"{quoted(given_limits[0])} needs {needed_source}, because it is a limit"
-            message = f"{problem}; without one, {limited.kind.alternative}"
+            needed_source = f"its source must be in 'documents' of 'evidence'{listed_documents}"
+            new_document = f"if {listed(map(quoted, sorted(cited_keys)), 'or')} is by the manufacturer, add it there"
+            message = (
+                f"{quoted(given_limits[0])} is a limit, so {needed_source}; {new_document}; "
+                f"otherwise, {limited.kind.alternative}"
+            )
             report.add("limit-source", (*limited.part.path, given_limits[0]), message, at_key=True)
 
 

@@ -12,6 +12,7 @@ from .errors import FrameError
 from .reports import Report, Verdict
 
 if TYPE_CHECKING:
+    from .captures.capture import ChannelCapture
     from .channel_tables import ChannelTable
 
 _Channel = TypeVar("_Channel")
@@ -197,6 +198,35 @@ class ChannelLayout:
         from .channel_tables import decode_channels
 
         return decode_channels(self, frames)
+
+    def read_capture(
+        self,
+        source: Any,
+        *,
+        clock: str | int = "",
+        data: str | int = "",
+        rate: float | None = None,
+        rest: float | None = None,
+        threshold: float | None = None,
+    ) -> ChannelCapture:
+        """Decode a capture of a logic analyser, with all channels of each frame. Needs NumPy.
+
+        Args:
+            source: The capture, in a format of the package's ``read_capture``.
+            clock, data, rate, rest, threshold: See the package's ``read_capture``.
+
+        Returns:
+            The columns of the channels, the times of the frames, lost cycles, and accesses to registers.
+
+        Raises:
+            InputError: The source is not a capture, or does not contain such signals. The message says what to do.
+            UsageError: The arguments are wrong or incompatible with each other.
+            OSError: A file cannot be read.
+        """
+        from .captures.capture import Probes, read_channel_capture
+
+        probes = Probes(clock=clock, data=data, rate=rate, rest=rest, threshold=threshold)
+        return read_channel_capture(self, source, probes)
 
     def compare(self, channels: Sequence[Any]) -> bool:
         """Return whether the compared fields of the channels agree: each with the first, within ``tolerance``.

@@ -5,17 +5,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from enum import Enum
 from functools import partial
 from importlib import import_module
 from math import isfinite
 from types import MappingProxyType
-from typing import Any, Final, Literal, NamedTuple
+from typing import Any, Final, Literal, NamedTuple, Protocol
 
 from ..bulk.decode import decode_many
 from ..bulk.shape import Shape
 from ..bulk.table import Table
+from ..channel_tables import ChannelTable
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
 from ..files.inputs import Part, Source
@@ -40,7 +41,7 @@ from .signal_files import open_signals
 from .signals import Names, Signals, read_array
 from .uart import Kinds, find_exported_columns, find_replies, read_exported_bytes, read_serial_bytes
 
-__all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes"]
+__all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "ChannelCapture", "Lost", "Probes"]
 
 np: Any = load("numpy")
 
@@ -117,6 +118,23 @@ class Capture(NamedTuple):
     lost: tuple[Lost, ...]
     accesses: tuple[Access, ...]
     others: Mapping[str, int]
+
+
+class ChannelCapture(NamedTuple):
+    """Contents of a capture of BiSS frames with several data channels.
+
+    Attributes:
+        table: Table of each channel, and columns for the whole frames.
+        times: Time of each frame in seconds, or in samples if the sample rate is unknown: the first falling edge of the
+            clock.
+        lost: Cycles that contain no frame, with the reason.
+        accesses: Accesses to registers.
+    """
+
+    table: ChannelTable
+    times: Any
+    lost: tuple[Lost, ...]
+    accesses: tuple[Access, ...]
 
 
 class CaptureSummary(NamedTuple):
@@ -244,21 +262,16 @@ def _open_capture(
         raise UsageError(f"the replies of {encoder.code} have no data ID, so they are not found in captures: {how}")
     probes.check()
     is_serial = isinstance(encoder, Encoder) and encoder.interface is Interface.RS485
-    names = probes.names(is_serial)._replace(exchanged=exchanged)
-    name = "the array"
-    if hasattr(source, "dtype"):
-        opening: Any = nullcontext(read_array(source, names, probes.rate))
-    else:
+    if isinstance(encoder, Encoder) and is_serial and not hasattr(source, "dtype"):
         paths = _list_paths(source)
-        name = paths[0] if paths else "the capture"
-        columns = _find_exported_columns(paths) if is_serial else None
-        if isinstance(encoder, Encoder) and columns is not None:
-            with open(name, "rb") as file:
-                line = read_exported_bytes(file, name, columns)
-                yield _find_replies(encoder, line, name, probes, layout, answers)
+        columns = _find_exported_columns(paths)
+        if columns is not None:
+            with open(paths[0], "rb") as file:
+                line = read_exported_bytes(file, paths[0], columns)
+                yield _find_replies(encoder, line, paths[0], probes, layout, answers)
             return
-        opening = open_signals(paths, names, probes.rate, probes.threshold)
-    with opening as signals:
+    names = probes.names(is_serial)._replace(exchanged=exchanged)
+    with _open_signals(source, names, probes) as (signals, name):
         yield _find_frames(encoder, signals, name, probes, layout, answers)
 
 
@@ -462,6 +475,43 @@ class Captures(NamedTuple):
             return encoder
         variant: Encoder = import_module(self.package).lookup(encoder)
         return variant
+
+
+class _Channels(Protocol):
+    """Layout of frames with several data channels, a ``ChannelLayout``, whose module imports this one."""
+
+    @property
+    def bits(self) -> int: ...
+
+    def decode_many(self, frames: object) -> ChannelTable: ...
+
+
+def read_channel_capture(layout: _Channels, source: Captured, probes: Probes) -> ChannelCapture:
+    """Decode a capture of frames with several data channels. See ``ChannelLayout.read_capture``."""
+    probes.check()
+    names = probes.names(is_serial=False)
+    log = _Log(None)
+    frames: list[Any] = []
+    times: list[Any] = []
+    with _open_signals(source, names, probes) as (signals, name):
+        for stretch in find_clocked_frames(signals, name, "biss", layout.bits, probes.rest):
+            log.add(stretch)
+            frames.append(stretch.frames)
+            times.append(_round_times(stretch.times))
+    log.finish()
+    table = layout.decode_many(np.concatenate(frames))
+    return ChannelCapture(table, np.concatenate(times), tuple(log.lost), tuple(log.accesses))
+
+
+@contextmanager
+def _open_signals(source: Captured, names: Names, probes: Probes) -> Generator[tuple[Signals, str], None, None]:
+    """Open the signals of files or of an array, and yield them with a name for errors."""
+    if hasattr(source, "dtype"):
+        yield read_array(source, names, probes.rate), "the array"
+        return
+    paths = _list_paths(source)
+    with open_signals(paths, names, probes.rate, probes.threshold) as signals:
+        yield signals, paths[0] if paths else "the capture"
 
 
 def _read_capture(

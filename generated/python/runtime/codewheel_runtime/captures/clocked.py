@@ -60,7 +60,8 @@ class CapturedFrames(NamedTuple):
     """Frames in a stretch of a capture.
 
     Attributes:
-        frames: The frames, in the form that ``decode_many`` expects.
+        frames: The frames, in the form that ``decode_many`` expects. Over BiSS and SSI, frames of more than 64 bits
+            are rows of bytes.
         times: Beginning of each frame: the first falling edge of the clock, or the start bit of the first byte. In
             seconds, or in samples if the sample rate is unknown.
         lost: Cycles without a frame.
@@ -256,7 +257,7 @@ class _CycleFinder:
     def _take_cycles(self, ends: Any, is_last: bool = False) -> CapturedFrames:
         """Return the frames in the cycles that end before the edges ``ends``, and forget the edges of these cycles."""
         if not len(ends):
-            return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
+            return self._no_frames()
         starts = np.concatenate([[0], ends[:-1]])
         frames = self._find_frames(starts, ends, is_last)
         last_end = int(ends[-1])
@@ -290,7 +291,7 @@ class _CycleFinder:
         """
         cycles = self._find_cycles(starts, ends)
         if not len(cycles.falls):
-            return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
+            return self._no_frames()
         bits = self._find_biss_bits(cycles) if self._is_biss else self._find_ssi_bits(cycles)
         # A glitch on the clock takes precedence over other reasons.
         has_glitch = self._find_shortest_gaps(cycles) < _SPIKE * cycles.period
@@ -310,6 +311,10 @@ class _CycleFinder:
             done=self._done,
             control=self._find_control_bits(cycles, good, levels) if self._is_biss else None,
         )
+
+    def _no_frames(self) -> CapturedFrames:
+        """Return the result of a stretch without a cycle."""
+        return CapturedFrames(_join_bits(np.zeros((0, self._bits), np.uint8)), np.zeros(0), [], self._done)
 
     def _find_control_bits(self, cycles: _Cycles, good: Any, levels: Any) -> ControlBits:
         """Return the bits of register accesses. ``good`` are the indices of the cycles with the ``levels`` of bits."""
@@ -485,8 +490,15 @@ _MESSAGES: Final = {
 
 
 def _join_bits(levels: Any) -> Any:
-    """Return rows of bits as numbers, the first bit as the most significant one."""
+    """Return rows of bits as numbers, the first bit as the most significant one.
+
+    More than 64 bits become rows of bytes. The first byte begins with zeros if the bits do not fill it.
+    """
+    bits = levels.shape[1]
+    if bits > 64:
+        whole_bytes = np.pad(levels.astype(np.uint8), ((0, 0), (-bits % 8, 0)))
+        return np.packbits(whole_bytes, axis=1)
     words = np.zeros(len(levels), np.uint64)
-    for column in range(levels.shape[1]):
+    for column in range(bits):
         words = (words << np.uint64(1)) | levels[:, column].astype(np.uint64)
     return words
