@@ -190,6 +190,11 @@ class WrittenField(WrittenPart):
     signed: bool = key("True if the number is in two's complement.", default=False)
     zero_means: Count | None = key("Number that a raw value of 0 represents, if not zero.", default=None)
     power_of_two: bool = key("True if only powers of two are accepted.", default=False)
+    digit_code: Literal["", "bcd"] = key(
+        "Code of each decimal digit, if the number is not binary. bcd: four bits for each digit, most significant digit "
+        "first; the first digit can have fewer bits. Decoders reject other codes, such as those above 9.",
+        default="",
+    )
     implemented: bool = key("False if this encoder does not implement the field. Default: true.", default=True)
     reserved: Literal["", "maker"] = key("Write 'maker' if only the manufacturer may use this.", default="")
     explained_by: tuple[RegisterBit, ...] = key(

@@ -293,9 +293,15 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
 
 
 def _check_number(field: Field, number: Number, site: Site) -> None:
-    """Check that a power of two has bits for every order code: without bits, it would be 0."""
+    """Check that a power of two has bits for every order code: without bits, it would be 0.
+
+    A number whose digits are sent separately has one width and a frame of at most 64 bits.
+    """
     if number.power_of_two:
         _check_absent(field, "0 is not a power of two; remove 'power_of_two'", site)
+    if number.digit_code and not field.width.is_constant:
+        message = f"'{field.name}' consists of digits, so 'bits' must be a number, not {field.width.render()}"
+        site.report("digit-code", message, "bits")
 
 
 def _check_decimal(field: Field, decimal: Decimal, site: Site) -> None:

@@ -28,8 +28,9 @@ from ..model import (
     Variant,
     Verdict,
 )
+from ..model.kinds import DIGIT_CODES
 from ..order_codes.labels import UnknownOrderCode
-from ..reference.bits import from_gray, join_value
+from ..reference.bits import to_binary, join_value
 from ..reference.codec import EncodeError, encode
 from .examples import example_variant
 
@@ -114,6 +115,8 @@ def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool
         case Number(power_of_two=True):
             # The power of two in the middle of the range.
             return 1 << (width // 2)
+        case Number(digit_code=code) if code:
+            return min(_made_up_number(width), DIGIT_CODES[code].highest(width))
         case Number(signed=is_signed, zero_means=zero_means):
             # A signed field has one bit less for positive numbers.
             number = _made_up_number(width - 1 if is_signed else width)
@@ -142,7 +145,7 @@ def _encoded_sample(
 ) -> Sample:
     """Return a frame with these values, and the same frame with a flag that decoders must refuse, if there is one."""
     frame = encode(device, placed, values)
-    plain_frame = from_gray(placed, frame)
+    plain_frame = to_binary(placed, frame)
     decoded_values = {field.name: values[field.name] for field in placed.fields if field.name in values}
     decoded_values |= {join.name: join_value(placed, join, plain_frame) for join in placed.layout.joins}
     refused_frame = None

@@ -32,7 +32,7 @@ from codewheel.reference.bits import (
     compute,
     compute_bits,
     compute_bytes,
-    from_gray,
+    to_binary,
     join_value,
     unused_bits,
 )
@@ -68,7 +68,7 @@ class Table:
     def row(self, name: str, placed: PlacedLayout, number: int) -> str:
         """Return the expected output of the harness for a number without errors."""
         layout = placed.layout
-        number = from_gray(placed, number)
+        number = to_binary(placed, number)
         values: dict[str, int | str] = {}
         for field in layout.fields:
             placed_field = placed.find_field(field.name)

@@ -36,7 +36,7 @@ _OF_FLAGS = (
     "by_hand",
 )
 _OF_PARITIES = ("parity", "over")
-_OF_NUMBERS = ("signed", "zero_means", "power_of_two", "scale", "unit")
+_OF_NUMBERS = ("signed", "zero_means", "power_of_two", "digit_code", "scale", "unit")
 #: Kinds of fields that can have the key ``equals``, apart from numbers.
 _EXPECTED_ON_DEVICE = ("values", "text")
 #: Keys that are not allowed next to ``scale``: the first changes the meaning of 0, the second states a separate unit.

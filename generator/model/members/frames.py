@@ -221,6 +221,14 @@ FRAMES = (
             noun="restriction to powers of two",
         ),
         Member(
+            "digit_code",
+            "|bcd",
+            "Code of each digit, if digits are sent separately. Empty for a binary number.",
+            "field-reads-otherwise",
+            read="coding",
+            noun="code of digits",
+        ),
+        Member(
             "implemented",
             "boolean=true",
             "True if this encoder implements the item.",
