@@ -191,8 +191,9 @@ class WrittenField(WrittenPart):
     zero_means: Count | None = key("Number that a raw value of 0 represents, if not zero.", default=None)
     power_of_two: bool = key("True if only powers of two are accepted.", default=False)
     digit_code: Literal["", "bcd"] = key(
-        "Code of each decimal digit, if the number is not binary. bcd: four bits for each digit, most significant digit "
-        "first; the first digit can have fewer bits. Decoders reject other codes, such as those above 9.",
+        "Code of each decimal digit of a number in a frame, if the number is not binary. bcd: four bits for each "
+        "digit, most significant digit first, as in {name: position, bits: 10, digit_code: bcd} for 0 to 399. The "
+        "first digit can have fewer bits. Decoders reject all other codes, such as those above 9.",
         default="",
     )
     implemented: bool = key("False if this encoder does not implement the field. Default: true.", default=True)

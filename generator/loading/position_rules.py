@@ -192,9 +192,15 @@ def _width_problem(
     turns_text = f" × {turns} turns" if turns > 1 else ""
     counts_text = f"{values[counts_key]} counts{turns_text}"
     width_text = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
-    if counts > 1 << case.width:
-        return KeyProblem(counts_key, f"{counts_text} do not fit, because {width_text}")
     fields = [case.layout.field(name) for name, _ in case.fields]
+    # Numbers whose digits are sent separately are not joined.
+    code = fields[0].number.code_of_digits
+    highest_in_bits = (1 << case.width) - 1 if code is None else code.highest(case.width)
+    if counts > highest_in_bits + 1:
+        end = f" for numbers up to {highest_in_bits} in {code.name}" if code is not None else ""
+        return KeyProblem(counts_key, f"{counts_text} do not fit, because {width_text}{end}")
+    if code is not None:
+        return None
     is_signed = any(isinstance(field.kind, Number) and field.kind.signed for field in fields)
     end_of_width = 1 << case.width
     if len(fields) > 1 and measurement.highest is not None:

@@ -30,7 +30,7 @@ from ..model import (
 )
 from ..model.kinds import DIGIT_CODES
 from ..order_codes.labels import UnknownOrderCode
-from ..reference.bits import to_binary, join_value
+from ..reference.bits import join_value, to_binary
 from ..reference.codec import EncodeError, encode
 from .examples import example_variant
 

@@ -128,7 +128,7 @@ def binary_to_gray(binary: int) -> int:
 
 
 def to_binary(placed: PlacedLayout, number: int) -> int:
-    """Return the frame ``number`` with the fields that are sent in Gray code, if any, converted to binary.
+    """Return the frame ``number`` with the fields in Gray code, if any, converted to binary.
 
     The excess, which the encoder adds before it converts, is subtracted. Numbers whose digits are sent separately are
     converted as well. If a digit has no valid code, all bits of the number are 1.
@@ -174,10 +174,10 @@ def with_bits(number: int, placed_field: PlacedField, bits: int) -> int:
 
 
 def from_binary(placed: PlacedLayout, number: int) -> int:
-    """Return the frame ``number`` with the fields that are sent in Gray code or as digits, if any, converted from binary.
+    """Return the frame ``number`` as it is sent, with Gray code and digits converted from binary.
 
-    The excess of Gray code is added first. It is a number that some encoders add so that their Gray code also wraps around in one
-    bit if the counts are not a power of two.
+    The excess of Gray code is added first. It is a number that some encoders add so that their Gray code also wraps
+    around in one bit if the counts are not a power of two.
     """
     _, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1

@@ -27,7 +27,7 @@ from ..model.record import dataclass
 from ..say import report
 from ..say.layout import as_one_number
 from ..say.plain_text import counted
-from .bits import compute, documented_bits, to_binary, join_value, parity_bit, from_binary, unused_bits
+from .bits import compute, documented_bits, from_binary, join_value, parity_bit, to_binary, unused_bits
 from .values import EncodeError as EncodeError
 from .values import Values as Values
 from .values import checked_number, encode_digits, encode_value, signed_or_plain, value_and_meaning

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from ..model import Device, PlacedLayout, Ssi, Variant
 from ..reference import codec
-from ..reference.bits import gray_to_binary, from_binary
+from ..reference.bits import from_binary, gray_to_binary
 from .hypotheses import TypedFrame, check_constant_bits
 from .recordings import LINES, line_name, recording_hypotheses
 

@@ -32,8 +32,8 @@ from codewheel.reference.bits import (
     compute,
     compute_bits,
     compute_bytes,
-    to_binary,
     join_value,
+    to_binary,
     unused_bits,
 )
 from codewheel.reference.codec import UNUSED, decode, encode

@@ -63,6 +63,7 @@ OWNERS: Mapping[str, tuple[tuple[str, ...], Any, str]] = {
             ("signed", True),
             ("zero_means", 256),
             ("power_of_two", True),
+            ("digit_code", "bcd"),
             ("unit", "counts"),
             ("scale", {"unit": "°C", "numerator": 1, "denominator": 10, "offset": 0}),
         )

@@ -182,6 +182,9 @@ class Family:
             part = "a flag that order codes lack" if layout.has_optional_flags else "a parity bit over Gray code"
             problem = f"'{layout.name}' has {part}, which this target does not compute"
             self._wide.append(TargetProblem(self.device, "rust-parity", place, problem))
+        if struct.codec.digit_codings:
+            problem = f"'{layout.name}' has digits that are sent separately, which this target does not convert"
+            self._wide.append(TargetProblem(self.device, "rust-digits", place, problem))
         if layout.crc_fields and not layout.always_has_crc:
             problem = f"'{layout.name}' has a CRC that order codes lack, which this target does not compute"
             self._wide.append(TargetProblem(self.device, "rust-crc", place, problem))

@@ -41,6 +41,8 @@ _OF_NUMBERS = ("signed", "zero_means", "power_of_two", "digit_code", "scale", "u
 _EXPECTED_ON_DEVICE = ("values", "text")
 #: Keys that are not allowed next to ``scale``: the first changes the meaning of 0, the second states a separate unit.
 _NOT_SCALED = ("zero_means", "unit")
+#: Keys that are not allowed next to ``digit_code``, because they are about the bits as one binary number.
+_NOT_OF_DIGITS = ("signed", "zero_means", "power_of_two", "equals", "default")
 #: Keys allowed next to ``use``.
 _BESIDE_USE = frozenset(("use", "note", "source"))
 #: Kinds with an implied width: a flag and a parity bit have one bit, a CRC its own width.
@@ -110,6 +112,10 @@ def _check_kind(field: WrittenField, report: DocumentReport) -> None:
     for key in _NOT_SCALED:
         if field.has(key) and field.scale is not None:
             problem = f"{quoted(key)} and 'scale' exclude each other; keep one of them"
+            report.add("layout-keys", field.place_of(key), problem, at_key=True)
+    for key in _NOT_OF_DIGITS:
+        if field.has(key) and field.digit_code:
+            problem = f"{quoted(key)} and 'digit_code' exclude each other; keep one of them"
             report.add("layout-keys", field.place_of(key), problem, at_key=True)
     _check_flag_keys(field, report)
     _check_keys_of_checks(field, report)

@@ -107,7 +107,8 @@ FACTS: Mapping[str, tuple[str, ...]] = _runtime_modules(
 #: Names that the descriptions of frames can import, by source module.
 SHAPES: Mapping[str, tuple[str, ...]] = {
     "codewheel_runtime.bulk.shape": tuple(
-        "Check Column CrcOf DigitCoding Fold Join ReportCause Shape Unused VerdictCause compare_bits compare_bytes".split()
+        """Check Column CrcOf DigitCoding Fold Join ReportCause Shape Unused VerdictCause compare_bits
+        compare_bytes""".split()
     ),
     "codewheel_runtime.codec": ("BitField",),
     "codewheel_runtime.errors": ("ErrorKind",),

@@ -17,6 +17,7 @@ from ..codec import (
     check_width,
     signed,
     text_number,
+    to_digits,
     to_gray,
     whole_number,
     zero_for,
@@ -49,6 +50,8 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     if shape.limited is not None:
         check_limits(shape.limited[0], getattr(fields, shape.limited[1]), fields.limits(*arguments))
     # The parity covers the Gray code, and the CRC covers both.
+    for coding in shape.digit_codings:
+        number = to_digits(number, *coding)
     if shape.gray is not None:
         number = to_gray(number, *shape.gray, shape.excess)
     for check in shape.parities:
