@@ -186,12 +186,12 @@ class ReportCause(NamedTuple):
 class Shape(NamedTuple):
     """Description of a frame or register. ``length`` is its length in bytes, or 0 for a ``bits``-bit number.
 
-    ``digit_codings`` are the numbers whose digits are sent separately. ``gray`` are lowest bit and width of the number that is sent in Gray code, and ``excess`` is added to it before.
-    ``fixed`` contains the bits that are 1 in every such frame. ``position`` is the column of the position, if there is
-    one, and ``default_verdict`` the verdict if no condition applies. ``fields`` are all fields in the order of the
-    manual. ``kept_mask`` selects the bits of a register that belong to no field, if they are kept. ``limited`` is the
-    name of a value with limits, and its attribute. ``frame`` is the name of the frame if other frames have another
-    range of the position.
+    ``digit_codings`` are the numbers whose digits are sent separately. ``gray`` are lowest bit and width of the
+    number that is sent in Gray code, and ``excess`` is added to it before. ``fixed`` contains the bits that are 1
+    in every such frame. ``position`` is the column of the position, if there is one, and ``default_verdict`` the
+    verdict if no condition applies. ``fields`` are all fields in the order of the manual. ``kept_mask`` selects the
+    bits of a register that belong to no field, if they are kept. ``limited`` is the name of a value with limits,
+    and its attribute. ``frame`` is the name of the frame if other frames have another range of the position.
     """
 
     bits: int
