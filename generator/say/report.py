@@ -190,7 +190,7 @@ def too_high(name: str, actual: str, highest: str) -> str:
 
 def not_in_code(name: str, sent: str, highest: str, code: str) -> str:
     """Return the message for a number whose digits have no valid code, or that is too high."""
-    return f"{name} is sent as {sent}, which is not {code} of at most {highest}"
+    return f"{name} is sent as {sent}, but it must be {code} of at most {highest}"
 
 
 def of_other_frame(name: str, actual: str) -> str:
