@@ -345,7 +345,7 @@ def check_position_widths(device: Device, report: DocumentReport) -> None:
 def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
     """Return the field that is the whole position if its width can be compared with the counts, else None.
 
-    It must be unsigned and without padding, and have a constant width and no note. A joined position is several fields.
+    It must be unsigned, binary and without padding, and have a constant width and no note. A joined position is several fields.
     """
     names = layout.names_in(measurement.of)
     if len(names) != 1:
@@ -354,7 +354,8 @@ def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
     field = next((candidate for candidate in layout.fields if candidate.name == position_name), None)
     if field is None:
         return None
-    is_plain = field.width.is_constant and not field.note and not field.number.signed
+    is_binary = not field.number.signed and not field.number.digit_code
+    is_plain = field.width.is_constant and not field.note and is_binary
     # The container is 0 for a field without 'padded_to'.
     is_unpadded = field.container in (0, field.width.constant)
     return field if is_plain and is_unpadded else None

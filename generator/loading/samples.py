@@ -28,7 +28,6 @@ from ..model import (
     Variant,
     Verdict,
 )
-from ..model.kinds import DIGIT_CODES
 from ..order_codes.labels import UnknownOrderCode
 from ..reference.bits import join_value, to_binary
 from ..reference.codec import EncodeError, encode
@@ -111,12 +110,13 @@ def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool
         return layout.selects[0]
     if not field.carries_data:
         raise EncodeError(f"'{field.name}' carries no data")
+    code = field.number.code_of_digits
+    if code is not None:
+        return min(_made_up_number(width), code.highest(width))
     match field.kind:
         case Number(power_of_two=True):
             # The power of two in the middle of the range.
             return 1 << (width // 2)
-        case Number(digit_code=code) if code:
-            return min(_made_up_number(width), DIGIT_CODES[code].highest(width))
         case Number(signed=is_signed, zero_means=zero_means):
             # A signed field has one bit less for positive numbers.
             number = _made_up_number(width - 1 if is_signed else width)

@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.model import Device
+from codewheel.loading.library import load_library
+from codewheel.model import Device, kinds
 from codewheel.model.kinds import DigitCode
 from codewheel.reference import codec
 from codewheel.targets import Library
 from five_engines import (
     ENGINES,
     NOT_USABLE,
+    SPECS,
     USABLE,
     Case,
     Import,
@@ -94,6 +96,51 @@ def test_every_engine_agrees(
     """Every frame that is accepted is encoded again, too."""
     cases = list(layout())
     assert {case.fault for case in cases} >= {"", "range"}
+    results = list(ENGINES[engine](made, cases, import_generated, tmp_path))
+    assert [pair for pair in zip(results, cases, strict=True) if pair[0] != pair[1]][:3] == []
+
+
+#: Code of each digit, from 0 up: two of five bits are 1.
+TWO_OF_FIVE = (0b00110, 0b10001, 0b01001, 0b11000, 0b00101, 0b10100, 0b01100, 0b00011, 0b10010, 0b01010)
+ONE_OF_FOUR = (0b0001, 0b0010, 0b0100, 0b1000)
+EXCESS_3 = tuple(range(3, 13))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    ("codes", "digit_bits"), [(TWO_OF_FIVE, 5), (ONE_OF_FOUR, 4), (EXCESS_3, 4)], ids=["2 of 5", "1 of 4", "excess 3"]
+)
+def test_a_code_of_digits_is_only_a_row_of_the_table(
+    codes: tuple[int, ...],
+    digit_bits: int,
+    engine: str,
+    import_generated: Import,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Every engine takes the codes of the digits from it, and refuses all others."""
+    monkeypatch.setattr(kinds, "DIGIT_CODES", {"bcd": DigitCode("another code", digit_bits, codes)})
+    text = (SPECS / "digits.yaml").read_text(encoding="utf-8")
+    text = text[: text.index("examples:")].replace("temperature, bits: 8,", f"temperature, bits: {2 * digit_bits},")
+    text = text.replace("bits: 10,", f"bits: {2 * digit_bits},").replace("counts_per_turn: 360", "counts_per_turn: 16")
+    (tmp_path / "digits.yaml").write_text(text, encoding="utf-8")
+    devices, report = load_library([tmp_path / "digits.yaml", SPECS / "manufacturer.yaml"])
+    assert [problem.message for problem in report.problems] == []
+    made = MadeEncoder(devices[0], {"word": ("temperature", "position", "error")})
+    numbers = {upper << digit_bits | lower: (upper, lower) for upper in codes for lower in codes}
+    cases = []
+    for sent in range(1 << 2 * digit_bits):
+        digits = numbers.get(sent)
+        # The temperature is the number 1, and the position is what is tried.
+        frame = (codes[0] << digit_bits | codes[1]) << 2 * digit_bits + 2 | sent << 2
+        common = ("BCDS", "word", 4 * digit_bits + 2, frame | ones(frame) % 2)
+        position = codes.index(digits[0]) * len(codes) + codes.index(digits[1]) if digits else 16
+        if position > 15:
+            cases.append(Case(*common, "range"))
+        else:
+            values = {"temperature": 1, "position": position, "error": False}
+            cases.append(Case(*common, "", USABLE, frozenset(), values))
+    assert sum(not case.fault for case in cases) == 16
     results = list(ENGINES[engine](made, cases, import_generated, tmp_path))
     assert [pair for pair in zip(results, cases, strict=True) if pair[0] != pair[1]][:3] == []
 
