@@ -345,7 +345,8 @@ def check_position_widths(device: Device, report: DocumentReport) -> None:
 def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
     """Return the field that is the whole position if its width can be compared with the counts, else None.
 
-    It must be unsigned, binary and without padding, and have a constant width and no note. A joined position is several fields.
+    It must be unsigned, binary and without padding, and have a constant width and no note. A joined position is several
+    fields.
     """
     names = layout.names_in(measurement.of)
     if len(names) != 1:
