@@ -96,6 +96,10 @@ def _parameters_of_interface(device: Device, variant: Variant) -> dict[str, int]
     return parameters
 
 
+#: Members of the kind ``Number``, which have the same names in the data.
+_MEMBERS_OF_NUMBERS = tuple(member.name for member in fields(Number))
+
+
 @dataclass(frozen=True)
 class _Dump:
     """Conversion of a device to plain data. If a variant is given, expressions become numbers."""
@@ -290,8 +294,8 @@ class _Dump:
     def _kind_data(self, kind: Kind, inherited: Sources) -> tuple[str, Item]:
         """Return the name of a kind in the data, and its own members: ``("unused", {"unused": 0, …})``."""
         match kind:
-            case Number(signed, zero_means, power_of_two):
-                return "number", {"signed": signed, "zero_means": zero_means, "power_of_two": power_of_two}
+            case Number():
+                return "number", {name: getattr(kind, name) for name in _MEMBERS_OF_NUMBERS}
             case Flag():
                 return "flag", _flag_members(kind)
             case Choice(values):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ..model.kinds import DIGIT_CODES
+
 #: Items that are words: the meaning of each value. Names of numbers in braces are replaced by the numbers.
 WORDS: Mapping[str, Mapping[str, str]] = {
     "interface": {"biss": "BiSS C-mode", "ssi": "SSI"},
@@ -14,6 +16,7 @@ WORDS: Mapping[str, Mapping[str, str]] = {
         "gray": "Gray code",
         "gray_with_status": "Gray code over the position and the status bits",
         "gray_excess": "Gray excess code",
+        **{name: code.name for name, code in DIGIT_CODES.items()},
         "other": "Gray code over other bits than the position",
     },
     "status_active": {

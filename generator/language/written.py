@@ -74,6 +74,16 @@ class WrittenPart:
                 setattr(cls, name, _Attribute(name, described, cls.__module__))
         cls.described_keys = tuple(described_keys)
 
+    @classmethod
+    def keys_owned_by(cls, kind: str, *, alone: bool = False) -> tuple[str, ...]:
+        """Return the keys that this kind of the part can have, but not every kind, or ``alone`` only this kind."""
+        owned_keys = []
+        for described in cls.described_keys:
+            owners = described.key.owners
+            if owners == (kind,) or (kind in owners and not alone):
+                owned_keys.append(described.name)
+        return tuple(owned_keys)
+
     @property
     def is_given(self) -> bool:
         """True if the spec has the part with at least one key. A missing required part is empty."""

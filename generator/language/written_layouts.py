@@ -29,6 +29,9 @@ from ..model.part import (
 )
 from .written import Located, WrittenPart, written
 
+#: Kind of a field without any of ``KIND_KEYS``.
+NUMBER = "number"
+_FLAGS = ("active",)
 #: Named values of a field or register, by name.
 Values = Mapping[str, "WrittenValue"]
 
@@ -98,8 +101,8 @@ class WrittenField(WrittenPart):
         "depends on the order code, write two flags, each with 'bits' that is 0 for the other order codes.",
         default="",
     )
-    when_active: Prose = key("Meaning of the flag when it is active.", default="")
-    when_inactive: Prose = key("Meaning of the flag when it is inactive.", default="")
+    when_active: Prose = key("Meaning of the flag when it is active.", default="", allowed_in=_FLAGS)
+    when_inactive: Prose = key("Meaning of the flag when it is inactive.", default="", allowed_in=_FLAGS)
     makes_position: Literal["", "not_usable", "usable_with_warning", "usable"] = key(
         "For a flag in a frame with the position: the verdict on the position while the flag is "
         "active. not_usable: the position is wrong, frozen, 0 or doubtful. usable_with_warning: the position can "
@@ -109,6 +112,7 @@ class WrittenField(WrittenPart):
         "not_usable for error and usable_with_warning for warning. Describe a bit that means 'valid' "
         "as a flag that is active at its level for 'not valid'.",
         default="",
+        allowed_in=(*_FLAGS, "unused"),
     )
     makes_position_if: Mapping[Name, VerdictOfAnswer] = key(
         "For a flag with makes_position: another verdict, if the user's answer sets this parameter to "
@@ -116,23 +120,29 @@ class WrittenField(WrittenPart):
         "with a default.",
         most=1,
         default=NOTHING,
+        allowed_in=_FLAGS,
     )
     sums_up: tuple[Name, ...] = key(
         "For a flag: the flags that it combines. If a frame also contains the combined flags and one of these is "
         "active, only the combined flags decide the verdict on the position.",
         default=(),
+        allowed_in=_FLAGS,
     )
     only: Prose = key(
         "For a flag: the order codes for which the manual explains the flag, as in .../65K...:",
         writing=f"{PATTERNS} For other order codes, an active flag is reported as not explained, and the position is "
         "usable with a warning. A parameter that the order code sets must be 0 for exactly those other order codes.",
         default="",
+        allowed_in=_FLAGS,
     )
-    remedy: Prose = key("For a flag: instructions for clearing it, if no alarm gives them.", default="")
+    remedy: Prose = key(
+        "For a flag: instructions for clearing it, if no alarm gives them.", default="", allowed_in=_FLAGS
+    )
     by_hand: tuple[Name, ...] = key(
         "For a flag: names of characteristics that list steps for a person. Their values contain the "
         "steps, numbered 1., 2., 3.",
         default=(),
+        allowed_in=_FLAGS,
     )
     values: Values = key("Values that the field can take, by name.", default=NOTHING)
     others: Literal["", "reserved"] = key(
@@ -141,6 +151,7 @@ class WrittenField(WrittenPart):
         "needs 'values' next to it, and is allowed only in fields of at most 4 bits that an encoder "
         "sends.",
         default="",
+        allowed_in=("values",),
     )
     values_of: Literal["", "data_ids"] = key(
         "The field takes its values from the interface's table of data IDs.", default=""
@@ -159,6 +170,7 @@ class WrittenField(WrittenPart):
         "sent before the CRC.",
         most=32,
         default=(),
+        allowed_in=("crc",),
     )
     parity_of: NameOrNames = key(
         "The field, list of fields or join that this parity bit covers. In a word of bits without a CRC, the parity "
@@ -170,12 +182,14 @@ class WrittenField(WrittenPart):
         "together. Default: even. If the parity depends on the order code, write two fields, each with 'bits' "
         "that is 0 for the other order codes.",
         default="",
+        allowed_in=("parity_of",),
     )
     over: Literal["", "odd_bits", "even_bits"] = key(
         "With parity_of: the bits of each covered field that count. odd_bits: bits 1, 3, 5 and so on. "
         "even_bits: bits 0, 2, 4 and so on. Bit 0 is the least significant bit of the field. Default: "
         "all bits.",
         default="",
+        allowed_in=("parity_of",),
     )
     digits: tuple[Located[Digits], ...] = key(
         "Parts into which the decimal digits of the number are split, most significant first.", default=()
@@ -186,17 +200,27 @@ class WrittenField(WrittenPart):
         "text for a text field, otherwise a number or an expression of parameters. Unlike a constant, "
         "the value is compared but not enforced.",
         default=None,
+        allowed_in=(NUMBER, "values", "text"),
     )
-    signed: bool = key("True if the number is in two's complement.", default=False)
-    zero_means: Count | None = key("Number that a raw value of 0 represents, if not zero.", default=None)
-    power_of_two: bool = key("True if only powers of two are accepted.", default=False)
+    signed: bool = key("True if the number is in two's complement.", default=False, allowed_in=(NUMBER,))
+    zero_means: Count | None = key(
+        "Number that a raw value of 0 represents, if not zero.", default=None, allowed_in=(NUMBER,)
+    )
+    power_of_two: bool = key("True if only powers of two are accepted.", default=False, allowed_in=(NUMBER,))
+    digit_code: Literal["", "bcd"] = key(
+        "Code of each decimal digit of a number in a frame, if the number is not binary. bcd: four bits for each "
+        "digit, most significant digit first, as in {name: position, bits: 10, digit_code: bcd} for 0 to 399. The "
+        "first digit can have fewer bits. Decoders reject all other codes, such as those above 9.",
+        default="",
+        allowed_in=(NUMBER,),
+    )
     implemented: bool = key("False if this encoder does not implement the field. Default: true.", default=True)
     reserved: Literal["", "maker"] = key("Write 'maker' if only the manufacturer may use this.", default="")
     explained_by: tuple[RegisterBit, ...] = key(
         "Bits in other registers that give details, each as register.field.", default=()
     )
-    unit: Prose = key("For a number: unit of one count.", default="")
-    scale: Located[Scale] | None = key("", default=None)
+    unit: Prose = key("For a number: unit of one count.", default="", allowed_in=(NUMBER,))
+    scale: Located[Scale] | None = key("", default=None, allowed_in=(NUMBER,))
     default: Count | None = key("Factory default.", default=None)
     meaning: Prose = key("Meaning of the field.", default="")
     note: Prose = note_key(default="")

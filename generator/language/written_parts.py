@@ -87,20 +87,35 @@ class WrittenStep(WrittenPart):
     do: Literal["write", "read", "poll", "wait", "send"] = key(
         "Kind of step: write a register, read a register, poll a register bit, wait, or send a request."
     )
-    register: Name = key("write, read, poll: name of the register.", default="")
-    value: Name = key("write: a named value of the register, or an argument of the procedure.", default="")
-    field: Name = key(
-        "write: the only field to set. Other fields keep the value that was read. poll: the field to check.", default=""
+    register: Name = key("write, read, poll: name of the register.", default="", needed_by=("write", "read", "poll"))
+    value: Name = key(
+        "write: a named value of the register, or an argument of the procedure.", default="", needed_by=("write",)
     )
-    until: Count | None = key("poll: the value to wait for.", default=None)
-    at_least_ms: int | None = key("wait: minimum time in milliseconds.", minimum=1, maximum=3600000, default=None)
-    data_id: Name = key("send: name of the data ID of the request.", default="")
-    times: int | None = key("send: number of times to send the request.", minimum=1, maximum=1000, default=None)
+    field: Name = key(
+        "write: the only field to set. Other fields keep the value that was read. poll: the field to check.",
+        default="",
+        needed_by=("poll",),
+        allowed_in=("write", "read"),
+    )
+    until: Count | None = key("poll: the value to wait for.", default=None, needed_by=("poll",))
+    at_least_ms: int | None = key(
+        "wait: minimum time in milliseconds.", minimum=1, maximum=3600000, default=None, needed_by=("wait",)
+    )
+    data_id: Name = key("send: name of the data ID of the request.", default="", needed_by=("send",))
+    times: int | None = key(
+        "send: number of times to send the request.", minimum=1, maximum=1000, default=None, allowed_in=("send",)
+    )
     every_at_least_us: int | None = key(
-        "send: minimum time from one request to the next, in microseconds.", minimum=1, maximum=10000000, default=None
+        "send: minimum time from one request to the next, in microseconds.",
+        minimum=1,
+        maximum=10000000,
+        default=None,
+        allowed_in=("send",),
     )
     in_succession: bool = key(
-        "send: true if no other request, not even a poll, may be sent between the repetitions.", default=False
+        "send: true if no other request, not even a poll, may be sent between the repetitions.",
+        default=False,
+        allowed_in=("send",),
     )
     meaning: Prose = key("Reason for this step.", default="")
     source: SourceText = key("", default="")
@@ -133,33 +148,53 @@ class WrittenExample(WrittenPart):
         "CRC: bytes, and the check value. Procedure: arguments, and the resulting writes. Measure: a "
         "position in counts, and its length."
     )
-    counts: Count | None = key("measure: the position in counts.", default=None)
-    micrometres: Count | None = key("measure: the position in micrometres.", default=None)
     source: SourceText = key("")
-    order_code: str = key("Order code that the example applies to.", longest=100, default="")
+    order_code: str = key(
+        "Order code that the example applies to.",
+        longest=100,
+        default="",
+        needed_by=("measure",),
+        allowed_in=("frame", "register", "procedure"),
+    )
+    counts: Count | None = key("measure: the position in counts.", default=None, needed_by=("measure",))
+    micrometres: Count | None = key("measure: the position in micrometres.", default=None, needed_by=("measure",))
     alternatives: Mapping[Name, Name] = key(
         "frame: chosen answers, each under the name of its alternative. Default: the first answer of each.",
         default=NOTHING,
+        allowed_in=("frame",),
     )
     layout: Name = key(
-        "frame: name of the layout. If the example fits no layout, omit this key and give 'refused'.", default=""
+        "frame: name of the layout. If the example fits no layout, omit this key and give 'refused'.",
+        default="",
+        allowed_in=("frame",),
     )
-    register: Name = key("register: name of the register.", default="")
-    procedure: Name = key("procedure: name of the procedure.", default="")
-    crc: Name = key("crc: name of the CRC.", default="")
-    from_: Literal["", "encoder", "master"] = key("frame: sender.", default="")
-    bytes: HexBytes = key("Bytes of the example.", default="")
-    bits: str = key("Bits in order of transmission.", pattern=r"^[01]+$", longest=200, default="")
-    check: CrcNumber | None = key("crc: check value over the bytes.", default=None)
+    register: Name = key("register: name of the register.", default="", needed_by=("register",))
+    procedure: Name = key("procedure: name of the procedure.", default="", needed_by=("procedure",))
+    crc: Name = key("crc: name of the CRC.", default="", needed_by=("crc",))
+    from_: Literal["", "encoder", "master"] = key("frame: sender.", default="", allowed_in=("frame",))
+    bytes: HexBytes = key("Bytes of the example.", default="", needed_by=("register", "crc"), allowed_in=("frame",))
+    bits: str = key(
+        "Bits in order of transmission.", pattern=r"^[01]+$", longest=200, default="", allowed_in=("frame",)
+    )
+    check: CrcNumber | None = key("crc: check value over the bytes.", default=None, needed_by=("crc",))
     arguments: Mapping[Name, SignedNumber] = key(
-        "procedure: arguments by name. They may be negative for a signed register.", least=0, default=NOTHING
+        "procedure: arguments by name. They may be negative for a signed register.",
+        least=0,
+        default=NOTHING,
+        allowed_in=("procedure",),
     )
     values: Mapping[Name, Scalar] = key(
-        "Expected values of fields, joins or groups of digits, by name.", least=0, default=NOTHING
+        "Expected values of fields, joins or groups of digits, by name.",
+        least=0,
+        default=NOTHING,
+        needed_by=("register",),
+        allowed_in=("frame",),
     )
-    writes: tuple[Located[Write], ...] = key("procedure: resulting writes, in order.", least=0, default=())
+    writes: tuple[Located[Write], ...] = key(
+        "procedure: resulting writes, in order.", least=0, default=(), needed_by=("procedure",)
+    )
     refused: Literal["", "crc", "constant", "length", "range"] = key(
-        "frame: error for which a decoder rejects the frame.", default=""
+        "frame: error for which a decoder rejects the frame.", default="", allowed_in=("frame",)
     )
     erratum: Name = key("Erratum that explains an incorrect example.", default="")
     note: Prose = note_key(default="")

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from ..model import (
     INTERFACES,
+    Biss,
     Choice,
     Constant,
     CrcValue,
@@ -154,7 +155,9 @@ def _obstacle_to_join(kind: Kind) -> str:
         return "which is active low"
     if not isinstance(kind, Number):
         return "which is not a number; define it with 'bits' and no kind"
-    # Only these two kinds make a number differ from its bits.
+    # Only these three kinds make a number differ from its bits.
+    if kind.digit_code:
+        return "whose digits are sent separately; remove 'digit_code'"
     return "which is signed; remove 'signed'" if kind.signed else "which has 'zero_means'; remove 'zero_means'"
 
 
@@ -273,7 +276,7 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
         site.report("too-long", f"'{field.name}' has {bits} bits; the maximum is {LARGEST_NUMBER}")
     match kind:
         case Number():
-            _check_number(field, kind, site)
+            _check_number(layout, field, kind, site)
         case Flag():
             _check_one_bit(field, "flag", site)
         case Parity():
@@ -292,10 +295,33 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
             assert_never(kind)
 
 
-def _check_number(field: Field, number: Number, site: Site) -> None:
-    """Check that a power of two has bits for every order code: without bits, it would be 0."""
+def _check_number(layout: Layout, field: Field, number: Number, site: Site) -> None:
+    """Check that a power of two has bits for every order code: without bits, it would be 0.
+
+    A number whose digits are sent separately is checked by ``_problem_of_digits``.
+    """
     if number.power_of_two:
         _check_absent(field, "0 is not a power of two; remove 'power_of_two'", site)
+    if number.digit_code:
+        problem = _problem_of_digits(layout, field, site)
+        if problem:
+            site.report("digit-code", f"'{field.name}' {problem}", "digit_code")
+
+
+def _problem_of_digits(layout: Layout, field: Field, site: Site) -> str:
+    """Return the reason that the digits of a field cannot be sent separately, and the fix. Empty if they can."""
+    fix = "leave 'digit_code' out, and convert the number in your program"
+    if site.path[0] == "registers" or site.interface == Biss.name:
+        return f"is in a register or over BiSS, where numbers are binary; {fix}"
+    if field.name in layout.names_in(layout.gray_of):
+        return "is in Gray code, too; remove 'digit_code' or 'gray'"
+    if field.name == layout.selector:
+        return f"distinguishes frames by its bits; {fix}"
+    if not field.width.is_constant:
+        return f"consists of digits, so 'bits' must be a number, not {field.width.render()}"
+    if layout.widest > LARGEST_NUMBER:
+        return f"is in a frame of {layout.widest} bits, and the maximum for digits is {LARGEST_NUMBER}; {fix}"
+    return ""
 
 
 def _check_decimal(field: Field, decimal: Decimal, site: Site) -> None:

@@ -192,9 +192,15 @@ def _width_problem(
     turns_text = f" × {turns} turns" if turns > 1 else ""
     counts_text = f"{values[counts_key]} counts{turns_text}"
     width_text = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
-    if counts > 1 << case.width:
-        return KeyProblem(counts_key, f"{counts_text} do not fit, because {width_text}")
     fields = [case.layout.field(name) for name, _ in case.fields]
+    # Numbers whose digits are sent separately are not joined.
+    code = fields[0].number.code_of_digits
+    highest_in_bits = (1 << case.width) - 1 if code is None else code.highest(case.width)
+    if counts > highest_in_bits + 1:
+        end = f" for numbers up to {highest_in_bits} in {code.name}" if code is not None else ""
+        return KeyProblem(counts_key, f"{counts_text} do not fit, because {width_text}{end}")
+    if code is not None:
+        return None
     is_signed = any(isinstance(field.kind, Number) and field.kind.signed for field in fields)
     end_of_width = 1 << case.width
     if len(fields) > 1 and measurement.highest is not None:
@@ -339,7 +345,8 @@ def check_position_widths(device: Device, report: DocumentReport) -> None:
 def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
     """Return the field that is the whole position if its width can be compared with the counts, else None.
 
-    It must be unsigned and without padding, and have a constant width and no note. A joined position is several fields.
+    It must be unsigned, binary and without padding, and have a constant width and no note. A joined position is several
+    fields.
     """
     names = layout.names_in(measurement.of)
     if len(names) != 1:
@@ -348,7 +355,8 @@ def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
     field = next((candidate for candidate in layout.fields if candidate.name == position_name), None)
     if field is None:
         return None
-    is_plain = field.width.is_constant and not field.note and not field.number.signed
+    is_binary = not field.number.signed and not field.number.digit_code
+    is_plain = field.width.is_constant and not field.note and is_binary
     # The container is 0 for a field without 'padded_to'.
     is_unpadded = field.container in (0, field.width.constant)
     return field if is_plain and is_unpadded else None

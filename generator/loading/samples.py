@@ -29,7 +29,7 @@ from ..model import (
     Verdict,
 )
 from ..order_codes.labels import UnknownOrderCode
-from ..reference.bits import from_gray, join_value
+from ..reference.bits import join_value, to_binary
 from ..reference.codec import EncodeError, encode
 from .examples import example_variant
 
@@ -110,6 +110,9 @@ def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool
         return layout.selects[0]
     if not field.carries_data:
         raise EncodeError(f"'{field.name}' carries no data")
+    code = field.number.code_of_digits
+    if code is not None:
+        return min(_made_up_number(width), code.highest(width))
     match field.kind:
         case Number(power_of_two=True):
             # The power of two in the middle of the range.
@@ -142,7 +145,7 @@ def _encoded_sample(
 ) -> Sample:
     """Return a frame with these values, and the same frame with a flag that decoders must refuse, if there is one."""
     frame = encode(device, placed, values)
-    plain_frame = from_gray(placed, frame)
+    plain_frame = to_binary(placed, frame)
     decoded_values = {field.name: values[field.name] for field in placed.fields if field.name in values}
     decoded_values |= {join.name: join_value(placed, join, plain_frame) for join in placed.layout.joins}
     refused_frame = None

@@ -251,9 +251,13 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
     """Return the code of the position: ``binary``, ``gray``, or a variety of Gray code.
 
     It is ``gray_with_status`` if the bits in Gray code are the position and all status bits, ``gray_excess`` if
-    position 0 is sent as another number, and ``other`` if other bits are in Gray code.
+    position 0 is sent as another number, and ``other`` if other bits are in Gray code. If the digits of the position
+    are sent separately, it is the name of their code, such as ``bcd``.
     """
     layout: Layout = placed_layout.layout
+    for placed_field in placed_layout.find_fields(layout.names_in(measurement.of)):
+        if placed_field.field.number.digit_code:
+            return placed_field.field.number.digit_code
     if not layout.gray_of or (layout.gray_when and not placed_layout.gray):
         return "binary"
     gray_names = {field.name for field in placed_layout.find_fields(layout.names_in(layout.gray_of))}

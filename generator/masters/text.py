@@ -10,6 +10,7 @@ from typing import Any
 
 from ..language.problems import listed
 from ..model import INTERFACES, Biss, Device
+from ..model.kinds import DIGIT_CODES
 from ..order_codes.labels import Match
 from ..say.evidence import Subject, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
@@ -26,6 +27,7 @@ _CODINGS = {
     "gray": "Gray",
     "gray_excess": "Gray excess",
     "gray_with_status": "Gray, position and status bits as one number",
+    **{name: code.name for name, code in DIGIT_CODES.items()},
     "other": "Gray, over other bits than the position",
 }
 #: Widths of the columns with the names and the values of settings. Longer ones move the next column.

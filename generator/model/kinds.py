@@ -17,7 +17,8 @@ from collections.abc import Mapping
 from enum import Enum
 from itertools import count
 from math import gcd
-from typing import TYPE_CHECKING, ClassVar, Literal
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 from .documents import (
     Sources,
@@ -73,6 +74,31 @@ class Value:
     makes_position: Verdict | None = None
 
 
+class DigitCode(NamedTuple):
+    """A code in which each digit of a number is sent separately, the most significant digit first.
+
+    Attributes:
+        name: Name of the code.
+        bits: Number of bits of a digit. The most significant digit can have fewer.
+        codes: Code of each digit, from 0 up. Their number is the base. All codes together have at most 64 bits.
+    """
+
+    name: str
+    bits: int
+    codes: tuple[int, ...]
+
+    def highest(self, width: int) -> int:
+        """Return the highest number in ``width`` bits."""
+        whole_digits, other_bits = divmod(width, self.bits)
+        possible_top_digits = [digit for digit, code in enumerate(self.codes) if code < 1 << other_bits]
+        base = len(self.codes)
+        return (max(possible_top_digits, default=0) + 1) * int(base**whole_digits) - 1
+
+
+#: Codes of digits, by their name in specs.
+DIGIT_CODES: Mapping[str, DigitCode] = MappingProxyType({"bcd": DigitCode("BCD", 4, tuple(range(10)))})
+
+
 @part("A group of decimal digits.", data="Decimal digits inside a number: number // divisor % modulus.")
 class Digits:
     """A run of decimal digits within a number: ``number // divisor % modulus``."""
@@ -86,7 +112,10 @@ class Digits:
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """An integer, in two's complement if ``signed``. If all bits are 0, the value is ``zero_means``."""
+    """An integer, in two's complement if ``signed``. If all bits are 0, the value is ``zero_means``.
+
+    With ``digit_code``, a key of ``DIGIT_CODES``, each digit is sent separately.
+    """
 
     word: ClassVar[str] = "number"
     role: ClassVar[Role] = "data"
@@ -94,11 +123,17 @@ class Number:
     signed: bool = False
     zero_means: int = 0
     power_of_two: bool = False
+    digit_code: str = ""
 
     @property
     def is_joinable(self) -> bool:
         """True if the value is the number formed by the bits."""
-        return not self.signed and not self.zero_means
+        return not self.signed and not self.zero_means and not self.digit_code
+
+    @property
+    def code_of_digits(self) -> DigitCode | None:
+        """Code in which each digit is sent, or None for a number that is sent as a whole."""
+        return DIGIT_CODES[self.digit_code] if self.digit_code else None
 
     @property
     def value_at_rest(self) -> int:

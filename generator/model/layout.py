@@ -200,6 +200,11 @@ class Layout:
         return self.in_bytes and all(field.widest % 8 == 0 for field in self.crc_fields)
 
     @property
+    def is_converted(self) -> bool:
+        """True if some bits are not binary numbers: those in Gray code, and digits that are sent separately."""
+        return bool(self.gray_of) or any(field.number.digit_code for field in self.fields)
+
+    @property
     def has_parity(self) -> bool:
         return any(isinstance(field.kind, Parity) for field in self.fields)
 

@@ -133,6 +133,8 @@ class Key(NamedTuple):
         longest: Highest number of characters of a text.
         most: Highest number of entries of a list or map.
         least: Lowest number of entries of a list or map.
+        needed_by: Kinds of the part that must have the key.
+        allowed_in: Kinds of the part that can have the key. If both are empty, each kind can.
         schema: JSON Schema of the value, if no type of the keys has it.
         member: Other properties of ``Member``: the rule of ``diff``, the class of second reading and so on.
     """
@@ -150,8 +152,15 @@ class Key(NamedTuple):
     longest: int = 0
     most: int = 2000
     least: int = 1
+    needed_by: tuple[str, ...] = ()
+    allowed_in: tuple[str, ...] = ()
     schema: Mapping[str, Any] = NOTHING
     member: Mapping[str, str] = NOTHING
+
+    @property
+    def owners(self) -> tuple[str, ...]:
+        """Kinds of the part that can have the key, or none if it does not depend on the kind."""
+        return (*self.needed_by, *self.allowed_in)
 
 
 class About(NamedTuple):

@@ -16,6 +16,7 @@ from .operations import (
     AlwaysIs,
     Bits,
     Check,
+    DigitCoding,
     Fixed,
     FrameCrc,
     Gray,
@@ -50,6 +51,7 @@ class Codec:
     selector: Field | None
     crcs: tuple[FrameCrc, ...]
     gray: Gray | None
+    digit_codings: tuple[DigitCoding, ...]
     parts: tuple[Part, ...]
     joined_numbers: tuple[JoinedNumber, ...]
     alternatives: tuple[Alternative, ...]
@@ -71,12 +73,22 @@ class Codec:
         """The CRC of all order codes. None without a CRC, or if only some order codes have it."""
         return next((crc for crc in self.crcs if not crc.is_optional), None)
 
+    @property
+    def is_converted(self) -> bool:
+        """True if bits of the frame are converted before it is read: from Gray code, or from digits."""
+        return self.gray is not None or bool(self.digit_codings)
+
+    @property
+    def keeps_sent_bits(self) -> bool:
+        """True if a decoder in Python needs converted bits as they were sent: for a parity bit, or for a message."""
+        return self.parity_covers_converted or bool(self.digit_codings)
+
     @cached_property
-    def parity_covers_gray(self) -> bool:
-        """True if a parity bit covers bits in Gray code. It is the parity of the bits as they are sent."""
+    def parity_covers_converted(self) -> bool:
+        """True if a parity bit covers converted bits. It is the parity of the bits as they are sent."""
         gray_names = self.layout.names_in(self.layout.gray_of)
         parities = (check for check in self.checks if isinstance(check, ParityIs))
-        return any(field.name in gray_names for parity in parities for field in parity.of)
+        return any(field.name in gray_names or field.number.digit_code for parity in parities for field in parity.of)
 
     @cached_property
     def constants(self) -> Mapping[str, int]:
@@ -123,7 +135,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
     """Return the plan for a layout of a frame or of a register's bytes, see ``Codec``."""
     # The bytes of a field are unknown if the order code moves its bits.
     all_have_bytes = all(field.pieces or field.padding_of for field in layout.fields)
-    by_word = not layout.in_bytes or not all_have_bytes or bool(layout.gray_of)
+    by_word = not layout.in_bytes or not all_have_bytes or layout.is_converted
     return Codec(
         layout=layout,
         by_word=by_word,
@@ -131,6 +143,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
         selector=fixed_selector(layout),
         crcs=tuple(_plan_crc(device, layout, field) for field in layout.crc_fields),
         gray=_find_gray(layout),
+        digit_codings=tuple(_yield_digit_codings(layout)),
         parts=tuple(_yield_parts(layout)),
         joined_numbers=tuple(_yield_joined_numbers(layout, by_word)),
         alternatives=device.alternatives_of(layout),
@@ -138,7 +151,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
         checks=(
             *_checks_of_constants_and_parity(layout, by_word),
             *_checks_of_values(layout),
-            *_checks_of_position(device, layout),
+            *_checks_of_numbers(device, layout),
         ),
         terms=tuple(_yield_terms(layout)),
     )
@@ -248,6 +261,14 @@ def _find_gray(layout: Layout) -> Gray | None:
     return Gray(lowest_field.low, width, layout.gray_when, layout.gray_excess or Expression(0))
 
 
+def _yield_digit_codings(layout: Layout) -> Iterator[DigitCoding]:
+    """Yield the numbers whose digits are sent separately."""
+    for field in layout.fields:
+        code = field.number.code_of_digits
+        if code is not None:
+            yield DigitCoding(field.low, field.width, code.bits, code.codes)
+
+
 def _yield_joined_numbers(layout: Layout, by_word: bool) -> Iterator[JoinedNumber]:
     """Yield the numbers formed by several fields. If one shift extracts adjacent fields from a word, set ``bits``."""
     for join in layout.joins:
@@ -308,13 +329,20 @@ def _checks_of_values(layout: Layout) -> Iterator[Check]:
         yield from checks_of_meaning(field, bits)
 
 
-def _checks_of_position(device: Device, layout: Layout) -> Iterator[Check]:
-    """Yield the check that the position is one that the encoder has, if its field could hold other numbers."""
+def _checks_of_numbers(device: Device, layout: Layout) -> Iterator[Check]:
+    """Yield the checks of numbers whose fields could hold others: the position, and numbers that are sent as digits."""
     position = device.range_in(layout)
     if position is not None and position.field.number.signed:
         yield IsBetween(position.field, bits_of(layout, position.field), position.lowest, position.highest)
-    elif position is not None:
+    elif position is not None and not position.field.number.digit_code:
         yield NotAbove(position.field, bits_of(layout, position.field), position.highest)
+    for field in layout.fields:
+        code = field.number.code_of_digits
+        if code is not None:
+            highest = Expression(code.highest(field.widest))
+            if position is not None and position.field is field:
+                highest = position.highest
+            yield NotAbove(field, bits_of(layout, field), highest, code.name)
 
 
 def allowed_values(layout: Layout, field: Field) -> tuple[int, ...]:

@@ -22,6 +22,7 @@ from .limits import powers_of_two
 from .operations import (
     AlwaysIs,
     AtMost,
+    DigitCoding,
     Fixed,
     FrameCrc,
     Gray,
@@ -176,6 +177,7 @@ class Description:
     fields: tuple[BitField, ...]
     crcs: tuple[FrameCrc, ...]
     gray: Gray | None
+    digit_codings: tuple[DigitCoding, ...]
     fixed: tuple[tuple[Place, int], ...]
     otherwise: Verdict | None
     judging_bits: Expression | None
@@ -206,6 +208,7 @@ def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Descri
         fields=tuple(BitField(field.name, field.low, field.width) for field in layout.fields),
         crcs=codec.crcs,
         gray=codec.gray,
+        digit_codings=codec.digit_codings,
         fixed=tuple(_constant_ones(codec)),
         otherwise=None,
         judging_bits=None,

@@ -119,11 +119,15 @@ class AtMost:
 
 @dataclass(frozen=True, slots=True)
 class NotAbove:
-    """The field is at most ``highest``, which is lower than its width allows for some order codes."""
+    """The field is at most ``highest``, which is lower than its width allows for some order codes.
+
+    ``code`` is the name of the code of its digits, if they are sent separately. Other codes are above ``highest``.
+    """
 
     field: Field
     bits: Bits
     highest: Expression
+    code: str = ""
     fault = Fault.RANGE
 
 
@@ -211,6 +215,25 @@ class Gray:
     def has_excess(self) -> bool:
         """True if the excess is not 0 for every order code."""
         return self.excess != Expression(0)
+
+
+@dataclass(frozen=True, slots=True)
+class DigitCoding:
+    """The bits are sent as digits of ``digit_bits`` bits. ``codes`` has the code of each digit, from 0 up.
+
+    Before all else, a decoder converts them to the number. Bits with another code become all 1, which is above the
+    highest number.
+    """
+
+    low: Expression
+    width: Expression
+    digit_bits: int
+    codes: tuple[int, ...]
+
+    @property
+    def packed_codes(self) -> int:
+        """All codes as one number, with the code of the digit 0 in its lowest bits."""
+        return sum(code << self.digit_bits * digit for digit, code in enumerate(self.codes))
 
 
 # -- parts of a frame

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..model import Crc, Join, Parity, PlacedField, PlacedLayout, Unused, number_to_bytes
+from ..model.kinds import DigitCode
 
 
 def reflect(value: int, width: int) -> int:
@@ -126,23 +127,57 @@ def binary_to_gray(binary: int) -> int:
     return binary ^ (binary >> 1)
 
 
-def from_gray(placed: PlacedLayout, number: int) -> int:
-    """Return the frame ``number`` with the fields that are sent in Gray code, if any, converted to binary.
+def to_binary(placed: PlacedLayout, number: int) -> int:
+    """Return the frame ``number`` with the fields in Gray code, if any, converted to binary.
 
-    The excess, which the encoder adds before it converts, is subtracted.
+    The excess, which the encoder adds before it converts, is subtracted. Numbers whose digits are sent separately are
+    converted as well. If a digit has no valid code, all bits of the number are 1.
     """
 
     def to_plain_binary(gray: int) -> int:
         return gray_to_binary(gray) - placed.gray_excess
 
+    for placed_field in placed.fields:
+        code = placed_field.field.number.code_of_digits
+        if code is not None:
+            sent_bits = (number >> placed_field.low) & placed_field.mask
+            value = number_of_digits(code, sent_bits, placed_field.width)
+            number = with_bits(number, placed_field, placed_field.mask if value is None else value)
     return _with_gray_part_converted(placed, number, to_plain_binary)
 
 
-def to_gray(placed: PlacedLayout, number: int) -> int:
-    """Return the frame ``number`` with the fields that are sent in Gray code, if any, converted from binary.
+def number_of_digits(code: DigitCode, bits: int, width: int) -> int | None:
+    """Return the number whose digits are sent as these bits, or None if a digit has no valid code."""
+    number = 0
+    for low in range((width - 1) // code.bits * code.bits, -1, -code.bits):
+        code_of_digit = (bits >> low) & ((1 << code.bits) - 1)
+        if code_of_digit not in code.codes:
+            return None
+        number = number * len(code.codes) + code.codes.index(code_of_digit)
+    return number
 
-    The excess is added first. It is a number that some encoders add so that their Gray code also wraps around in one
-    bit if the counts are not a power of two.
+
+def digits_of_number(code: DigitCode, number: int) -> int:
+    """Return the bits of the digits of a number, from the least significant digit."""
+    bits = 0
+    shift = 0
+    while number:
+        number, digit = divmod(number, len(code.codes))
+        bits |= code.codes[digit] << shift
+        shift += code.bits
+    return bits
+
+
+def with_bits(number: int, placed_field: PlacedField, bits: int) -> int:
+    """Return a frame with other bits in a field."""
+    return number & ~(placed_field.mask << placed_field.low) | bits << placed_field.low
+
+
+def from_binary(placed: PlacedLayout, number: int) -> int:
+    """Return the frame ``number`` as it is sent, with Gray code and digits converted from binary.
+
+    The excess of Gray code is added first. It is a number that some encoders add so that their Gray code also wraps
+    around in one bit if the counts are not a power of two.
     """
     _, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1
@@ -150,6 +185,11 @@ def to_gray(placed: PlacedLayout, number: int) -> int:
     def to_excess_gray(binary: int) -> int:
         return binary_to_gray((binary + placed.gray_excess) & mask)
 
+    for placed_field in placed.fields:
+        code = placed_field.field.number.code_of_digits
+        if code is not None:
+            value = (number >> placed_field.low) & placed_field.mask
+            number = with_bits(number, placed_field, digits_of_number(code, value))
     return _with_gray_part_converted(placed, number, to_excess_gray)
 
 

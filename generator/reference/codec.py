@@ -27,7 +27,7 @@ from ..model.record import dataclass
 from ..say import report
 from ..say.layout import as_one_number
 from ..say.plain_text import counted
-from .bits import compute, documented_bits, from_gray, join_value, parity_bit, to_gray, unused_bits
+from .bits import compute, documented_bits, from_binary, join_value, parity_bit, to_binary, unused_bits
 from .values import EncodeError as EncodeError
 from .values import Values as Values
 from .values import checked_number, encode_digits, encode_value, signed_or_plain, value_and_meaning
@@ -177,7 +177,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
         return _result_of_wrong_length(placed, number, f"{placed.bits} bits", number.bit_length())
     problems: list[Problem] = []
     fields: list[DecodedField] = []
-    binary_number = from_gray(placed, number)
+    binary_number = to_binary(placed, number)
     for placed_field in placed.fields:
         sent_value = (number >> placed_field.low) & placed_field.mask
         binary_value = (binary_number >> placed_field.low) & placed_field.mask
@@ -185,6 +185,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
         problems += _problems_with_other_fields(placed, placed_field, sent_value, number)
         fields += _decode_field(placed_field, sent_value, binary_value)
     problems += _problems_of_position(device, placed, binary_number)
+    problems += _problems_of_digits(device, placed, number, binary_number)
     crc = _decode_crc(device, placed, number)
     if crc is not None and not crc.ok:
         message = report.crc(f"{crc.received:#04x}", f"{crc.computed:#04x}")
@@ -224,7 +225,7 @@ def _problems_of_position(device: Device, placed: PlacedLayout, binary_number: i
     ``binary_number`` is the frame with its Gray code converted to binary.
     """
     position_range = device.range_in(placed.layout)
-    if position_range is None:
+    if position_range is None or position_range.field.number.digit_code:
         return
     position_field = placed.find_field(position_range.field.name)
     if position_field is None:
@@ -233,6 +234,25 @@ def _problems_of_position(device: Device, placed: PlacedLayout, binary_number: i
     message = _range_message(position_range, position_field, raw, placed)
     if message:
         yield Problem(Fault.RANGE, position_field.name, message)
+
+
+def _problems_of_digits(device: Device, placed: PlacedLayout, frame: int, binary_number: int) -> Iterator[Problem]:
+    """Yield the problems of numbers whose digits are sent separately: a digit without a valid code, or too high.
+
+    ``frame`` is the frame as it is sent. In ``binary_number``, all bits of a number without a valid code are 1.
+    """
+    position_range = device.range_in(placed.layout)
+    for placed_field in placed.fields:
+        name = placed_field.name
+        code = placed_field.field.number.code_of_digits
+        if code is None:
+            continue
+        highest = code.highest(placed_field.width)
+        if position_range is not None and position_range.field.name == name:
+            highest = position_range.highest.value(placed.parameters)
+        sent_bits = (frame >> placed_field.low) & placed_field.mask
+        if (binary_number >> placed_field.low) & placed_field.mask > highest:
+            yield Problem(Fault.RANGE, name, report.not_in_code(name, f"{sent_bits:#x}", f"{highest}", code.name))
 
 
 def _range_message(position_range: PositionRange, placed_field: PlacedField, raw: int, placed: PlacedLayout) -> str:
@@ -333,7 +353,7 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     # What remains are names of fields: joins and ``unused`` have been removed.
     _check_names(placed, field_values)
     # Parity and CRC are those of the bits as sent, which includes the Gray code. The CRC also covers the parity.
-    frame_bits = to_gray(placed, frame_bits)
+    frame_bits = from_binary(placed, frame_bits)
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, Parity):
             frame_bits |= parity_bit(placed, placed_field.field.kind, frame_bits) << placed_field.low

@@ -97,12 +97,16 @@ def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int
     """Return the bits of a number, which may be signed, or 0 for the number that 0 stands for.
 
     Raises:
-        EncodeError: The number does not fit, or is not a power of two in a field that needs one.
+        EncodeError: The number does not fit in the bits or their digits, or is not a power of two in a field that needs
+            one.
     """
     # A number that does not fit loses bits, so it is not decoded to itself.
     raw = 0 if value == number.zero_means else value & placed_field.mask
     if signed_or_plain(number, raw, placed_field.width) != value:
         raise EncodeError(report.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))
+    code = number.code_of_digits
+    if code is not None and value > code.highest(placed_field.width):
+        raise EncodeError(report.too_high(placed_field.name, f"{value}", f"{code.highest(placed_field.width)}"))
     if number.power_of_two and value.bit_count() != 1:
         raise EncodeError(report.no_power_of_two(placed_field.name, f"{value}"))
     return raw

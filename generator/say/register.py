@@ -314,6 +314,9 @@ def _number_rules(kind: Number) -> Iterator[Statement]:
         yield statement("A value of 0 means ", Expression(kind.zero_means))
     if kind.power_of_two:
         yield statement("Only powers of two are allowed")
+    code = kind.code_of_digits
+    if code is not None:
+        yield statement(f"Sent in {code.name}, {code.bits} bits for each digit")
 
 
 def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:

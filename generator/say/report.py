@@ -188,6 +188,11 @@ def too_high(name: str, actual: str, highest: str) -> str:
     return f"{name} is {actual}, but the highest is {highest}"
 
 
+def not_in_code(name: str, sent: str, highest: str, code: str) -> str:
+    """Return the message for a number whose digits have no valid code, or that is too high."""
+    return f"{name} is sent as {sent}, but it must be {code} of at most {highest}"
+
+
 def of_other_frame(name: str, actual: str) -> str:
     """Return the message for a selector value that belongs to another frame."""
     return f"{name} {actual} does not belong to this frame"

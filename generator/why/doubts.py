@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from ..model import Device, PlacedLayout, Ssi, Variant
 from ..reference import codec
-from ..reference.bits import gray_to_binary, to_gray
+from ..reference.bits import from_binary, gray_to_binary
 from .hypotheses import TypedFrame, check_constant_bits
 from .recordings import LINES, line_name, recording_hypotheses
 
@@ -98,7 +98,7 @@ def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, fra
         yield None
         yield None
         # The decoder will convert from Gray code. This undoes it, so the position consists of the bits as sent.
-        yield to_gray(placed_layout, frame)
+        yield from_binary(placed_layout, frame)
     else:
         yield _with_position_from_gray(placed_layout, (position_name,), frame)
         parts = _parts_of(placed_layout, position_name)

@@ -18,6 +18,8 @@ function placeLayout(family, layout, parameters) {
     family, layout, parameters, fields, name: layout.name, bits: evaluate(layout.bits),
     crc: family.crcs?.[layout.crcs ? layout.crcs[crcFieldName] : layout.crc],
     gray: placeGray(layout.gray, parameters),
+    digits: (layout.digits ?? []).map((coding) => (
+      { ...coding, low: Number(evaluate(coding.low ?? 0)), width: Number(evaluate(coding.width)) })),
     joins: (layout.joins ?? []).map((join) => placeJoin(join, fields, parameters)),
     checks: sharedParts(layout.checks).map((check) => placeCheck(check, parameters))
       .filter(({ width }) => width > 0),
@@ -67,7 +69,7 @@ function decode(placedLayout, number) {
     return createLengthError(placedLayout, `${placedLayout.bits} bits`, bitLength(number));
   }
   const decoded = createEmptyResult(placedLayout, number);
-  const binary = convertFromGray(placedLayout, number);
+  const binary = convertToBinary(placedLayout, number);
   decoded.fields = placedLayout.fields.flatMap((placedField) => decodeFieldAndRuns(placedField, number, binary));
   decoded.crc = checkCrc(placedLayout, number);
   if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
@@ -103,17 +105,39 @@ function decodeBytes(placedLayout, bytes) {
   return decode(placedLayout, numberOf(placedLayout.layout.order, bytes));
 }
 
-/** Return the number of a frame with the bits in Gray code converted to binary, less the Gray excess. */
-function convertFromGray(placedLayout, number) {
+/** Return the number of a frame with digits and Gray code converted to binary, less the Gray excess. */
+function convertToBinary(placedLayout, frame) {
+  const number = placedLayout.digits.reduce(
+    (sum, coding) => replaceBits(coding, sum, numberOfDigits(coding, extractBits(sum, coding.low, coding.width))), frame);
   if (!placedLayout.gray) return number;
   const { low, width, excess } = placedLayout.gray;
   const binary = grayToBinary(extractBits(number, low, width)) - excess;
-  return replaceGrayBits(placedLayout, number, binary);
+  return replaceBits(placedLayout.gray, number, binary);
 }
 
-/** Return the number with other bits instead of the bits in Gray code. */
-function replaceGrayBits(placedLayout, number, newBits) {
-  const { low, width } = placedLayout.gray;
+/** Return the number that digits form. If a digit has no valid code, its bits are all 1. */
+function numberOfDigits({ width, digit_bits: digitBits, codes }, sentBits) {
+  let number = 0n;
+  for (let place = Math.floor((width - 1) / digitBits) * digitBits; place >= 0; place -= digitBits) {
+    const digit = codes.indexOf(Number(extractBits(sentBits, place, digitBits)));
+    if (digit < 0) return ones(width);
+    number = number * BigInt(codes.length) + BigInt(digit);
+  }
+  return number;
+}
+
+/** Return the bits of the digits of a number. */
+function digitsOfNumber({ width, digit_bits: digitBits, codes }, number) {
+  let [bits, remaining] = [0n, number];
+  for (let place = 0; place < width; place += digitBits) {
+    bits |= BigInt(codes[Number(remaining % BigInt(codes.length))]) << BigInt(place);
+    remaining /= BigInt(codes.length);
+  }
+  return bits;
+}
+
+/** Return the number with other bits at a place. */
+function replaceBits({ low, width }, number, newBits) {
   return (number & ~(ones(width) << BigInt(low))) | (BigInt.asUintN(width, newBits) << BigInt(low));
 }
 
@@ -124,12 +148,14 @@ function grayToBinary(gray) {
   return binary;
 }
 
-/** Return the number of a frame with the position converted to Gray code, with the Gray excess added. */
-function convertToGray(placedLayout, number) {
+/** Return the number of a frame with digits as they are sent, and the position in Gray code with the excess added. */
+function convertFromBinary(placedLayout, frame) {
+  const number = placedLayout.digits.reduce(
+    (sum, coding) => replaceBits(coding, sum, digitsOfNumber(coding, extractBits(sum, coding.low, coding.width))), frame);
   if (!placedLayout.gray) return number;
   const { low, width, excess } = placedLayout.gray;
   const sumWithExcess = BigInt.asUintN(width, extractBits(number, low, width) + excess);
-  return replaceGrayBits(placedLayout, number, sumWithExcess ^ (sumWithExcess >> ONE));
+  return replaceBits(placedLayout.gray, number, sumWithExcess ^ (sumWithExcess >> ONE));
 }
 
 /** Return a field in readable form, with its runs of digits. ``raw`` is transmitted, ``value`` is decoded. */
@@ -223,7 +249,9 @@ function findProblems(placedCheck, number, binary) {
   const isCorrect = hasLimit
     ? checkedNumber >= lowest && checkedNumber <= limit : rightValues.includes(checkedNumber);
   if (isCorrect) return [];
-  const message = describeProblem(placedCheck, checkedNumber, rightValues[0]);
+  const message = check.says === "not_in_code"
+    ? messageFor(check.says, check.field, hex(extractBits(number, low, width)), limit, check.code)
+    : describeProblem(placedCheck, checkedNumber, rightValues[0]);
   return [{ fault: check.fault, field: check.field, message }];
 }
 
@@ -257,7 +285,7 @@ const listCoveredFields = (check, coveredPlaces) => (
 /** Add the reports, the verdict and the differences from the manual to the result of a valid frame or register. */
 function judgeFrame(decoded) {
   const { placedLayout, number } = decoded;
-  const binary = convertFromGray(placedLayout, number);
+  const binary = convertToBinary(placedLayout, number);
   const isActive = (placedField) => (
     isActiveOrDiffers(placedField, extractBits(binary, placedField.low, placedField.width)));
   const activeNames = new Set(placedLayout.fields.filter(isActive).map((placedField) => placedField.name));
@@ -289,7 +317,7 @@ function isActiveOrDiffers({ field, width }, raw) {
 /** Return whether a flag is active (1) or inactive (0), or another field has this value. */
 function hasFieldValue({ placedLayout, number }, [name, wantedNumber]) {
   const placedField = placedLayout.fields.find((candidate) => candidate.name === name);
-  const raw = placedField && extractBits(convertFromGray(placedLayout, number), placedField.low, placedField.width);
+  const raw = placedField && extractBits(convertToBinary(placedLayout, number), placedField.low, placedField.width);
   if (!placedField) return false;
   return isFlag(placedField.field)
     ? isActiveOrDiffers(placedField, raw) === (wantedNumber === 1) : raw === toBigInt(wantedNumber);
@@ -341,7 +369,7 @@ function encode(placedLayout, values) {
   const parities = placedLayout.fields.filter((placedField) => placedField.field.parity);
   let number = placedLayout.fields.reduce(
     (sum, placedField) => sum | (encodeField(placedField, values) << BigInt(placedField.low)), 0n);
-  number = convertToGray(placedLayout, number);
+  number = convertFromBinary(placedLayout, number);
   parities.forEach((placedField) => {
     const coveredFields = placedLayout.fields.filter((candidate) => placedField.field.parity.includes(candidate.name));
     number |= computeParity(number, coveredFields, placedField.field) << BigInt(placedField.low);

@@ -1019,7 +1019,7 @@ function listDoubtfulFrames(placedLayout, number, position) {
     number >> ONE,
     placedLayout.gray ? null : decodeGrayBits(number, { low, width }),
     placedLayout.gray || !isSplit ? null : parts.reduce(decodeGrayBits, number),
-    placedLayout.gray ? convertToGray(placedLayout, number) : null,
+    placedLayout.gray ? convertFromBinary(placedLayout, number) : null,
     placedLayout.bits % 8 ? null : numberOf("big", bytesOf("little", number, placedLayout.bits / 8)),
   ];
 }

@@ -32,8 +32,8 @@ from codewheel.reference.bits import (
     compute,
     compute_bits,
     compute_bytes,
-    from_gray,
     join_value,
+    to_binary,
     unused_bits,
 )
 from codewheel.reference.codec import UNUSED, decode, encode
@@ -68,7 +68,7 @@ class Table:
     def row(self, name: str, placed: PlacedLayout, number: int) -> str:
         """Return the expected output of the harness for a number without errors."""
         layout = placed.layout
-        number = from_gray(placed, number)
+        number = to_binary(placed, number)
         values: dict[str, int | str] = {}
         for field in layout.fields:
             placed_field = placed.find_field(field.name)

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.new import write_spec
 from codewheel.language.check import check_document
+from codewheel.language.files import packaged_specs
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
 from codewheel.loading.library import load_library
@@ -93,3 +94,15 @@ def test_a_bound_that_is_not_a_number(tmp_path: Path) -> None:
     assert document is not None
     check_document(document, report)
     assert "quantity-text" in {problem.rule for problem in report.problems}
+
+
+def test_a_step_that_writes_a_value_of_a_faulty_register(tmp_path: Path) -> None:
+    """The register is left out, and with it the value. An earlier step changes a limit, so the step is looked at."""
+    spec = packaged_specs() / "lika" / "sma21.yaml"
+    text = spec.read_text(encoding="utf-8")
+    register = text[text.index("  - name: command\n") :]
+    faulty_register = register.replace("length: 1", "length: one", 1)
+    (tmp_path / spec.name).write_text(text.replace(register, faulty_register), encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_bytes(spec.with_name("manufacturer.yaml").read_bytes())
+    _, report = load_library([tmp_path])
+    assert "wrong-type" in {problem.rule for problem in report.problems}

@@ -94,6 +94,10 @@ UNUSED = {
     ),
     "combination.printed_name": "as of a field",
     "combination.remedy": "as of a field",
+    **dict.fromkeys(
+        ("field.digit_code", "field.digit_code.bcd"),
+        "positions in BCD over SSI. No public document of such an encoder is at hand",
+    ),
     "layout.gray.excess": "360 or 720 counts per turn, which so far only encoders with parallel outputs have",
     "values.makes_position.usable": "one of three verdicts",
     "code_value.meaning_differs": "the answer to a finding in words that is wrong",

@@ -24,6 +24,7 @@ from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate as generate_page
+from codewheel_runtime.frames.base import ForEncoder
 from test_c_reports import by_interface
 
 SPECS = Path(__file__).resolve().parents[1] / "specs"
@@ -184,7 +185,9 @@ def decode_in_columns(made: MadeEncoder, cases: Sequence[Case], import_generated
             yield with_result(case, "", VERDICTS[verdicts[row]], active, values)
         valid_frames = frames[[not fault for fault in faults]]
         kind: Any = type(encoder.decode(frame_of(next(case for case in group if not case.fault))))
-        assert (kind.encode_many(encoder.decode_many(valid_frames), encoder) == valid_frames).all()
+        # A class whose frames are the same for all order codes takes no encoder.
+        encoders = (encoder,) if issubclass(kind, ForEncoder) else ()
+        assert (kind.encode_many(encoder.decode_many(valid_frames), *encoders) == valid_frames).all()
 
 
 def decode_in_c(made: MadeEncoder, cases: Sequence[Case], _: Import, folder: Path) -> Iterator[Case]:

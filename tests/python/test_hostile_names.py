@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, Layout, Number, Variant, number_to_bytes
-from codewheel.reference.bits import from_gray, join_value
+from codewheel.reference.bits import join_value, to_binary
 from codewheel.reference.codec import encode
 from codewheel.targets import Library
 from codewheel.targets.python import names
@@ -220,7 +220,7 @@ def _check_round_trip(device: Device, layout: Layout, variant: Variant, module: 
             assert _attribute_of(frame, field.name) == 3, (layout.name, field.name)
     assert len(frame.reports) == (2 if layout.name.startswith("own_told") else 0), layout.name
     for join in layout.joins:
-        whole = join_value(placed, join, from_gray(placed, number))
+        whole = join_value(placed, join, to_binary(placed, number))
         assert _attribute_of(frame, join.name) == whole
         joined = {f"{name}_" if f"{name}_" in frame_class._fields else name for name in join.fields}
         other_members = {name: getattr(frame, name) for name in frame_class._fields if name not in joined}

@@ -12,7 +12,7 @@ from proof_reference import shift_in, shifted_out
 
 #: Functions of bits.h that are proved here, with arguments that obey their comments.
 FUNCTIONS = ("mask", "field", "signed", "fits_signed", "from_gray", "to_gray", "parity", "parities", "difference")
-FUNCTIONS += ("with_field", "from_gray_excess", "to_gray_excess")
+FUNCTIONS += ("with_field", "from_gray_excess", "to_gray_excess", "digit", "from_digits", "to_digits")
 #: The longest run of bytes over which a CRC is proved.
 BYTES = 12
 #: Number of powers of two in one proof of a difference.
@@ -56,6 +56,25 @@ void gray_excess(void)
     __CPROVER_assert((less & ~(ones << low)) == (word & ~(ones << low)), "other bits are as they were");
     __CPROVER_assert((((less >> low) + excess) & ones) == ((plain >> low) & ones), "the number less the excess");
     __CPROVER_assert(cw_to_gray_excess(less, low, bits, excess) == word, "the inverse");
+}
+/* In BCD, the number of up to five digits is the sum of the digits by their weights, unless one of them is above 9. */
+void digits(void)
+{
+    unsigned long long word = nondet_word(), number = 0, weight = 1;
+    unsigned low = nondet_byte(), bits = nondet_byte();
+    _Bool is_valid = 1;
+    __CPROVER_assume(low + bits <= 64 && bits >= 1 && bits <= 20);
+    unsigned long long ones = (1ULL << bits) - 1;
+    for (unsigned place = 0; place < 20; place += 4) {
+        unsigned digit = place < bits ? (unsigned)(((word >> low) & ones) >> place) & 15U : 0U;
+        is_valid = is_valid && digit <= 9;
+        number += digit * weight;
+        weight *= 10;
+    }
+    unsigned long long converted = cw_from_digits(word, low, bits, 4, 10, 0x9876543210);
+    __CPROVER_assert((converted & ~(ones << low)) == (word & ~(ones << low)), "other bits are as they were");
+    __CPROVER_assert(((converted >> low) & ones) == (is_valid ? number : ones), "the number, or all ones");
+    __CPROVER_assert(!is_valid || cw_to_digits(converted, low, bits, 4, 10, 0x9876543210) == word, "the inverse");
 }
 void numbers(void)
 {
@@ -116,6 +135,7 @@ def shared_proofs() -> Iterable[Proof]:
         "to_gray",
         "from_gray",
         "gray_excess",
+        "digits",
         "numbers",
         "parity",
         "difference_without_modulus",

@@ -177,10 +177,13 @@ class Family:
         struct = Struct(layout, pascal(interface), codec, crcs, types)
         for problem in struct.width_problems():
             self._wide.append(TargetProblem(self.device, "rust-size", place, f"{problem}. Rust allows at most {WORD}"))
-        if struct.codec.parity_covers_gray or layout.has_optional_flags:
+        if struct.codec.parity_covers_converted or layout.has_optional_flags:
             part = "a flag that order codes lack" if layout.has_optional_flags else "a parity bit over Gray code"
             problem = f"'{layout.name}' has {part}, which this target does not compute"
             self._wide.append(TargetProblem(self.device, "rust-parity", place, problem))
+        if struct.codec.digit_codings:
+            problem = f"'{layout.name}' has digits that are sent separately, which this target does not convert"
+            self._wide.append(TargetProblem(self.device, "rust-digits", place, problem))
         return struct
 
 

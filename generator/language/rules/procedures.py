@@ -21,29 +21,20 @@ from .parts import (
     named_values,
     value_names,
 )
-from .shapes import KeysOfKind, check_keys
+from .shapes import check_keys
 
 #: Represents a register that does not exist.
 _NO_REGISTER = WrittenRegister({})
 Registers = Mapping[str, WrittenRegister]
 #: Access of a register that makes a kind of step impossible.
 _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
-#: Keys of each kind of step, and keys of all kinds.
-_STEPS: dict[str, KeysOfKind] = {
-    "write": (("register", "value"), ("field",)),
-    "read": (("register",), ("field",)),
-    "poll": (("register", "field", "until"), ()),
-    "wait": (("at_least_ms",), ()),
-    "send": (("data_id",), ("times", "every_at_least_us", "in_succession")),
-}
-_ALL_STEPS = frozenset(("do", "meaning", "source"))
 
 
 def check_step_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each step has the keys of its kind, and conditions for several requests only if it sends several."""
     for procedure in spec.procedures:
         for step in procedure.steps:
-            check_keys("step-shape", f"a {step.do} step", step.path, step.data, _STEPS[step.do], _ALL_STEPS, report)
+            check_keys("step-shape", step, step.do, f"a {step.do} step", report)
             _check_repeated(step, report)
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 from ...model import INTERFACES, Spi
 from ...model.expressions import Expression, ExpressionError
-from ..problems import DocumentReport, Path, listed, missing, quoted
-from ..written_layouts import KIND_KEYS, WrittenField, WrittenLayout
+from ..problems import DocumentReport, listed, missing, quoted
+from ..written import WrittenPart
+from ..written_layouts import KIND_KEYS, NUMBER, WrittenField, WrittenLayout
 from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
     FieldList,
@@ -25,37 +24,17 @@ PLACES = ("at", "top_bit", "low_bit")
 RESERVED = "reserved"
 #: Widest field with names for its reserved values, because each of these is in every output.
 MOST_RESERVED_BITS = 4
-_OF_FLAGS = (
-    "when_active",
-    "when_inactive",
-    "makes_position",
-    "makes_position_if",
-    "sums_up",
-    "only",
-    "remedy",
-    "by_hand",
-)
-_OF_PARITIES = ("parity", "over")
-_OF_NUMBERS = ("signed", "zero_means", "power_of_two", "scale", "unit")
-#: Kinds of fields that can have the key ``equals``, apart from numbers.
-_EXPECTED_ON_DEVICE = ("values", "text")
+_OF_FLAGS = WrittenField.keys_owned_by("active")
+_OF_PARITIES = WrittenField.keys_owned_by("parity_of")
+_OF_NUMBERS = WrittenField.keys_owned_by(NUMBER, alone=True)
 #: Keys that are not allowed next to ``scale``: the first changes the meaning of 0, the second states a separate unit.
 _NOT_SCALED = ("zero_means", "unit")
+#: Keys that are not allowed next to ``digit_code``, because they are about the bits as one binary number.
+_NOT_OF_DIGITS = ("signed", "zero_means", "power_of_two", "equals", "default")
 #: Keys allowed next to ``use``.
 _BESIDE_USE = frozenset(("use", "note", "source"))
 #: Kinds with an implied width: a flag and a parity bit have one bit, a CRC its own width.
 _WIDTH_FOLLOWS = ("active", "parity_of", "crc")
-
-#: Required keys and additional optional keys of a kind of step or example.
-KeysOfKind = tuple[Collection[str], Collection[str]]
-_EXAMPLES: dict[str, KeysOfKind] = {
-    "frame": ((), ("order_code", "alternatives", "layout", "from", "bytes", "bits", "values", "refused")),
-    "register": (("register", "bytes", "values"), ("order_code",)),
-    "crc": (("crc", "bytes", "check"), ()),
-    "procedure": (("procedure", "writes"), ("order_code", "arguments")),
-    "measure": (("order_code", "counts", "micrometres"), ()),
-}
-_ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
 
 
 def check_layout_keys(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -111,6 +90,10 @@ def _check_kind(field: WrittenField, report: DocumentReport) -> None:
         if field.has(key) and field.scale is not None:
             problem = f"{quoted(key)} and 'scale' exclude each other; keep one of them"
             report.add("layout-keys", field.place_of(key), problem, at_key=True)
+    for key in _NOT_OF_DIGITS:
+        if field.has(key) and field.digit_code:
+            problem = f"{quoted(key)} and 'digit_code' exclude each other; keep one of them"
+            report.add("layout-keys", field.place_of(key), problem, at_key=True)
     _check_flag_keys(field, report)
     _check_keys_of_checks(field, report)
     _check_expected_value(field, kinds, report)
@@ -121,7 +104,7 @@ def _check_expected_value(field: WrittenField, kinds: list[str], report: Documen
     name = quoted(field.name)
     if isinstance(field.equals, int) and field.text:
         report.add("layout-keys", field.place_of("equals"), f"{name} is text; put the value in quotes")
-    elif field.equals is not None and kinds and kinds[0] not in _EXPECTED_ON_DEVICE:
+    elif field.equals is not None and kinds and "equals" not in WrittenField.keys_owned_by(kinds[0]):
         problem = f"'equals' is only for numbers, text and named values; {name} has {quoted(kinds[0])}"
         report.add("layout-keys", field.place_of("equals"), problem, at_key=True)
 
@@ -323,9 +306,7 @@ def check_missing_byte_orders(spec: WrittenSpec, as_read: WrittenSpec, report: D
 def check_example_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each example has the keys of its kind, and that a frame is complete."""
     for example in spec.examples:
-        subject = f"a {example.kind} example"
-        keys_of_kind = _EXAMPLES[example.kind]
-        check_keys("example-shape", subject, example.path, example.data, keys_of_kind, _ALL_EXAMPLES, report)
+        check_keys("example-shape", example, example.kind, f"a {example.kind} example", report)
         if example.kind == "frame":
             _check_frame(example, report)
 
@@ -368,23 +349,20 @@ def check_example_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             report.add("example-shape", example.path, problem)
 
 
-def check_keys(
-    rule: str,
-    subject: str,
-    path: Path,
-    given_keys: Collection[str],
-    keys_of_kind: KeysOfKind,
-    keys_of_all: Collection[str],
-    report: DocumentReport,
-) -> None:
+def check_keys(rule: str, part: WrittenPart, kind: str, subject: str, report: DocumentReport) -> None:
     """Check that a step or example has the keys that its kind requires, and no keys of other kinds.
 
-    ``subject`` is its kind in messages, such as ``a wait step``. ``keys_of_all`` are the keys of every kind.
+    ``subject`` is its kind in messages, such as ``a wait step``.
     """
-    required_keys, optional_keys = keys_of_kind
-    missing_keys = [key for key in required_keys if key not in given_keys]
+    missing_keys = [
+        described.name
+        for described in part.described_keys
+        if kind in described.key.needed_by and not part.has(described.name)
+    ]
     if missing_keys:
-        report.add(rule, path, missing(missing_keys, subject))
-    for key in given_keys:
-        if key not in (*required_keys, *optional_keys, *keys_of_all):
-            report.add(rule, (*path, key), f"{quoted(key)} does not apply to {subject}", at_key=True)
+        report.add(rule, part.path, missing(missing_keys, subject))
+    for described in part.described_keys:
+        owners = described.key.owners
+        if owners and kind not in owners and part.has(described.name):
+            message = f"{quoted(described.name)} does not apply to {subject}"
+            report.add(rule, part.place_of(described.name), message, at_key=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import get_args
 
-from ..kinds import Digits, Kind, Scale
+from ..kinds import DIGIT_CODES, Digits, Kind, Scale
 from ..measurement import LayoutRange
 from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part, described_part
 
@@ -219,6 +219,14 @@ FRAMES = (
             "field-reads-otherwise",
             read="limit",
             noun="restriction to powers of two",
+        ),
+        Member(
+            "digit_code",
+            "|".join(["", *DIGIT_CODES]),
+            "Code of each digit, if digits are sent separately. Empty for a binary number.",
+            "field-reads-otherwise",
+            read="position",
+            noun="code of digits",
         ),
         Member(
             "implemented",

@@ -240,6 +240,7 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
         "order": description.order,
         "joins": description.joins,
         "speaks": description.verdict_causes,
+        "digits": description.digit_codings,
         "gray": description.gray,
         "otherwise": description.otherwise,
         "judging_bits": description.judging_bits,
@@ -360,6 +361,7 @@ def _check_message(layout: Layout, check: Check) -> Data:
     always = False
     highest_digit = 0
     covered_names = ""
+    code = ""
     match check:
         case AlwaysIs():
             message = "constant"
@@ -378,13 +380,15 @@ def _check_message(layout: Layout, check: Check) -> Data:
         case AtMost():
             message = "digits"
             highest_digit = check.digits
-        case NotAbove():
-            message = "too_high"
+        case NotAbove(code=code):
+            message = "not_in_code" if code else "too_high"
         case IsBetween():
             message = "outside"
         case _:
             assert_never(check)
-    return without_empty(field=field_name, says=message, always=int(always), most=highest_digit, of_name=covered_names)
+    return without_empty(
+        field=field_name, says=message, always=int(always), most=highest_digit, of_name=covered_names, code=code
+    )
 
 
 def _report_texts(field: Field, alarm: Alarm | None) -> Data:

@@ -17,6 +17,7 @@ MESSAGES = {
     "constant": report.constant("{0}", "{1}", "{2}"),
     "parity": report.parity("{0}", "{1}", "{2}", "{3}"),
     "no_value": report.no_value("{0}", "{1}"),
+    "not_in_code": report.not_in_code("{0}", "{1}", "{2}", "{3}"),
     "too_high": report.too_high("{0}", "{1}", "{2}"),
     "digits": report.digits("{0}", "{1}", "{2}"),
     "of_other_frame": report.of_other_frame("{0}", "{1}"),

@@ -76,15 +76,15 @@ class Reader:
     def encoded_type(self) -> str:
         """The type in which an encoder assembles the word.
 
-        The runtime converts Gray code, and masks fields whose width depends on the order code, in 64 bits.
+        The runtime converts Gray code and digits, and masks fields whose width depends on the order code, in 64 bits.
         """
-        needs_64_bits = self.word_size > 32 or self.plan.gray is not None or self.plan.depends
+        needs_64_bits = self.word_size > 32 or self.plan.is_converted or self.plan.depends
         return "uint64_t" if needs_64_bits else "uint32_t"
 
     @property
     def word(self) -> Expr:
-        """The word, with any Gray code in it converted unless the reader is for the bits ``as_sent``."""
-        return Name("plain" if self.plan.gray is not None and not self.as_sent else "word")
+        """The word, with any Gray code and digits in it converted unless the reader is for the bits ``as_sent``."""
+        return Name("plain" if self.plan.is_converted and not self.as_sent else "word")
 
     def value(self, bits: Bits) -> tuple[str, Expr]:
         """Return the type and the bits of a field, such as ``uint16_t`` and ``(uint16_t)(word >> 6)``."""
@@ -134,8 +134,8 @@ class Reader:
 
         Operations in 32 bits are faster on small processors. A word that has only 32 bits needs no cast.
         """
-        # A word with Gray code is converted in 64 bits.
-        has_32_bits = self.word_size == 32 and self.plan.gray is None
+        # A word is converted in 64 bits.
+        has_32_bits = self.word_size == 32 and not self.plan.is_converted
         is_lower_half_enough = high <= 32
         return Cast("uint32_t", self.word) if is_lower_half_enough and not has_32_bits else self.word
 

@@ -221,7 +221,7 @@ class Decoder:
         The frame must be a word without Gray code, in which these bits are the same for all order codes, registers and
         answers, and are in the lower 32 bits. A selector with a known parity is compared instead.
         """
-        if not self.plan.by_word or self.plan.gray is not None or parity.known_parity is not None:
+        if not self.plan.by_word or self.plan.is_converted or parity.known_parity is not None:
             return 0
         all_bits = (parity.bits, *parity.of_bits)
         parameters = {name for bits in all_bits for name in (*bits.low.parameters, *bits.width.parameters)}
@@ -255,7 +255,7 @@ class Decoder:
 
     def parity(self, fields: Sequence[Field], mask: int) -> Expr:
         """Return the parity of these fields, or of their bits in ``mask`` if it is not 0."""
-        if self.plan.parity_covers_gray:
+        if self.plan.parity_covers_converted:
             return self.reader.parity_as_sent(fields, mask)
         return self.reader.parity([(self.local(field), field.widest) for field in fields], mask)
 

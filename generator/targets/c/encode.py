@@ -105,7 +105,7 @@ class Encoder:
         """
         terms: list[Expr] = []
         for term in self.plan.terms:
-            is_added_later = self.plan.parity_covers_gray and isinstance(term.value, ParityOf)
+            is_added_later = self.plan.parity_covers_converted and isinstance(term.value, ParityOf)
             # ``unused.in_word`` contains the terms of unused fields.
             is_unused = isinstance(term.value, ReservedBits)
             if not is_added_later and not is_unused and not self._is_always_zero(term):
@@ -115,7 +115,7 @@ class Encoder:
     @property
     def parities_of_sent_bits(self) -> tuple[Expr, ...]:
         """The parity bits over a number in Gray code, which are added to the word after its conversion. Often none."""
-        if not self.plan.parity_covers_gray:
+        if not self.plan.parity_covers_converted:
             return ()
         return tuple(self._term_in_word(term) for term in self.plan.terms if isinstance(term.value, ParityOf))
 
@@ -152,7 +152,7 @@ class Encoder:
 
     def _parity_bit(self, term: Term, parity: ParityOf) -> Expr:
         """Return the parity bit of several fields, 0 for an order code without this bit."""
-        if self.plan.parity_covers_gray:
+        if self.plan.parity_covers_converted:
             even_parity = self.reader.parity_as_sent(parity.of, parity.mask)
         else:
             even_parity = self._parity_of_members(parity)

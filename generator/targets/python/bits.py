@@ -136,7 +136,7 @@ class Reader:
     def as_sent(self) -> Reader:
         """Return the reader of the bits before any Gray code is converted. Such bits are in ``sent``."""
         reader = Reader(self.scope, self.codec, self._byte)
-        reader.source = "sent" if self.codec.parity_covers_gray else self.source
+        reader.source = "sent" if self.codec.keeps_sent_bits else self.source
         return reader
 
     def bits(self, bits: Bits) -> Expr:

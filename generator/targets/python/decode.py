@@ -172,7 +172,7 @@ class Decoder:
         The parity bit must cover all bits of this field and no other field. The field must be read in any case, without
         padding and as sent.
         """
-        if len(check.of) != 1 or check.mask or self.codec.parity_covers_gray:
+        if len(check.of) != 1 or check.mask or self.codec.parity_covers_converted:
             return None
         (covered,) = check.of
         if self.is_padded(covered):
@@ -279,7 +279,7 @@ class Decoder:
         """Return ``low``, the lowest bits of a word, if a CRC table needs it and it has the flag. Otherwise ""."""
         low_bit = part.bits.low
         is_in_low_table = low_bit.is_constant and low_bit.constant < TABLE_BITS
-        return "low" if self.tables and not self.codec.gray and is_in_low_table else ""
+        return "low" if self.tables and not self.codec.is_converted and is_in_low_table else ""
 
     def decoded_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
         """Return the values of all attributes, in order, beginning with the encoder and the answers.

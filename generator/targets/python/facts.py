@@ -198,6 +198,7 @@ def _field_record(codec: Codec, field: Field) -> Call:
         constant=codec.constants.get(field.name),
         unused=unused_values.get(field.name),
         power_of_two=field.name in powers_of_two(codec),
+        digit_code=field.number.digit_code,
     )
 
 

@@ -72,7 +72,7 @@ def _runtime_modules(names: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
 PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
     {
         "codec": """BitField Data PositionRange Rows Word Words as_bytes as_member as_word check_kind check_limits
-            check_signed check_width crc_by_xor crc_of_bits crc_of_bytes create from_gray make_crc_tables
+            check_signed check_width crc_by_xor crc_of_bits crc_of_bytes create from_digits from_gray make_crc_tables
             require_answer signed text_number too_long_error wrong_answer_error zero_for""",
         "encoder": """Encoder ErrorHandler Exchanged Positioned SerialEncoder check_encoder load_fact look_up
             raise_frame_error return_frame_error wrong_encoder_error""",
@@ -107,7 +107,8 @@ FACTS: Mapping[str, tuple[str, ...]] = _runtime_modules(
 #: Names that the descriptions of frames can import, by source module.
 SHAPES: Mapping[str, tuple[str, ...]] = {
     "codewheel_runtime.bulk.shape": tuple(
-        "Check Column CrcOf Fold Join ReportCause Shape Unused VerdictCause compare_bits compare_bytes".split()
+        """Check Column CrcOf DigitCoding Fold Join ReportCause Shape Unused VerdictCause compare_bits
+        compare_bytes""".split()
     ),
     "codewheel_runtime.codec": ("BitField",),
     "codewheel_runtime.errors": ("ErrorKind",),

@@ -32,7 +32,7 @@ _RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
     }
 )
 #: Members of the plan with several items, except the columns.
-_PLANNED_ROWS = ("joins", "unused", "checks", "parities", "verdict_causes", "report_causes", "fields")
+_PLANNED_ROWS = ("digit_codings", "joins", "unused", "checks", "parities", "verdict_causes", "report_causes", "fields")
 #: Members that state for which encoders a cause applies.
 _CONDITIONS = ("only", "chosen")
 

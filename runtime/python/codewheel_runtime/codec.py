@@ -346,6 +346,35 @@ def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
     return other_bits | ((binary ^ (binary >> 1)) << low)
 
 
+def from_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
+    """Return ``number`` with ``width`` bits from ``low`` up converted from separate digits to the number they form.
+
+    A digit has ``digit_bits`` bits, and ``codes`` has the code of each digit from 0 up. If a digit has another code,
+    the converted bits are all 1, which is above the highest number.
+    """
+    mask = (1 << width) - 1
+    sent = (number >> low) & mask
+    value = 0
+    for place in range((width - 1) // digit_bits * digit_bits, -1, -digit_bits):
+        code = (sent >> place) & ((1 << digit_bits) - 1)
+        if code not in codes:
+            value = mask
+            break
+        value = value * len(codes) + codes.index(code)
+    return number & ~(mask << low) | value << low
+
+
+def to_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
+    """Return ``number`` with ``width`` bits from ``low`` up converted from a number to its separate digits."""
+    mask = (1 << width) - 1
+    value = (number >> low) & mask
+    sent = 0
+    for place in range(0, width, digit_bits):
+        value, digit = divmod(value, len(codes))
+        sent |= codes[digit] << place
+    return number & ~(mask << low) | (sent & mask) << low
+
+
 def unwrap(
     previous: SupportsIndex, position: SupportsIndex, modulus: int, highest: int | None = None, lowest: int = 0
 ) -> int:

@@ -192,8 +192,8 @@ class FieldFacts(NamedTuple):
     ``active`` is ``high`` or ``low`` for a flag. ``constant`` is the value of a constant field, ``unused`` the value of
     unused bits in the manual. ``implemented`` is False for a field that does not exist in this encoder. ``reserved`` is
     the only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
-    ``zero_means`` is the value that is sent as 0, if there is such a value. ``scale`` gives the quantity that a number
-    stands for.
+    ``zero_means`` is the value that is sent as 0, if there is such a value. ``digit_code`` is the code of each digit,
+    such as ``bcd``, of a number that is not sent in binary. ``scale`` gives the quantity that a number stands for.
     """
 
     name: str
@@ -210,6 +210,7 @@ class FieldFacts(NamedTuple):
     signed: bool = False
     zero_means: int = 0
     power_of_two: bool = False
+    digit_code: str = ""
     implemented: bool = True
     reserved: str = ""
     explained_by: tuple[str, ...] = ()

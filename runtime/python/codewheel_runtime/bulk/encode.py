@@ -10,7 +10,7 @@ from ..codec import NO_SUCH_FLAG, assert_never
 from ..errors import RangeError
 from .chunk import Chunk, are_within, bit_mask, compare_crc, compute_parity, np, shift_left, shift_right
 from .decode import CHUNK
-from .shape import Column, Join, Shape, find_scales, find_width
+from .shape import Column, DigitCoding, Join, Shape, find_scales, find_width
 from .table import Table
 
 #: Kinds of NumPy arrays for a field, as ``dtype.kind``, unless they are integers. Bools are not numbers.
@@ -418,7 +418,9 @@ def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
 
 
 def _finish(limbs: list[Any], shape: Shape) -> None:
-    """Apply Gray code, then insert the parity bits, which cover it, and the CRC, which covers both."""
+    """Apply digit codes and Gray code, then insert the parity bits, which cover it, and the CRC, which covers both."""
+    for coding in shape.digit_codings:
+        _convert_to_digits(limbs, coding)
     if shape.gray is not None:
         _convert_to_gray(limbs, *shape.gray, excess=shape.excess)
     chunk = Chunk(limbs, shape.bits)
@@ -428,6 +430,18 @@ def _finish(limbs: list[Any], shape: Shape) -> None:
         # The CRC bits are still 0, so the difference from them is the CRC.
         crc_bits = compare_crc(Chunk(limbs, shape.bits), shape.crc).astype(np.uint64)
         _insert(limbs, shape.crc.low, shape.crc.width, crc_bits)
+
+
+def _convert_to_digits(limbs: list[Any], coding: DigitCoding) -> None:
+    """Convert a number to its digits, which are sent separately."""
+    base = np.uint64(len(coding.codes))
+    codes = np.array(coding.codes, np.uint64)
+    number = shift_right(limbs[0], coding.low) & bit_mask(coding.width)
+    limbs[0] ^= shift_left(number, coding.low)
+    for place in range(0, coding.width, coding.digit_bits):
+        code = codes[(number % base).astype(np.intp)]
+        limbs[0] |= shift_left(code & bit_mask(coding.width - place), coding.low + place)
+        number = number // base
 
 
 def _convert_to_gray(limbs: list[Any], low: int, width: int, excess: int) -> None:

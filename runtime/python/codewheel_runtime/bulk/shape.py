@@ -118,6 +118,18 @@ def compare_bits(function: Callable[[int, int], int], covered: int, width: int, 
     return lambda number: function((number >> (width + gap)) & ones, covered) ^ (number & ((1 << width) - 1))
 
 
+class DigitCoding(NamedTuple):
+    """Number of ``width`` bits at ``low`` whose digits are sent separately, in ``digit_bits`` bits each.
+
+    ``codes`` has the code of each digit, from 0 up.
+    """
+
+    low: int
+    width: int
+    digit_bits: int
+    codes: tuple[int, ...]
+
+
 class Join(NamedTuple):
     """Number assembled from fields, each listed with the position of its lowest bit in the number."""
 
@@ -174,18 +186,19 @@ class ReportCause(NamedTuple):
 class Shape(NamedTuple):
     """Description of a frame or register. ``length`` is its length in bytes, or 0 for a ``bits``-bit number.
 
-    ``gray`` are lowest bit and width of the number that is sent in Gray code, and ``excess`` is added to it before.
-    ``fixed`` contains the bits that are 1 in every such frame. ``position`` is the column of the position, if there is
-    one, and ``default_verdict`` the verdict if no condition applies. ``fields`` are all fields in the order of the
-    manual. ``kept_mask`` selects the bits of a register that belong to no field, if they are kept. ``limited`` is the
-    name of a value with limits, and its attribute. ``frame`` is the name of the frame if other frames have another
-    range of the position.
+    ``digit_codings`` are the numbers whose digits are sent separately. ``gray`` are lowest bit and width of the
+    number that is sent in Gray code, and ``excess`` is added to it before. ``fixed`` contains the bits that are 1
+    in every such frame. ``position`` is the column of the position, if there is one, and ``default_verdict`` the
+    verdict if no condition applies. ``fields`` are all fields in the order of the manual. ``kept_mask`` selects the
+    bits of a register that belong to no field, if they are kept. ``limited`` is the name of a value with limits,
+    and its attribute. ``frame`` is the name of the frame if other frames have another range of the position.
     """
 
     bits: int
     length: int = 0
     order: Literal["little", "big"] = "little"
     columns: tuple[Column, ...] = ()
+    digit_codings: tuple[DigitCoding, ...] = ()
     joins: tuple[Join, ...] = ()
     unused: tuple[Unused, ...] = ()
     checks: tuple[Check, ...] = ()
@@ -365,7 +378,9 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
         # A check of no bits that always holds is left out.
         if not check.width and not check.parity_of and holds(0, check):
             continue
-        if check.parity_of and shape.gray is not None:  # It is the parity of the bits before the conversion.
+        if check.parity_of and (
+            shape.gray is not None or shape.digit_codings
+        ):  # It is the parity of the bits before the conversion.
             remaining.append(check)
             continue
         byte_indices = _split_into_bytes(check)

@@ -8,7 +8,7 @@ from functools import lru_cache, reduce
 from typing import Any, Final
 
 from ..packages import load
-from .shape import Check, CrcOf, Shape
+from .shape import Check, CrcOf, DigitCoding, Shape
 
 #: NumPy, untyped so that type checkers accept all its versions.
 np: Any = load("numpy")
@@ -39,20 +39,20 @@ class Chunk:
     """Chunk of frames. Each is a ``bits``-bit number in 64-bit limbs, lowest limb first. Higher bits are 0.
 
     ``limbs`` is a list of arrays, each with an element for each frame. ``_bytes`` keeps the arrays of single bytes that
-    were extracted, by the index of the byte. ``_before_ungray`` is the chunk with Gray code, once it is converted.
+    were extracted, by the index of the byte. ``_as_sent`` is the chunk with Gray code, once it is converted.
     """
 
     def __init__(self, limbs: list[Any], bits: int) -> None:
         self.limbs = limbs
         self.bits = bits
-        self._before_ungray: Chunk | None = None
+        self._as_sent: Chunk | None = None
         self._bytes: dict[int, Any] = {}
 
     @property
     def sent(self) -> Chunk:
         """Chunk with the bits as they were sent, before any Gray code is converted."""
         # A chunk that stored itself would stay in memory until the next run of the garbage collector.
-        return self._before_ungray or self
+        return self._as_sent or self
 
     def byte(self, index: int) -> Any:
         """Return byte ``index`` of each frame: the eight bits that start at bit ``8 * index``."""
@@ -105,11 +105,40 @@ class Chunk:
         bit = self.byte(low // 8) & np.uint8(1 << (low % 8))
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
-    def ungray(self, low: int, width: int, excess: int) -> None:
-        """Convert the ``width`` bits from ``low`` on from Gray code to binary, minus ``excess``. The others stay.
+    def convert(self, shape: Shape) -> None:
+        """Convert numbers that are sent as digits, or in Gray code, to binary. ``sent`` is the chunk as it was before.
 
-        Frames with Gray code have a single limb. ``sent`` is the chunk as it was before.
+        Such frames have a single limb.
         """
+        if shape.gray is None and not shape.digit_codings:
+            return
+        self._as_sent = Chunk(self.limbs, self.bits)
+        for coding in shape.digit_codings:
+            self._convert_digits(coding)
+        if shape.gray is not None:
+            self.ungray(*shape.gray, shape.excess)
+        self._bytes.clear()
+
+    def _convert_digits(self, coding: DigitCoding) -> None:
+        """Convert separate digits to the number that they form. Its bits are all 1 if a digit has no valid code."""
+        base = len(coding.codes)
+        # The digit of each code. Codes of no digit have the digit ``base``.
+        digits_by_code = np.full(1 << coding.digit_bits, base, np.uint8)
+        digits_by_code[list(coding.codes)] = np.arange(base, dtype=np.uint8)
+        sent = shift_right(self.limbs[0], coding.low) & bit_mask(coding.width)
+        number = np.zeros_like(sent)
+        is_invalid = np.zeros(len(sent), bool)
+        for place in range(0, coding.width, coding.digit_bits):
+            code = shift_right(sent, place) & bit_mask(coding.digit_bits)
+            digit = digits_by_code[code.astype(np.uint8)]
+            is_invalid |= digit == base
+            number += digit.astype(np.uint64) * np.uint64(base ** (place // coding.digit_bits))
+        number[is_invalid] = bit_mask(coding.width)
+        # The XOR of both is 1 in the bits that change.
+        self.limbs = [self.limbs[0] ^ shift_left(sent ^ number, coding.low)]
+
+    def ungray(self, low: int, width: int, excess: int) -> None:
+        """Convert the ``width`` bits from ``low`` on from Gray code to binary, minus ``excess``. The others stay."""
         mask = shift_left(bit_mask(width), low)
         gray = self.limbs[0] & mask
         # Bit n is the XOR of all Gray bits from n on, which doubling shifts collect.
@@ -120,10 +149,8 @@ class Chunk:
             shift *= 2
         if excess:
             binary = (binary - np.uint64(excess << low)) & mask
-        self._before_ungray = Chunk(self.limbs, self.bits)
         # The XOR with ``gray`` clears its bits, and the XOR with ``binary`` sets the converted bits.
         self.limbs = [self.limbs[0] ^ gray ^ binary]
-        self._bytes.clear()
 
 
 def limbs_of(rows: Any, shape: Shape) -> list[Any]:

@@ -243,8 +243,7 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
     chunk = Chunk(limbs, shape.bits)
     if shape.crc is not None:
         doubts.append(compare_crc(chunk, shape.crc))
-    if shape.gray is not None:
-        chunk.ungray(*shape.gray, shape.excess)
+    chunk.convert(shape)
     doubts += _find_doubtful_frames(chunk, shape)
     doubtful = [doubt for doubt in doubts if doubt.any()]
     _write(chunk, shape, out)
@@ -289,8 +288,7 @@ def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     errors: list[tuple[ErrorKind, Any]] = []
     if shape.crc is not None:
         errors.append((ErrorKind.CRC, compare_crc(chunk, shape.crc) != 0))
-    if shape.gray is not None:
-        chunk.ungray(*shape.gray, shape.excess)
+    chunk.convert(shape)
     errors += [(check.fault, np.logical_not(_is_met(chunk, check))) for check in shape.checks]
     if not shape.length and shape.bits < 64:
         errors.append((ErrorKind.LENGTH, shift_right(source, shape.bits) != 0))

@@ -17,6 +17,7 @@ from ..codec import (
     check_width,
     signed,
     text_number,
+    to_digits,
     to_gray,
     whole_number,
     zero_for,
@@ -49,13 +50,19 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     if shape.limited is not None:
         check_limits(shape.limited[0], getattr(fields, shape.limited[1]), fields.limits(*arguments))
     # The parity covers the Gray code, and the CRC covers both.
-    if shape.gray is not None:
-        number = to_gray(number, *shape.gray, shape.excess)
+    number = _convert_from_binary(number, shape)
     for check in shape.parities:
         number |= check.parity(number) << check.low
     if shape.crc is not None:
         number |= compute_crc(number, shape.crc) << shape.crc.low
     return number
+
+
+def _convert_from_binary(number: int, shape: Shape) -> int:
+    """Return the number with digits that are sent separately, and with Gray code."""
+    for coding in shape.digit_codings:
+        number = to_digits(number, *coding)
+    return number if shape.gray is None else to_gray(number, *shape.gray, shape.excess)
 
 
 def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:

@@ -71,7 +71,11 @@ def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
         return number.to_bytes(shape.length, shape.order) if shape.length else number
 
     fields = cast("tuple[str, ...]", cast(Any, kind)._fields)
-    if shape.limited is not None or any(_describe_usual_bits(column) is None for column in shape.columns):
+    if (
+        shape.limited is not None
+        or shape.digit_codings
+        or any(_describe_usual_bits(column) is None for column in shape.columns)
+    ):
         return encode_any
     source = _FunctionText(shape, fields)
     source.names["encode_any"] = encode_any
