@@ -10,8 +10,8 @@ class UnknownCode extends Error {
 }
 
 const LONGEST_LABEL = TABLE.limits.label;
-/** Remove all spaces and other blanks from a text. */
-const removeBlanks = (text) => text.replace(/\s/g, "");
+/** Remove all spaces and other blanks from a text, such as a byte order mark. */
+const removeBlanks = (text) => text.replace(ODD_BLANKS, "").replace(/\s/g, "");
 /** Compile a regular expression of the table, for letters of either case. */
 const compileRegex = (source) => new RegExp(source, "i");
 /** Return the listed value of a part that equals a text except for case, if any. */
