@@ -80,10 +80,10 @@ def moved_frame_hypotheses(
     """Yield hypotheses with bits around the frame, or without its first or last bits, or with the user's own request.
 
     The offsets and recordings of the line are tried. If none of them fits and there is a CRC, the frame is searched at
-    every bit.
+    every bit. A frame of 0 bits is in any bits, so it is not looked for.
     """
     line = LINES.get(line_name(device.interface(variant.interface)))
-    if line is None:
+    if line is None or not placed_layout.bits:
         return
     if typed_frame.may_have(placed_layout.bits):
         yield from echo_hypotheses(device, variant, placed_layout, typed_frame.number)

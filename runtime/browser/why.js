@@ -644,7 +644,7 @@ function writeReceivedBits(placedLayout, typedFrame) {
 /** The frames with bits around them. A frame is searched at every bit only if no rule of the line finds it. */
 function tryMovedFrames(placedLayout, crc, typedFrame) {
   const lineRules = lineRulesOf(placedLayout);
-  if (!lineRules) return [];
+  if (!lineRules || !placedLayout.bits) return [];
   const receivedText = writeReceivedBits(placedLayout, typedFrame);
   const mayBeEcho = mayHaveBits(typedFrame, placedLayout.bits);
   const commandHypotheses = [
