@@ -168,8 +168,11 @@ def find_code(device: Device, text: str) -> Match:
 
 
 def without_blanks(text: str) -> str:
-    """Return a label or pattern without spaces, since codes are printed both with and without them."""
-    return "".join(text.split())
+    """Return a label or pattern without spaces, since codes are printed both with and without them.
+
+    A byte order mark is removed, too.
+    """
+    return "".join(text.replace("\ufeff", "").split())
 
 
 def values_by_spelling(part: CodePart, spelling: Spelling) -> Mapping[str, str]:

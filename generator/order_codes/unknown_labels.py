@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import accumulate
 from typing import NamedTuple
 
 from ..model import Device
@@ -23,10 +22,9 @@ class _Reason(NamedTuple):
 
 def family_with_name(devices: Iterable[Device], text: str) -> Device | None:
     """Return the family with the name ``text``, such as ``xy24`` for ``X-Y 24``, or None."""
-    possible_names = list(_possible_names(text))
+    label = _without_marks(text)
     for device in devices:
-        # The last possible name is the whole text.
-        if _name_without_marks(device) in possible_names[-1:]:
+        if _name_without_marks(device) == label:
             return device
     return None
 
@@ -46,10 +44,10 @@ def closest_reason(devices: Sequence[Device], text: str) -> str | None:
 
 def _reasons(devices: Iterable[Device], text: str) -> Iterator[_Reason]:
     """Yield the message of each family that the text is close to, or that it names."""
-    possible_names = set(_possible_names(text))
+    label = _without_marks(text)
     for device in devices:
         name = _name_without_marks(device)
-        length_of_name = len(name) if name in possible_names else 0
+        length_of_name = len(name) if label.startswith(name) else 0
         try:
             find_code(device, text)
         except UnknownOrderCode as error:
@@ -58,10 +56,9 @@ def _reasons(devices: Iterable[Device], text: str) -> Iterator[_Reason]:
                 yield _Reason(matching_characters=length, is_close=error.close, message=str(error))
 
 
-def _possible_names(text: str) -> Iterator[str]:
-    """Yield the beginnings of a text up to each mark, without marks: ``x`` and ``xy24`` of ``X-Y24``."""
-    label = without_blanks(text).lower()
-    return accumulate(_LETTERS_AND_DIGITS.findall(label))
+def _without_marks(text: str) -> str:
+    """Return the letters and digits of a text: ``xy24`` of ``X-Y24``."""
+    return "".join(_LETTERS_AND_DIGITS.findall(without_blanks(text).lower()))
 
 
 def _name_without_marks(device: Device) -> str:

@@ -9,7 +9,7 @@ from math import prod
 from ..model import Crc, Device, Number, PlacedLayout
 from ..model.record import dataclass
 from ..reference import codec
-from .hypotheses import LEAST_EQUAL_BITS, NOT_INVERTED, Hypothesis
+from .hypotheses import LEAST_EQUAL_BITS, NOT_INVERTED, WITH_SECOND_MISTAKE, Hypothesis
 from .recordings import FRAME_INSIDE
 from .texts import TEXTS
 
@@ -23,7 +23,8 @@ CERTAIN = 1 << 16
 class Explanation:
     """A mistake that would explain the CRC.
 
-    It matches one of ``one_in`` random frames. ``reads`` are the numbers in the frame without the mistake, if that
+    It matches one of ``one_in`` random frames. ``frequency`` is the part of the score that belongs to the mistake and
+    not to the frame. ``reads`` are the numbers in the frame without the mistake, if that
     changes the frame, and ``or_reads`` the numbers with another value of a lost bit. ``codes`` are the order codes that
     would send it. ``twice`` is true if two mistakes are needed. ``parts`` are the parts of a recording, each with its
     bits. ``template`` is the text without the details of this frame, if the text has details. With ``hides_shift``, the
@@ -34,6 +35,7 @@ class Explanation:
     text: str
     one_in: int
     score: float
+    frequency: float
     reads: Mapping[str, int]
     codes: tuple[str, ...] = ()
     twice: bool = False
@@ -236,7 +238,13 @@ def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothe
         inverted_crc = replace(hypothesis.crc, xorout=hypothesis.crc.xorout ^ hypothesis.crc.mask)
         template = pair_text.format(hypothesis.template) if hypothesis.template else ""
         description = pair_text.format(hypothesis.description)
-        yield replace(hypothesis, description=description, template=template, crc=inverted_crc)
+        yield replace(
+            hypothesis,
+            description=description,
+            template=template,
+            crc=inverted_crc,
+            relative_frequency=hypothesis.relative_frequency * WITH_SECOND_MISTAKE,
+        )
 
 
 def is_significant(hypothesis: Hypothesis) -> bool:
@@ -317,6 +325,7 @@ def _explain_hypothesis(device: Device, hypothesis: Hypothesis, undecided_parame
         text=hypothesis.description,
         one_in=hypothesis.one_in,
         score=hypothesis.score,
+        frequency=hypothesis.frequency,
         reads=numbers,
         codes=hypothesis.order_codes,
         parts=hypothesis.recording_parts,

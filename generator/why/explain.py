@@ -301,6 +301,13 @@ def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: s
     # The first bit can be either level, and the others must have the same. One in 2^62 is enough to be certain.
     bits_that_agree = min(bit_count - 1, 62)
     one_in = 1 << bits_that_agree
-    score = MISTAKES["line_stuck"] * one_in
-    explanation = Explanation(kind="line_stuck", text=explanation_text, one_in=one_in, score=score, reads={})
+    frequency = MISTAKES["line_stuck"]
+    explanation = Explanation(
+        kind="line_stuck",
+        text=explanation_text,
+        one_in=one_in,
+        score=frequency * one_in,
+        frequency=frequency,
+        reads={},
+    )
     return Diagnosis(explanations=(explanation,), tried=1, coincidence=1 / one_in, cannot_see=())

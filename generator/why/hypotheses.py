@@ -90,6 +90,8 @@ IDLE, ACTIVE = 1.8, 0.2
 LEAST_EQUAL_BITS = 12
 #: Relative frequency of inverted bits over SPI, which has no pairs of wires that could be swapped.
 INVERTED_WITHOUT_PAIR = 0.125
+#: Relative frequency of a mistake together with a second one.
+WITH_SECOND_MISTAKE = 0.125
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +109,8 @@ class Hypothesis:
     ``order_codes`` are those that would send it. ``recording_parts`` are the parts of the recording that contains the
     frame, each as a name and its bits, and ``searched_places`` is the number of places at which it was searched.
     ``template`` is the description without the details of this frame. With ``has_assumed_bit``, the value of a lost bit
-    is assumed, and another hypothesis assumes the other value.
+    is assumed, and another hypothesis assumes the other value. ``relative_frequency`` is how frequent the mistake is
+    here, relative to other mistakes of its kind.
     """
 
     kind: str
@@ -129,6 +132,12 @@ class Hypothesis:
     searched_places: int = 1
     template: str = ""
     has_assumed_bit: bool = False
+    relative_frequency: float = 1.0
+
+    @property
+    def frequency(self) -> float:
+        """Estimated frequency of the mistake, in the unit of ``MISTAKES``."""
+        return MISTAKES[self.kind] * self.relative_frequency
 
     @property
     def fits(self) -> bool:
@@ -159,7 +168,7 @@ class Hypothesis:
     def score(self) -> float:
         """Likelihood of a mistake that matches: its frequency, times the improbability of the match without it."""
         evidence = self.received_crc_bits + max(self.determined_bits, self.right_constant_bits)
-        return MISTAKES[self.kind] * self.likelihood * 2.0**evidence / self.searched_places
+        return self.frequency * self.likelihood * 2.0**evidence / self.searched_places
 
     @property
     def match_key(self) -> tuple[object, ...]:

@@ -80,10 +80,10 @@ def moved_frame_hypotheses(
     """Yield hypotheses with bits around the frame, or without its first or last bits, or with the user's own request.
 
     The offsets and recordings of the line are tried. If none of them fits and there is a CRC, the frame is searched at
-    every bit.
+    every bit. A frame of 0 bits is in any bits, so it is not looked for.
     """
     line = LINES.get(line_name(device.interface(variant.interface)))
-    if line is None:
+    if line is None or not placed_layout.bits:
         return
     if typed_frame.may_have(placed_layout.bits):
         yield from echo_hypotheses(device, variant, placed_layout, typed_frame.number)
@@ -163,17 +163,19 @@ def _offset_hypotheses(
     """Yield hypotheses in which the ``length`` bits of ``number`` do not begin and end with the frame.
 
     The bits are, in the order received: bits before the frame, the received part of the frame, bits after it. Bits
-    before the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood. Without a
+    around the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood. Without a
     CRC, there is a hypothesis for each value of the lost last bits. With a CRC, these bits belong to it and are 0 here.
     """
-    frame_part_length = length - len(offset.front) - offset.behind
-    front_and_frame_part = number >> offset.behind
+    frame_part_length = length - len(offset.front) - len(offset.behind)
+    front_and_frame_part = number >> len(offset.behind)
+    behind = number & ((1 << len(offset.behind)) - 1)
     front = front_and_frame_part >> frame_part_length
     frame_part = front_and_frame_part & ((1 << frame_part_length) - 1)
     missing_first_bits = int(offset.missing or "0", 2)
     frame_without_last_bits = ((missing_first_bits << frame_part_length) | frame_part) << offset.lost
     start_bits = _bits_with_mark(offset.front, "1", front)
-    front_likelihood = prod(ACTIVE if bit else IDLE for bit in _bits_with_mark(offset.front, "~", front))
+    mostly_zero_bits = _bits_with_mark(offset.front, "~", front) + _bits_with_mark(offset.behind, "~", behind)
+    likelihood_around = prod(ACTIVE if bit else IDLE for bit in mostly_zero_bits)
     assumed_bits = 0 if crc is not None else offset.lost + len(offset.missing)
     for last_bits in range(1 << offset.lost if crc is None else 1):
         hypothesis = frame_hypothesis(
@@ -189,19 +191,19 @@ def _offset_hypotheses(
         yield replace(
             hypothesis,
             template=offset.text,
-            likelihood=hypothesis.likelihood * front_likelihood,
+            likelihood=hypothesis.likelihood * likelihood_around,
             has_assumed_bit=assumed_bits > 0,
         )
 
 
-def _bits_with_mark(marks_in_front: str, mark: str, received_front: int) -> list[int]:
-    """Return those received bits before the frame that have this mark, the last one first.
+def _bits_with_mark(marks: str, mark: str, received_bits: int) -> list[int]:
+    """Return those received bits before or after the frame that have this mark, the last one first.
 
     The marks ``1~`` belong to a start bit, which must be 1, and to a bit that is mostly 0. If the bits are 0b10, the
     bit with the mark ``~`` is ``[0]``.
     """
-    marks_from_last_bit = enumerate(reversed(marks_in_front))
-    return [(received_front >> bit) & 1 for bit, mark_of_bit in marks_from_last_bit if mark_of_bit == mark]
+    marks_from_last_bit = enumerate(reversed(marks))
+    return [(received_bits >> bit) & 1 for bit, mark_of_bit in marks_from_last_bit if mark_of_bit == mark]
 
 
 def rearranged_frame_hypotheses(
@@ -223,8 +225,7 @@ def rearranged_frame_hypotheses(
             # SPI has single wires. Over other interfaces, the two wires of a pair can be swapped, which inverts all
             # bits.
             lacks_pair = kind == "all_inverted" and variant.interface == Spi.name
-            frequency = INVERTED_WITHOUT_PAIR if lacks_pair else 1.0
-            yield replace(hypothesis, likelihood=hypothesis.likelihood * frequency)
+            yield replace(hypothesis, relative_frequency=INVERTED_WITHOUT_PAIR if lacks_pair else 1.0)
     yield from _byte_order_hypotheses("bytes_reversed", placed_layout, crc, typed_frame)
     # With two bytes, a swapped word is the same as reversed bytes.
     if placed_layout.bits > 16:

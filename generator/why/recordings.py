@@ -36,9 +36,9 @@ class Recording:
 class FrameOffset:
     """Bits that do not begin and end with the frame.
 
-    ``front`` are extra bits before the frame (``?`` is any bit, ``~`` is mostly 0, like CDS), ``missing`` are missing
-    first bits of the frame, ``lost`` is the number of missing last bits, and ``behind`` is the number of extra bits
-    after it. ``{0}`` in the text is replaced by ``missing``.
+    ``front`` and ``behind`` are extra bits before and after the frame: ``1`` is a start bit, ``~`` is mostly 0, like a
+    CDS or stop bit, and ``?`` is any bit. ``missing`` are missing first bits of the frame, and ``lost`` is the number
+    of missing last bits. ``{0}`` in the text is replaced by ``missing``.
     """
 
     kind: str
@@ -46,12 +46,12 @@ class FrameOffset:
     front: str = ""
     missing: str = ""
     lost: int = 0
-    behind: int = 0
+    behind: str = ""
 
     @property
     def additional_bits(self) -> int:
         """Number of bits by which the received bits are more than the frame."""
-        return len(self.front) - len(self.missing) - self.lost + self.behind
+        return len(self.front) - len(self.missing) - self.lost + len(self.behind)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ _BISS_SLIPS = (
             "first_bit_missing",
             text="started one clock late: the first bit ({0}) is missing, and an extra bit follows",
             missing=missing,
-            behind=1,
+            behind="~",
         )
         for missing in "01"
     ),
@@ -109,15 +109,15 @@ _BISS_SLIPS = (
         lost=2,
     ),
     FrameOffset("bits_in_front", text="an extra bit in front, such as CDS", front="~"),
-    FrameOffset("bits_behind", text="an extra bit at the end, such as the stop bit", behind=1),
+    FrameOffset("bits_behind", text="an extra bit at the end, such as the stop bit", behind="~"),
     FrameOffset("bits_in_front", text="two extra bits in front: start bit and CDS", front="1~"),
     FrameOffset(
         "bits_in_front",
         text="an extra bit in front, such as CDS, and one at the end, such as the stop bit",
         front="~",
-        behind=1,
+        behind="~",
     ),
-    FrameOffset("bits_behind", text="two extra bits at the end", behind=2),
+    FrameOffset("bits_behind", text="two extra bits at the end", behind="~?"),
     *(FrameOffset("first_bit_missing", text="the first bit ({0}) is missing", missing=missing) for missing in "01"),
     FrameOffset("last_bits_missing", text="the last bit is missing", lost=1),
     FrameOffset("last_bits_missing", text="the last two bits are missing", lost=2),
@@ -203,7 +203,7 @@ def _one_clock_offsets(cause: str) -> tuple[FrameOffset, ...]:
     early_text = f"started one clock early{cause}: an extra bit is in front, and the last bit is missing"
     return (
         FrameOffset("bits_in_front", text=early_text, front="?", lost=1),
-        *(FrameOffset("first_bit_missing", text=late_text, missing=missing, behind=1) for missing in "01"),
+        *(FrameOffset("first_bit_missing", text=late_text, missing=missing, behind="?") for missing in "01"),
     )
 
 

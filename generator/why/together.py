@@ -10,7 +10,6 @@ from math import log2, prod
 
 from ..model.record import dataclass
 from .diagnosis import Diagnosis, Explanation, without_details
-from .hypotheses import MISTAKES
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,9 +67,8 @@ def _common_score(explanations: Sequence[Explanation]) -> float:
     The score of each frame contains the frequency of the mistake. The mistake is made once, so its frequency counts
     once.
     """
-    frequency = log2(MISTAKES[explanations[0].kind])
-    evidence = sum(log2(explanation.score) - frequency for explanation in explanations)
-    return frequency + evidence
+    evidence = sum(log2(explanation.score / explanation.frequency) for explanation in explanations)
+    return log2(explanations[0].frequency) + evidence
 
 
 def _common_text(explanations: Sequence[Explanation]) -> str:

@@ -280,7 +280,7 @@ function describeProblem({ check, limit, lowest, coveredPlaces }, checkedNumber,
 
 /** Return the names of the fields that a parity bit covers, without those of 0 bits, which the order code lacks. */
 const listCoveredFields = (check, coveredPlaces) => (
-  check.of_name.split(", ").filter((_, index) => coveredPlaces[index].width > 0).join(", "));
+  check.of_names.filter((_, index) => coveredPlaces[index].width > 0).join(", "));
 
 /** Add the reports, the verdict and the differences from the manual to the result of a valid frame or register. */
 function judgeFrame(decoded) {

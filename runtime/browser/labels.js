@@ -10,8 +10,8 @@ class UnknownCode extends Error {
 }
 
 const LONGEST_LABEL = TABLE.limits.label;
-/** Remove all spaces and other blanks from a text. */
-const removeBlanks = (text) => text.replace(/\s/g, "");
+/** Remove all spaces and other blanks from a text, such as a byte order mark. */
+const removeBlanks = (text) => text.replace(ODD_BLANKS, "").replace(/\s/g, "");
 /** Compile a regular expression of the table, for letters of either case. */
 const compileRegex = (source) => new RegExp(source, "i");
 /** Return the listed value of a part that equals a text except for case, if any. */
@@ -25,7 +25,7 @@ function readLabel(label) {
   if (isLine(label)) return readLine(label);
   const text = removeBlanks(label).toUpperCase();
   const endsWithSpecial = (family) => family.special && text.endsWith(`/${family.special}`);
-  const possibleNames = listPossibleNames(label);
+  const labelName = removeMarks(label);
   const reasons = [];
   let bestReading = null;
   for (const family of [
@@ -37,13 +37,13 @@ function readLabel(label) {
       if (!bestReading || reading.tail.length < bestReading.tail.length) bestReading = reading;
     } catch (error) {
       if (!(error instanceof UnknownCode)) throw error;
-      const nameLength = possibleNames.includes(nameWithoutMarks(family)) ? nameWithoutMarks(family).length : 0;
+      const nameLength = labelName.startsWith(nameWithoutMarks(family)) ? nameWithoutMarks(family).length : 0;
       const length = Math.max(nameLength, lengthBeforeParts(family));
       if (error.isClose || nameLength) reasons.push({ error, length });
     }
   }
   if (bestReading) return bestReading;
-  const namedFamily = TABLE.families.find((family) => nameWithoutMarks(family) === possibleNames.at(-1));
+  const namedFamily = TABLE.families.find((family) => nameWithoutMarks(family) === labelName);
   if (namedFamily) throw new UnknownCode(messageFor("family", label, namedFamily.codes[0][0]), false);
   if (reasons.length) throw reasons.reduce((best, reason) => (isBetterReason(reason, best) ? reason : best)).error;
   throw new UnknownCode(describeUnknownLabel(label), false);
@@ -53,11 +53,8 @@ function readLabel(label) {
 const isBetterReason = (reason, other) => reason.length > other.length
   || (reason.length === other.length && reason.error.isClose && !other.error.isClose);
 
-/** List the beginnings of a label up to each mark, without marks: ``x`` and ``xy24`` of ``X-Y24``. */
-function listPossibleNames(label) {
-  const pieces = removeBlanks(label).toLowerCase().match(/[a-z0-9]+/g) ?? [];
-  return pieces.map((_, index) => pieces.slice(0, index + 1).join(""));
-}
+/** Return the letters and digits of a label: ``xy24`` of ``X-Y24``. */
+const removeMarks = (label) => removeBlanks(label).toLowerCase().replace(/[^a-z0-9]/g, "");
 
 /** Return the name of a family without the marks between its words. */
 const nameWithoutMarks = (family) => family.name.replaceAll("_", "");

@@ -595,7 +595,7 @@ function buildCheckRecords(sentFields, { counts = 0n, turns = ONE }) {
     const { covered, isOdd } = findParityCoverage(field, sentFields);
     return [{ ...placeAndFault, parity_of: covered.map((coveredField) => [coveredField.low, coveredField.bits]),
       ...omitEmpty({ odd: isOdd }), field: field.name,
-      says: "parity", always: 1, of_name: covered.map((coveredField) => coveredField.name).join(", ") }];
+      says: "parity", always: 1, of_names: covered.map((coveredField) => coveredField.name) }];
   });
   const limitedFields = sentFields.filter((field) => field.kind === "number" && field.name === "position" && counts
     && counts * turns <= ones(field.bits));

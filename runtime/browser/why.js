@@ -158,7 +158,10 @@ function findMissingPart(placedLayout, receivedText) {
 const anotherHelps = (explanations) => explanations.every((explanation) => explanation.kind !== "echo")
   && (explanations.length > 1 || (explanations.length === 1 && explanations[0].oneIn < TABLE.likely.certain));
 
-/** Return the mistakes that explain most of several wrong frames, most likely first: single, or else in pairs. */
+/**
+ * Return the mistakes that explain most of several wrong frames, most likely first. Pairs of mistakes are tried if no
+ * single mistake explains all of them, or if the likeliest hides a shift.
+ */
 function judgedTogether(decodedFrames) {
   const hasCrcOrLengthError = ({ problems }) => problems.some(
     (problem) => problem.fault === "crc" || problem.fault === "length");
@@ -166,14 +169,15 @@ function judgedTogether(decodedFrames) {
     .map((decoded) => ({ frame: decoded, all: findExplanations(decoded).all }))
     .filter(({ frame, all }) => all.length || hasCrcOrLengthError(frame));
   const singleMistakes = findCommonMistakes(explainedFrames.map(({ all }) => all));
-  if (singleMistakes.length && singleMistakes[0].frames === explainedFrames.length) return singleMistakes;
+  const isExplained = singleMistakes[0]?.frames === explainedFrames.length;
+  if (isExplained && !singleMistakes[0].hidesShift) return singleMistakes;
   return findCommonMistakes(explainedFrames.map(({ frame }) => findExplanations(frame, true).all));
 }
 
 /** The logarithm of the likelihood. A mistake is made once, so its frequency counts once. */
 function computeCommonScore(explanations) {
-  const frequency = Math.log2(TABLE.likely.kinds[explanations[0].kind]);
-  return explanations.reduce((sum, explanation) => sum + (Math.log2(explanation.score) - frequency), 0) + frequency;
+  const evidence = explanations.reduce((sum, { score, frequency }) => sum + Math.log2(score / frequency), 0);
+  return Math.log2(explanations[0].frequency) + evidence;
 }
 
 /**
@@ -231,11 +235,13 @@ const matchRecording = (pattern, placedLayout, receivedText) => (
  * ``coveredBits`` bits of ``coveredData``, and ``receivedCrc`` has the first ``crcBitsReceived`` bits of the received
  * CRC. The mistake determines ``otherBitsRequired`` other bits, and ``isConsistent`` is true if they are right.
  * ``rightConstantBits`` counts the right constant bits, ``missingLowBits`` the last bits that were cut off, and
- * ``placeCount`` the places at which the frame was searched.
+ * ``placeCount`` the places at which the frame was searched. ``relativeFrequency`` is how frequent the mistake is here,
+ * relative to other mistakes of its kind.
  */
 const createHypothesis = (members) => ({
   template: members.text, coveredData: 0n, coveredBits: 0, receivedCrc: 0n, crcBitsReceived: 0, otherBitsRequired: 0,
-  isConsistent: true, rightConstantBits: 0, likelihood: 1, missingLowBits: 0, parts: [], placeCount: 1, ...members,
+  isConsistent: true, rightConstantBits: 0, likelihood: 1, missingLowBits: 0, parts: [], placeCount: 1, relativeFrequency: 1,
+  ...members,
 });
 
 /** Return whether a frame with the mistake has these bits: the bits that it determines, and the CRC. */
@@ -254,11 +260,14 @@ const countFramesPerMatch = ({ crcBitsReceived, otherBitsRequired, placeCount })
   const framesPerMatch = ONE << BigInt(crcBitsReceived + otherBitsRequired);
   return framesPerMatch > BigInt(placeCount) ? framesPerMatch / BigInt(placeCount) : ONE;
 };
+/** Return the estimated frequency of a mistake. */
+const frequencyOf = ({ kind, relativeFrequency }) => TABLE.likely.kinds[kind] * relativeFrequency;
 /** Return the likelihood of a mistake that matches: its frequency times the improbability of the match by chance. */
-const computeScore = ({
-  kind, crcBitsReceived, otherBitsRequired, rightConstantBits, likelihood, placeCount,
-}) => (TABLE.likely.kinds[kind] * likelihood
-  * 2 ** (crcBitsReceived + Math.max(otherBitsRequired, rightConstantBits))) / placeCount;
+const computeScore = (hypothesis) => {
+  const { crcBitsReceived, otherBitsRequired, rightConstantBits, likelihood, placeCount } = hypothesis;
+  const evidence = crcBitsReceived + Math.max(otherBitsRequired, rightConstantBits);
+  return (frequencyOf(hypothesis) * likelihood * 2 ** evidence) / placeCount;
+};
 
 /** Return the key of a hypothesis. Hypotheses with the same key match the same frames. */
 function matchKeyOf({
@@ -309,8 +318,9 @@ function isLikelier(hypothesis, other) {
 }
 
 /** Return a hypothesis that fits as an explanation, with its chance and score. ``isTwice`` marks two mistakes. */
-const toExplanation = (hypothesis, isTwice) => (
-  { ...hypothesis, isTwice, oneIn: countFramesPerMatch(hypothesis), score: computeScore(hypothesis) });
+const toExplanation = (hypothesis, isTwice) => ({
+  ...hypothesis, isTwice, oneIn: countFramesPerMatch(hypothesis), score: computeScore(hypothesis),
+  frequency: frequencyOf(hypothesis) });
 /** Sort the explanations in place, most likely first. */
 const sortByScore = (explanations) => (
   explanations.sort((explanation, otherExplanation) => otherExplanation.score - explanation.score));
@@ -344,7 +354,8 @@ function pairWithInversion(hypothesis) {
   const textName = toBigInt(hypothesis.crc.xorout) ? "not_inverted_too" : "inverted_too";
   const template = fillTemplate(TABLE.texts[textName], hypothesis.template);
   const crc = { ...hypothesis.crc, xorout: toBigInt(hypothesis.crc.xorout) ^ ones(hypothesis.crc.width) };
-  return { ...hypothesis, crc, template, text: fillTemplate(TABLE.texts[textName], hypothesis.text) };
+  const relativeFrequency = hypothesis.relativeFrequency * TABLE.likely.with_second;
+  return { ...hypothesis, crc, template, relativeFrequency, text: fillTemplate(TABLE.texts[textName], hypothesis.text) };
 }
 
 /** The readings of a frame without a CRC. Nothing proves one of them. */
@@ -525,8 +536,8 @@ function tryRearrangedFrames(placedLayout, crc, typedFrame) {
   const hypotheses = [];
   if (possibleLengthsOf(placedLayout, typedFrame).includes(placedLayout.bits)) {
     const inverted = assumeFrame("all_inverted", typedFrame.number ^ ones(placedLayout.bits));
-    const frequency = interfaceOf(placedLayout)?.name === "spi" ? TABLE.likely.without_pair : 1;
-    hypotheses.push({ ...inverted, likelihood: inverted.likelihood * frequency },
+    const relativeFrequency = interfaceOf(placedLayout)?.name === "spi" ? TABLE.likely.without_pair : 1;
+    hypotheses.push({ ...inverted, relativeFrequency },
       assumeFrame("bits_reversed", reverseBits(typedFrame.number, placedLayout.bits)));
     if (placedLayout.bits % 8 === 0) {
       const bytes = bytesOf("big", typedFrame.number, placedLayout.bits / 8);
@@ -633,7 +644,7 @@ function writeReceivedBits(placedLayout, typedFrame) {
 /** The frames with bits around them. A frame is searched at every bit only if no rule of the line finds it. */
 function tryMovedFrames(placedLayout, crc, typedFrame) {
   const lineRules = lineRulesOf(placedLayout);
-  if (!lineRules) return [];
+  if (!lineRules || !placedLayout.bits) return [];
   const receivedText = writeReceivedBits(placedLayout, typedFrame);
   const mayBeEcho = mayHaveBits(typedFrame, placedLayout.bits);
   const commandHypotheses = [
@@ -687,14 +698,15 @@ function tryLeftOutCommand(placedLayout, crc, typedFrame) {
 
 /**
  * A text that does not begin and end with the frame: extra bits before or after it, or missing bits.
- * ``front`` has a mark for each extra bit before the frame: 1 for a start bit, ~ for mostly 0, and ? for any bit.
+ * ``front`` and ``behind`` have a mark for each extra bit: 1 for a start bit, ~ for mostly 0, and ? for any bit.
  */
 function tryOffset(
-  placedLayout, crc, typedFrame, length, [kind, template, front, missingFirstBits, missingLowBits, extraLowBits],
+  placedLayout, crc, typedFrame, length, [kind, template, front, missingFirstBits, missingLowBits, behind],
 ) {
-  if (length !== placedLayout.bits + front.length - missingFirstBits.length - missingLowBits + extraLowBits) return [];
-  const framePartBits = length - front.length - extraLowBits;
-  const frontAndFramePart = typedFrame.number >> BigInt(extraLowBits);
+  const bitsAround = front.length + behind.length;
+  if (length !== placedLayout.bits + bitsAround - missingFirstBits.length - missingLowBits) return [];
+  const framePartBits = length - bitsAround;
+  const frontAndFramePart = typedFrame.number >> BigInt(behind.length);
   const highestBit = framePartBits + front.length - 1;
   const startBits = [...front].flatMap((mark, index) => (mark === "1" ? [highestBit - index] : []));
   const isConsistent = startBits.every((bit) => extractBits(frontAndFramePart, bit, 1));
@@ -710,11 +722,13 @@ function tryOffset(
   const hypotheses = lastBitValues.map((lastBits) => (
     createFrameHypothesis(placedLayout, crc, kind, text, frameNumber | lastBits, members)));
   const { idle, active } = TABLE.likely;
-  const mostlyZeroBits = [...front].flatMap(
-    (mark, index) => (mark === "~" ? [extractBits(frontAndFramePart, highestBit - index, 1)] : []));
-  const frontLikelihood = mostlyZeroBits.reduce((product, bit) => product * (bit ? active : idle), 1);
+  const bitsWithMark = (marks, mark, highestPlace) => [...marks].flatMap(
+    (markOfBit, index) => (markOfBit === mark ? [extractBits(typedFrame.number, highestPlace - index, 1)] : []));
+  const mostlyZeroBits = [
+    ...bitsWithMark(front, "~", length - 1), ...bitsWithMark(behind, "~", behind.length - 1)];
+  const likelihoodAround = mostlyZeroBits.reduce((product, bit) => product * (bit ? active : idle), 1);
   return hypotheses.map(
-    (hypothesis) => ({ ...hypothesis, likelihood: hypothesis.likelihood * frontLikelihood }));
+    (hypothesis) => ({ ...hypothesis, likelihood: hypothesis.likelihood * likelihoodAround }));
 }
 
 /**

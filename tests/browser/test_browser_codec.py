@@ -402,6 +402,20 @@ def test_reasons_for_what_no_device_has(name: str, ask: Ask) -> None:
     compare_reasons(ask(library, "node"), [*compared_cases(library, 4)], 0)
 
 
+@pytest.mark.slow
+def test_a_frame_of_no_bits_is_not_looked_for(ask: Ask) -> None:
+    """The data channel TMP of an iC-MR is off for this order code. The page and the command do not explain its bits."""
+    library = library_of("../specs/ichaus/icmr")
+    (device,) = library.devices
+    variant = next(variant for variant in device.variants if variant.code == "iC-MR-0-N6S")
+    layout = next(layout for layout in device.interface("biss").layouts if layout.name == "tmp")
+    case = Case(device, variant, layout.place(variant.parameters))
+    texts = ["0b0", "0b101", "0x1"]
+    expected = [expected_explanations(case, text) for text in texts]
+    assert expected == [[[], "", False, False, []]] * len(texts)
+    assert ask(library, "node")("reasons", [{**case.data, "frames": texts}]) == [expected]
+
+
 def compared_cases(library: Library, most: int) -> Iterator[Case]:
     """Yield the first cases of each layout, at most this many."""
     for device in library.devices:

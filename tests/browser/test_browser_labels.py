@@ -19,6 +19,8 @@ from exhaustive import mostly_exhaustive
 LABELS = (
     "AMM5A21/65KSC1",
     " amm5a21 / 65ksc1 ",
+    "\ufeffAMM5A21/65KSC1",
+    "\x1cAMM5A21/\x8565KSC1\x1f",
     "AMM5A21/65KSC1-K",
     "AMM5B23/65KJP1/S123",
     "AMM5A21/65KSC1-XYZ/S42",

@@ -136,7 +136,7 @@ def test_lines_at_the_limits(node: Asker) -> None:
         "ssi:head=64:0b" + "1" * 65,
         "ssi:x=64:0x" + "f" * 18,
     ]
-    lines += [f"ssi,counts={counts}:position=20" for counts in (3, 7, 15, 255, 4095, 4096)]
+    lines += [f"ssi,counts={counts}:position=20" for counts in (1, 3, 7, 15, 255, 4095, 4096)]
     lines += ["ssi,counts=4096,turns=4095:position=24"]
     lines += [f"rs485,request={'1A' * count}:position=8" for count in (1, 8, 9)]
     assert compare(node, lines) > 20

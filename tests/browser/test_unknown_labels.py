@@ -39,6 +39,18 @@ def test_labels_that_begin_like_a_family(ask: Callable[[Library, str], Asker]) -
 
 
 @pytest.mark.slow
+def test_a_label_that_begins_with_a_name(ask: Callable[[Library, str], Asker]) -> None:
+    """mjbots/moteus, pull request 91: the label AMT222B-V, on which codewheel's order code AMT22-14 is not printed."""
+    devices, report = load_library([ENCODERS / "cui"])
+    assert not report
+    library = Library(devices)
+    labels = ("AMT222B-V", "AMT22", "AMT213X-V", "AMT2")
+    answers = ask(library, "node")("labels", [{"texts": labels}])[0]
+    assert answers == [description_of(library, text) for text in labels]
+    assert "AMT22-14" in answers[0]
+
+
+@pytest.mark.slow
 def test_labels_of_families_of_one_part(ask: Callable[[Library, str], Asker]) -> None:
     devices, report = load_library([ENCODERS / "ams"])
     assert not report

@@ -89,6 +89,24 @@ def test_over_spi_the_clock_edge_is_likelier_than_inverted_bits(
     assert together.index("as with the other clock edge") < together.index("inverted")
 
 
+@pytest.mark.parametrize("mistake", ["started one clock early", "started one clock late"])
+def test_a_shift_and_a_crc_that_is_not_inverted(mistake: str, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The CRC without inversion is also right in the shifted frames, but only there an error would be active."""
+    frames = []
+    # The last bit and the first are 0, so the CRC does not detect a shift. The last bit before error is 0.
+    for position in range(4710, 5000, 2):
+        data = f"{position:022b}11"
+        frame = data + crc(data, invert=False)
+        if frame.endswith("0"):
+            frames.append(f"0b0{frame[:-1]}" if mistake.endswith("early") else f"0b{frame[1:]}0")
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n".join(frames[:3])))
+    main(["decode", BISS, "-"])
+    _, _, together = capsys.readouterr().out.rpartition("Together, 3 of 3")
+    likeliest = together.partition("\n    - ")[2].partition("\n    - ")[0]
+    assert likeliest.startswith(mistake)
+    assert "the CRC is not inverted" in " ".join(likeliest.split())
+
+
 def test_each_part_of_a_position_may_be_in_gray_code(capsys: Capture) -> None:
     """Revolution 3 is sent as 0b0010, and count 5 as 0b0111."""
     assert "53 if each of its parts is sent in Gray code" in printed(

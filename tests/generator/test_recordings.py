@@ -324,7 +324,7 @@ def test_a_coincidence_in_one_frame_does_not_count() -> None:
     One mistake explains only the first frame.
     """
     evidence = {"likely": 8, "unlikely": 6, "coincidence": 40}
-    explanations = [Explanation("start_value", text, 64, 2.0**bits, {}) for text, bits in evidence.items()]
+    explanations = [Explanation("start_value", text, 64, 2.0**bits, 1.0, {}) for text, bits in evidence.items()]
     likely, unlikely, coincidence = explanations
     whys = [Diagnosis((coincidence, likely, unlikely), 3, 0.1, ()), Diagnosis((unlikely, likely), 2, 0.1, ())]
     mistakes = judge_together(whys)
@@ -332,6 +332,14 @@ def test_a_coincidence_in_one_frame_does_not_count() -> None:
         ("likely", 2, 64 * 64),
         ("unlikely", 2, 64 * 64),
     ]
+
+
+def test_a_rare_mistake_is_rare_only_once() -> None:
+    """Inverted bits over SPI are a rare mistake. In three frames with 6 bits of evidence each, it was made once."""
+    rare = Explanation("all_inverted", "rare", 64, 0.25 * 2.0**6, 0.25, {})
+    usual = Explanation("bytes_reversed", "usual", 16, 2.0 * 2.0**4, 2.0, {})
+    one_frame = Diagnosis((usual, rare), 2, 0.1, ())
+    assert [mistake.text for mistake in judge_together([one_frame] * 3)] == ["rare", "usual"]
 
 
 def test_another_frame_helps_only_in_doubt(resolute: Path, decode: Decode) -> None:

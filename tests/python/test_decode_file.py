@@ -125,7 +125,7 @@ def test_every_way_in(decode: Command, tmp_path: Path, name: str, content: bytes
         pyarrow.array([word.to_bytes(6, "big") for word in (GOOD, GOOD ^ 1, SPOILT)]),
         pyarrow.array([word.to_bytes(6, "big") for word in (GOOD, GOOD ^ 1, SPOILT)], pyarrow.large_binary()),
         pyarrow.array([word.to_bytes(6, "big") for word in (GOOD, GOOD ^ 1, SPOILT)], pyarrow.binary(6)),
-        pyarrow.array([word.to_bytes(size, "big") for word, size in ((GOOD, 5), (GOOD ^ 1, 8), (SPOILT, 6))]),
+        pyarrow.array([word.to_bytes(size, "big") for word, size in ((GOOD, 6), (GOOD ^ 1, 8), (SPOILT, 7))]),
         pyarrow.array([f"{word:#x}" for word in (GOOD, GOOD ^ 1, SPOILT)]),
     ],
     ids=lambda column: str(column.type),
@@ -135,6 +135,14 @@ def test_every_column_of_parquet(decode: Command, tmp_path: Path, column: pyarro
     outcome = decode(CODE, "it.parquet")
     assert [row["fault"] for row in rows(outcome.out)] == ["none", "crc", "none"], outcome.err
     assert rows(outcome.out)[0]["position"] == str(POSITION)
+
+
+def test_a_cell_with_too_few_bytes_has_a_length_error(decode: Command, tmp_path: Path) -> None:
+    """The word fits into 5 bytes, but the frame has 47 bits, so a byte is missing."""
+    column = pyarrow.array([GOOD.to_bytes(6, "big"), GOOD.to_bytes(5, "big"), b""])
+    pyarrow.parquet.write_table(pyarrow.table({"word": column}), tmp_path / "it.parquet")
+    outcome = decode(CODE, "it.parquet", "--max-errors", "100")
+    assert [row["fault"] for row in rows(outcome.out)] == ["none", "length", "length"], outcome.err
 
 
 def test_rows_of_bytes(decode: Command, tmp_path: Path) -> None:

@@ -135,6 +135,8 @@ def test_errors_of_ports(generated_python: Package, tmp_path: Path) -> None:
 
     with pytest.raises(PortError, match=r"cannot open .*nothing: No such file or directory; ports here: "):
         lika.open_encoder(str(tmp_path / "nothing"), CODE)
+    with pytest.raises(PortError, match=r"cannot open loop://\?x=y: pyserial does not know an option after the \?"):
+        lika.open_encoder("loop://?x=y", CODE)
     with pytest.raises(lika.InterfaceError, match="but this needs RS-485, because a serial port cannot send its clock"):
         lika.open_encoder("any", "AMM5A21/65KSC1")
     with pytest.raises(lika.OrderCodeError):

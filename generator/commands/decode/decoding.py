@@ -222,7 +222,7 @@ class Decoding:
     def _mistakes_in_all(self) -> list[CommonMistake]:
         """Return the mistakes that explain the most of the last frames with an error, or an empty list for one frame.
 
-        If no single mistake explains all of them, pairs of mistakes are tried too.
+        If no single mistake explains all of them, or if the likeliest hides a shift, pairs of mistakes are tried too.
         """
         failed_frames = self._failed_frames
         if len(failed_frames) < 2:
@@ -231,7 +231,7 @@ class Decoding:
 
         mistakes = judge_together([why for _, _, why in failed_frames])
         # The first mistake explains the most frames.
-        if mistakes and mistakes[0].frames == len(failed_frames):
+        if mistakes and mistakes[0].frames == len(failed_frames) and not mistakes[0].hides_shift:
             return mistakes
         device = self._request.device
         variant = self._request.match.variant

@@ -27,6 +27,7 @@ from ...model.key_types import LARGEST
 from ...model.lookup import assert_never
 from ...order_codes.labels import edition_before, tests_of
 from ...plan.codec import Codec, codec_of
+from ...plan.description import Check as DescribedCheck
 from ...plan.description import DescribedReportCause, Description, Name, describe
 from ...plan.limits import Limits, limits_of
 from ...plan.operations import (
@@ -252,7 +253,7 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
         name=codec.layout.name,
         **{name: plain_data(member) for name, member in described_members.items()},
         fields=[*_field_data(codec, description)],
-        checks=[plain_data(check) | _check_message(codec.layout, operation) for check, operation in checks],
+        checks=[_check_data(check) | _check_message(codec.layout, operation) for check, operation in checks],
         # A byte that the bits sent do not fill begins with these zeros.
         fill=(codec.layout.bits - codec.layout.sent_bits).constant,
         crc=crc.crc.name if crc is not None else "",
@@ -352,6 +353,12 @@ def _encoding_data(value: object) -> Data:
     return {}
 
 
+def _check_data(check: DescribedCheck) -> Data:
+    """Return a check without its message. Unlike other members, a limit of 0 is not left out."""
+    data: Data = plain_data(check)
+    return data | {"limit": expression_data(check.limit)} if check.limit is not None else data
+
+
 def _check_message(layout: Layout, check: Check) -> Data:
     """Return the message of a check that fails: ``says`` selects it. The other members fill it in.
 
@@ -360,7 +367,7 @@ def _check_message(layout: Layout, check: Check) -> Data:
     field_name = check.field.name
     always = False
     highest_digit = 0
-    covered_names = ""
+    covered_names: list[str] = []
     code = ""
     match check:
         case AlwaysIs():
@@ -373,7 +380,7 @@ def _check_message(layout: Layout, check: Check) -> Data:
         case ParityIs():
             message = "parity"
             always = True
-            covered_names = ", ".join(field.name for field in check.of)
+            covered_names = [field.name for field in check.of]
         case IsOneOf(field=field):
             always = field.name == layout.selector
             message = "of_other_frame" if always else "no_value"
@@ -387,7 +394,7 @@ def _check_message(layout: Layout, check: Check) -> Data:
         case _:
             assert_never(check)
     return without_empty(
-        field=field_name, says=message, always=int(always), most=highest_digit, of_name=covered_names, code=code
+        field=field_name, says=message, always=int(always), most=highest_digit, of_names=covered_names, code=code
     )
 
 

@@ -246,7 +246,7 @@ class SerialTransport:
             )
             if rs485:
                 self._port.rs485_mode = import_module("serial.rs485").RS485Settings()
-        except (serial.SerialException, OSError, ValueError) as error:
+        except (serial.SerialException, OSError, ValueError, KeyError) as error:
             raise PortError(_cannot_open_error(port, error)) from None
 
     def write(self, data: bytes, /) -> None:
@@ -383,6 +383,8 @@ def _cannot_open_error(port: str, error: Exception) -> str:
     if error_number in (errno.EAGAIN, errno.EBUSY):
         return f"cannot open {port}: another program, or another link of this program, has it open"
     reason = os.strerror(error_number) if error_number else str(error)
+    if isinstance(error, KeyError):  # Of this error, pyserial says only the options that it knows, or their values.
+        reason = "pyserial does not know an option after the ?, or its value"
     try:
         comports: Any = import_module("serial.tools.list_ports").comports()
         ports = ", ".join(comport.device for comport in comports)

@@ -129,11 +129,12 @@ def _read_rows(array: Any, length: int) -> Any:
 def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
     """Return rows of bytes in the form that ``decode_many`` expects: unchanged, or converted to integers.
 
-    None is kept. For frames of bits, a row without bytes also becomes None.
+    None is kept. For frames of bits, a row with too few bytes for all bits also becomes None.
     """
     if shape.length:
         return list(items)
-    return [int.from_bytes(row, "big") if row else None for row in items]
+    least_bytes = (shape.bits + 7) // 8
+    return [int.from_bytes(row, "big") if row and len(row) >= least_bytes else None for row in items]
 
 
 def _read_each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:
