@@ -25,7 +25,15 @@ _LABELS = ("name", "printed_name", "title", "symbol", "contact", "signal")
 #: Letters of a value shown with its fact.
 _SHOWN_LETTERS = 60
 #: Words that manuals print for values of the spec language.
-_PRINTED_FOR_VALUE = {"read_only": ("ro", "r"), "read_write": ("rw",), "write_only": ("wo", "w")}
+_PRINTED_FOR_VALUE = {
+    "read_only": ("ro", "r"),
+    "read_write": ("rw",),
+    "write_only": ("wo", "w"),
+    "low_byte_first": ("lsb", "msb"),
+    "high_byte_first": ("msb", "lsb"),
+}
+#: A number in hexadecimal in a text, which a manual may print without the letter.
+HEXADECIMAL = re.compile(r"[0-9a-f]{2,}h")
 #: The path of a fact about an option of the order code.
 _OPTION = re.compile(r"order_code\.parts\.[^.]+\.values\.([^.]+)(?:\..*)?")
 #: Paths of the facts about the edition itself. Manuals print them with a date.
@@ -195,6 +203,8 @@ def _printed_words(value: object) -> Iterator[str]:
     if not isinstance(value, int):
         for word in WORD.findall(plain_line(str(value))):
             yield word.casefold()
+            if HEXADECIMAL.fullmatch(word.casefold()):
+                yield word.casefold().removesuffix("h")
         yield from _PRINTED_FOR_VALUE.get(str(value), ())
         return
     with_commas = f"{value:,}"
