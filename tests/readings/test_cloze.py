@@ -206,6 +206,7 @@ def test_opposites_that_are_planted() -> None:
     assert list(opposites("Do not use it before a reset")) == [
         "Do use it before a reset",
         "Do not use it after a reset",
+        "Do not use it before a set",
     ]
     assert list(opposites("It must be read")) == ["It may be read", "It must be written", "It must not be read"]
 
