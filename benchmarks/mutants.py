@@ -42,7 +42,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     outcome = Outcome(trial, tried(trial, chosen, options.jobs))
     if options.write:
         files = sorted({file_name(mutant.file) for mutant in all_mutants})
-        PAGE.write_text(page(outcome, "make mutants", files), encoding="utf-8")
+        reversed_words = trial.reversed_words(all_mutants)
+        PAGE.write_text(page(outcome, "make mutants", files, reversed_words), encoding="utf-8")
     print("\n".join(["", *table(outcome), ""] + ([] if options.write else list(survivors(outcome)))))
     print(f"{len(chosen)} of {len(all_mutants)} mutants in {time.monotonic() - started:.0f} seconds")
     return _print_violations(outcome)

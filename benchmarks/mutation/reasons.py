@@ -17,7 +17,7 @@ _REASONS = (
     ),
     (
         "a word in a text that is in no sheet",
-        "Only texts of a spec with a sheet of turning words are compared, except texts of errata and other editions.",
+        "Only texts with a gap in a sheet of turning words are compared. Texts about other editions have no gaps.",
         {"fact": WORD},
     ),
     (

@@ -166,8 +166,12 @@ def survivors(outcome: Outcome) -> Iterator[str]:
         yield ""
 
 
-def page(outcome: Outcome, command: str, files: Sequence[str]) -> str:
-    """Return the page of a campaign."""
+def page(outcome: Outcome, command: str, files: Sequence[str], reversed_words: tuple[int, int]) -> str:
+    """Return the page of a campaign.
+
+    ``reversed_words`` are the number of all words that can be reversed, and the number of those with a gap in a sheet.
+    """
+    words, words_with_gap = reversed_words
     head = f"""\
 # Mutants
 
@@ -191,6 +195,11 @@ elsewhere can reveal the mistake: in an example, in the order code, in another t
 manufacturer. No rule can find a word that is reversed both in a text and in its sheet of turning words, or two flags
 that are swapped in both readings. Sheets do not contain words without an opposite, such as *speed* for *position*.
 Such words are checked by reading the spec.
+
+A sheet repeats each text of the spec, so `check` reports a word that is reversed after the sheet was written even if
+the word has no gap. If the word was reversed before, only its gap shows the mistake. Of all {words:,} words that can be
+reversed in a text of these specs, {words_with_gap:,} have a gap ({words_with_gap / words:.0%}). The others are a lost
+*not*, and words that have no opposite in the sheets.
 """
     return "\n".join([head, *table(outcome), "", *survivors(outcome)]).rstrip() + "\n"
 

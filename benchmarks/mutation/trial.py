@@ -5,7 +5,7 @@ Everything that a mutant does not affect is read and computed only once: the oth
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
 from codewheel.loading.library import Family, families_of
 from codewheel.loading.repeated_facts import check_shared_facts
-from codewheel.readings.cloze import check_sheets, read_sheet
+from codewheel.readings.cloze import check_sheets, read_sheet, vocabulary_of
 from codewheel.readings.compare import compare
 from codewheel.readings.reading import Facts, Reading
 from codewheel.readings.second_readings import (
@@ -32,6 +32,8 @@ from codewheel.readings.second_readings import (
 
 from .effects import Effect, Outputs
 from .mistakes import Mutant, mutants, mutated
+from .places import WORD
+from .words import contradicts_a_gap
 
 #: Rules that ``check --coverage`` adds to the rules of ``check``, for facts that are no longer read twice.
 READ_ONCE = "read once"
@@ -92,6 +94,20 @@ class Trial:
             twice = {file for family in self.families if family.document.file in self._seconds for file in family.files}
             wanted = [document for document in self.documents if document.file in twice] + self.second_readings
         return [mutant for document in wanted for mutant in mutants(document)]
+
+    def reversed_words(self, all_mutants: Iterable[Mutant]) -> tuple[int, int]:
+        """Return how many words of specs are reversed in these mutants, and for how many of them a gap asks."""
+        vocabularies = {
+            family.document.file: vocabulary_of(family.document)
+            for family in self.families
+            if family.document.file in self._sheets
+        }
+        found = [
+            contradicts_a_gap(vocabularies[mutant.file], mutant.place.value, mutant.changes[0][1])
+            for mutant in all_mutants
+            if mutant.fact == WORD and mutant.file in vocabularies
+        ]
+        return len(found), sum(found)
 
     def place(self, mutant: Mutant) -> str:
         """Return the place of a mutant: its file and the path to the value."""

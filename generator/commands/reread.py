@@ -175,8 +175,10 @@ def _text_lines(
         section = changed_passage.passage.section
         if section.shown != heading:
             heading = section.shown
+            facts_by_change: dict[tuple[Sequence[str], Sequence[str]], set[str]] = {}
             yield f"\n{heading}"
-        yield from _passage_lines(changed_passage)
+        change = (changed_passage.passage.old, changed_passage.passage.new)
+        yield from _passage_lines(changed_passage, facts_by_change.setdefault(change, set()))
     sections = {changed_passage.passage.section.number for changed_passage in changed_passages}
     cited_names = {name for changed_passage in changed_passages for name in changed_passage.section_names}
     citing_facts = [fact for fact in facts if not fact.sections.isdisjoint(cited_names)]
@@ -186,10 +188,12 @@ def _text_lines(
     yield _LIMITS
 
 
-def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
+def _passage_lines(changed_passage: _ChangedPassage, listed_paths: set[str]) -> Iterator[str]:
     """Yield the old and the new text of a passage, and the facts that cite the place.
 
     Equal facts are printed once, with all their lines. The rest of the section's facts are only counted.
+    ``listed_paths`` are the paths of the facts listed before for the same change in this section. They are not listed
+    again, and the paths of the facts listed now are added.
     """
     yield ""
     old_text, new_text = changed_passage.passage.shown
@@ -200,12 +204,18 @@ def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
         yield "  no fact in the spec cites this place"
         return
     groups = _groups_of_equal_facts(changed_passage.facts)[:_MOST_FACTS]
-    for first_fact, *other_facts in groups:
+    is_repeated = bool(listed_paths)
+    new_groups = [group for group in groups if not listed_paths.issuperset(fact.path for fact in group)]
+    for first_fact, *other_facts in new_groups:
         other_lines = [str(line_number) for line_number in sorted({fact.line for fact in other_facts})]
         noun = "line" if len(other_lines) == 1 else "lines"
         others_text = f", also in {noun} {joined_lines(other_lines)}" if other_lines else ""
         yield f"  {first_fact.shown}{others_text}"
     listed_facts = [fact for group in groups for fact in group]
+    listed_paths.update(fact.path for fact in listed_facts)
+    if is_repeated:
+        yield f"  {'and ' if new_groups else ''}the facts listed above for the same change"
+        return
     unlisted = changed_passage.facts_of_section - len(listed_facts)
     if unlisted:
         noun = "other fact" if listed_facts else "fact"

@@ -47,15 +47,38 @@ inside: internal, inner, inside | external, outer, outside
 sign: positive, plus | negative, minus
 activity: active, activated, activate, activates, enabled, enable, enables | \
 inactive, deactivated, deactivate, deactivates, disabled, disable, disables
+access: read, reads, reading | write, writes, written, writing
+sequence: first | last
+turns: singleturn, single-turn | multiturn, multi-turn
+transfer: send, sends, sent, sending, transmit, transmits, transmitted | receive, receives, received, receiving
+storage: save, saves, saved, saving, store, stores, stored, storing | load, loads, loaded, loading
+setting: set, sets | reset, resets, clear, clears, cleared
+extent: start, starts, begin, begins, beginning | end, ends, stop, stops
+code: binary | Gray
+validity: valid, correct | invalid, incorrect, wrong
+sameness: same, equal, equals, identical | different, unequal, differs, differ
+port: input, inputs | output, outputs
+role: master | encoder
+significance: most significant, MSB | least significant, LSB
+permission: possible, allowed, permitted | impossible, forbidden, prohibited
+loss: kept, keeps, keep | lost, loses, lose
+presence: present, available | missing, absent, unavailable
+speed: fast, faster | slow, slower
+size: long, wide | short, narrow
+strength: strong | weak
+movement: linear | rotary
+arithmetic: add, added, multiply, multiplied | subtract, subtracted, divide, divided
 colour: white | black | brown | green | yellow | grey | pink | blue | red | violet | orange | purple
 """
 #: Kind of the signals of the connectors, which differ between families.
 SIGNAL = "signal"
-#: Words that are turning words only after one of these words. Elsewhere they are prepositions.
+#: Words that are turning words only after one of these words. Elsewhere they have no opposite, or another meaning.
 _ONLY_AFTER = {
     "on": "power- switch- power turn turned switch switched powered lit is are stays remains".split(),
     "up": ["count", "counts", "counting"],
     "down": ["count", "counts", "counting"],
+    "master": ["by the", "from the", "to the"],
+    "encoder": ["by the", "from the", "to the"],
 }
 
 

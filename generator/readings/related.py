@@ -66,6 +66,7 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
             or _known_renaming_of_place(disagreement, known_causes)
             or _known_change_of_time(disagreement, known_causes)
             or _changed_parameters(disagreement, reported_disagreements)
+            or _register_that_only_second_has(disagreement, reported_disagreements)
             or _own_cause(disagreement)
             # A unique number, so that the disagreement is not grouped.
             or index
@@ -155,6 +156,26 @@ def _changed_parameters(disagreement: Disagreement, all_disagreements: Sequence[
         is_parameter = other_disagreement.spec_place[:1] == ("parameters",)
         if is_parameter and disagreement.order_codes <= other_disagreement.order_codes:
             return "parameters", other_disagreement.order_codes
+    return None
+
+
+#: A register as the description of a disagreement names it, without its bank.
+_REGISTER = re.compile(r"register (?P<address>0x[0-9A-F]+)(?: of bank .*)?")
+
+
+def _register_that_only_second_has(disagreement: Disagreement, all_disagreements: Sequence[Disagreement]) -> object:
+    """Return the address of a register that only the second reading has, if it explains the disagreement, or None.
+
+    Alarms in a register that has moved, and procedures that access it, are missing in the spec as well.
+    """
+    if disagreement.spec_value != NOTHING:
+        return None
+    addresses = set(re.findall(r"0x[0-9A-F]+", f"{disagreement.description} {disagreement.second_value}"))
+    for other_disagreement in all_disagreements:
+        register = _REGISTER.fullmatch(other_disagreement.description)
+        is_missing = other_disagreement.spec_value == NOTHING
+        if register is not None and is_missing and register["address"] in addresses:
+            return "register", register["address"]
     return None
 
 

@@ -272,8 +272,8 @@ def _file_and_line(document: Document, place: Path) -> str:
 def _others_text(disagreements: Related, spec: Document, second: Document) -> str:
     """Return how many other disagreements have the same cause, and where, or "" if there are none.
 
-    For example ``, and 3 more with the same cause in lines 12 and 15``. Places in the second reading come with its
-    name: ``x24.second.yaml:30``.
+    For example ``, and 3 more with the same cause in lines 12 and 15``. Lines of the second reading come with its name:
+    ``line 30 of x24.second.yaml``.
     """
     first_disagreement = disagreements.first_disagreement
     first_places = first_disagreement.spec_place, first_disagreement.second_place
@@ -283,19 +283,20 @@ def _others_text(disagreements: Related, spec: Document, second: Document) -> st
     ]
     if not other_disagreements:
         return ""
-    # Keys of maps without values, for distinct lines and places in their order.
-    spec_lines: dict[str, None] = {}
-    places_in_second: dict[str, None] = {}
+    spec_lines: set[int] = set()
+    second_lines: set[int] = set()
     for other in other_disagreements:
         if other.spec_value == NOTHING:
-            places_in_second[_file_and_line(second, other.second_place)] = None
+            line, _ = second.position(other.second_place)
+            second_lines.add(line)
         else:
             line, _ = spec.position(other.spec_place_or_nearest)
-            spec_lines[str(line)] = None
-    places = list(places_in_second)
-    if spec_lines:
-        noun = "line" if len(spec_lines) == 1 else "lines"
-        places.insert(0, f"{noun} {joined_lines(list(spec_lines))}")
+            spec_lines.add(line)
+    places: list[str] = []
+    for lines, owner in ((spec_lines, ""), (second_lines, f" of {File(second.file).name}")):
+        if lines:
+            noun = "line" if len(lines) == 1 else "lines"
+            places.append(f"{noun} {joined_lines([str(line) for line in sorted(lines)])}{owner}")
     return f", and {len(other_disagreements)} more with the same cause in {', '.join(places)}"
 
 

@@ -25,7 +25,18 @@ _LABELS = ("name", "printed_name", "title", "symbol", "contact", "signal")
 #: Letters of a value shown with its fact.
 _SHOWN_LETTERS = 60
 #: Words that manuals print for values of the spec language.
-_PRINTED_FOR_VALUE = {"read_only": ("ro", "r"), "read_write": ("rw",), "write_only": ("wo", "w")}
+_PRINTED_FOR_VALUE = {
+    "read_only": ("ro", "r"),
+    "read_write": ("rw",),
+    "write_only": ("wo", "w"),
+}
+#: Words that manuals print for the order of bytes, of which every number of several bytes has one.
+_PRINTED_FOR_BYTE_ORDER = {
+    "low_byte_first": ("low", "first", "lsb", "msb"),
+    "high_byte_first": ("high", "first", "msb", "lsb"),
+}
+#: A number in hexadecimal in a text, which a manual may print without the letter.
+HEXADECIMAL = re.compile(r"[0-9a-f]{2,}h")
 #: The path of a fact about an option of the order code.
 _OPTION = re.compile(r"order_code\.parts\.[^.]+\.values\.([^.]+)(?:\..*)?")
 #: Paths of the facts about the edition itself. Manuals print them with a date.
@@ -119,10 +130,17 @@ class Citing:
         return not self.sections.isdisjoint(sections) or self._is_option_named_in(passage)
 
     def _is_above_new_row_of_history(self, passage: Passage) -> bool:
-        """Return whether a passage adds a row with another revision below the row of this fact."""
-        begins_with_revision = bool(passage.new) and _REVISION.fullmatch(passage.new[0]) is not None
-        is_new_row = not passage.old and begins_with_revision
-        return is_new_row and self.path != "manual.date" and not self.words.isdisjoint(passage.close)
+        """Return whether a passage adds a row with another revision below the row of this fact.
+
+        The row can be part of a larger change. The words of the fact are then among the old words.
+        """
+        added_words = [word for word in passage.new if word not in passage.old]
+        adds_revision = any(_REVISION.fullmatch(word) for word in added_words)
+        if not adds_revision or self.path == "manual.date":
+            return False
+        if passage.old:
+            return bool(self.words) and self.words <= {word.casefold() for word in passage.old}
+        return _REVISION.fullmatch(passage.new[0]) is not None and not self.words.isdisjoint(passage.close)
 
     def _is_option_named_in(self, passage: Passage) -> bool:
         """Return whether the fact is about an option of the order code whose label is in the passage.
@@ -192,9 +210,14 @@ def _printed_words(value: object) -> Iterator[str]:
     """
     if isinstance(value, bool) or value is None:
         return
+    if value in _PRINTED_FOR_BYTE_ORDER:
+        yield from _PRINTED_FOR_BYTE_ORDER[str(value)]
+        return
     if not isinstance(value, int):
         for word in WORD.findall(plain_line(str(value))):
             yield word.casefold()
+            if HEXADECIMAL.fullmatch(word.casefold()):
+                yield word.casefold().removesuffix("h")
         yield from _PRINTED_FOR_VALUE.get(str(value), ())
         return
     with_commas = f"{value:,}"

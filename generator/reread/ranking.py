@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence, Set
 from itertools import chain
 from typing import NamedTuple
 
-from .facts import ORDER_CODE, Citing, spaced
+from .facts import HEXADECIMAL, ORDER_CODE, Citing, spaced
 from .passages import Passage
 
 #: Weights of the words that differ, and of those close to them. All words near them weigh as much as 2.
@@ -21,8 +21,6 @@ _NEXT_TO = 4.0
 _MOST_OF_FIRST_ITEMS, _MOST_OF_OTHER_ITEM, _MOST_REFERRING = (6, 4), 2, 3
 #: Items with a differing value or name, which are listed before everything else.
 _MOST_DIFFERING_VALUES = 4
-#: A number in hexadecimal, which the bytes of an example contain without the letter.
-_HEXADECIMAL = re.compile(r"[0-9a-f]{2,}h")
 #: A label of an order code, in capital letters.
 _LABEL = re.compile(r"[A-Z][A-Z0-9]+")
 #: Facts that an insertion names, at most.
@@ -337,7 +335,7 @@ def _comparable_words(words: Iterable[str]) -> set[str]:
     # Each step adds the spellings that follow from the spellings before it.
     comparable_words = {word.casefold() for word in words}
     comparable_words |= {word.replace(",", ".") for word in comparable_words}
-    comparable_words |= {word.removesuffix("h") for word in comparable_words if _HEXADECIMAL.fullmatch(word)}
+    comparable_words |= {word.removesuffix("h") for word in comparable_words if HEXADECIMAL.fullmatch(word)}
     numbers_in_words: set[str] = set()
     for word in comparable_words:
         # The first group of either pattern is the number.

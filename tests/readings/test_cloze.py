@@ -45,10 +45,16 @@ def folder(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.P
     sheet = tmp_path / "twice.words.yaml"
     fill(sheet, "characteristics.battery.value", '["on", "not", "before", "off"]')
     fill(sheet, "leds.power.states.0.meaning", '["above", "error"]')
-    # The texts of tests/readings/specs/twice.yaml: "More", "After a reset", "Some fault", "The other does not fit."
+    # The texts of tests/readings/specs/twice.yaml: "First issue", "More", "1 for Gray", "After a reset", and others.
+    fill(sheet, "manual.history.1.0.changes", '["first"]')
     fill(sheet, "manual.history.1.1.changes", '["more"]')
-    fill(sheet, "interfaces.rs485.timings.settle.meaning", '["after"]')
+    fill(sheet, "parameters.gray.meaning", '["Gray"]')
+    fill(sheet, "parameters.all_bits.meaning", '["first"]')
+    fill(sheet, "interfaces.rs485.timings.settle.meaning", '["after", "reset"]')
     fill(sheet, "alarms.fault.meaning", '["error"]')
+    fill(sheet, "procedures.set_preset.title", '["set"]')
+    fill(sheet, "procedures.reset_all.title", '["reset"]')
+    fill(sheet, "inputs.zero_input.meaning", '["set"]')
     fill(sheet, "errata.limit.why", '["not"]')
     return tmp_path
 
@@ -135,7 +141,7 @@ def test_a_sheet_has_a_schema(folder: pathlib.Path) -> None:
 def test_the_command_keeps_what_is_filled(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     replace_in_file(folder / "twice.yaml", "Supply above 4 V, or an error", "Supply below 5 V")
     assert main(["cloze", "twice"]) == 0
-    assert capsys.readouterr().out == "written    twice.words.yaml: 1 gap to fill, in 6 texts\n"
+    assert capsys.readouterr().out == "written    twice.words.yaml: 1 gap to fill, in 12 texts\n"
     text = (folder / "twice.words.yaml").read_text(encoding="utf-8")
     assert 'words: ["on", "not", "before", "off"]' in text
     assert '    text: "Supply {1 place} 5 V"\n    words: ["?"]' in text
@@ -147,7 +153,7 @@ def test_what_is_filled_moves_with_its_text(folder: pathlib.Path, capsys: pytest
     new_state = '      - {state: "off", meaning: "Supply below 4 V"}\n'
     replace_in_file(folder / "twice.yaml", state, new_state + state)
     assert main(["cloze", "twice"]) == 0
-    assert capsys.readouterr().out == "written    twice.words.yaml: 2 gaps to fill, in 8 texts\n"
+    assert capsys.readouterr().out == "written    twice.words.yaml: 2 gaps to fill, in 14 texts\n"
     text = (folder / "twice.words.yaml").read_text(encoding="utf-8")
     assert (
         'states.1.meaning":\n    text: "Supply {1 place} 4 V, or an {2 report}"\n    words: ["above", "error"]' in text
@@ -157,7 +163,7 @@ def test_what_is_filled_moves_with_its_text(folder: pathlib.Path, capsys: pytest
 def test_a_word_that_is_missing_is_a_gap_to_fill(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     fill(folder / "twice.words.yaml", "leds.power.states.0.meaning", '["above"]')
     assert main(["cloze", "twice"]) == 0
-    assert capsys.readouterr().out == "written    twice.words.yaml: 1 gap to fill, in 6 texts\n"
+    assert capsys.readouterr().out == "written    twice.words.yaml: 1 gap to fill, in 12 texts\n"
     assert 'words: ["above", "?"]' in (folder / "twice.words.yaml").read_text(encoding="utf-8")
 
 
@@ -175,8 +181,10 @@ def test_a_sheet_is_not_a_spec(folder: pathlib.Path, capsys: pytest.CaptureFixtu
 @pytest.mark.parametrize(
     ("text", "gaps"),
     [
-        ("Never write it AFTER\na reset", ["not", "after"]),
-        ("on the connector, up to the LSB", ["at most"]),
+        ("Never write it AFTER\na reset", ["not", "write", "after", "reset"]),
+        ("Read by the master, LSB first, in Gray code", ["read", "master", "least significant", "first", "Gray"]),
+        ("The encoder sends the stored multiturn position", ["send", "save", "multiturn"]),
+        ("on the connector, up to the LSB", ["at most", "least significant"]),
         ("counts up with counter-clockwise rotation", ["increase", "counter-clockwise"]),
         ("At power-on, the lowest byte is high", ["on", "at least", "high"]),
         ("the notes, another onset", []),
@@ -198,6 +206,7 @@ def test_opposites_that_are_planted() -> None:
     assert list(opposites("Do not use it before a reset")) == [
         "Do use it before a reset",
         "Do not use it after a reset",
+        "Do not use it before a set",
     ]
     assert list(opposites("It must be read")) == ["It may be read", "It must be written", "It must not be read"]
 

@@ -71,7 +71,9 @@ def test_a_printed_name_that_differs_everywhere_is_one_problem(
     )
     (problem,) = disagreements(capsys)
     assert ": speed limit here, overspeed in sma21.second.yaml:" in problem
-    assert re.search(rf" more with the same cause in line \d+, sma21\.second\.yaml:\d+{re.escape(MEND)}$", problem)
+    assert re.search(
+        rf" more with the same cause in line \d+, line \d+ of sma21\.second\.yaml{re.escape(MEND)}$", problem
+    )
 
 
 @pytest.mark.slow
@@ -188,3 +190,21 @@ def test_a_text_about_another_parameter_stays(folder: Path, capsys: pytest.Captu
     )
     found = disagreements(capsys)
     assert any(problem.startswith("numbers in parameters.ssi_gray.meaning: 2 0 here, 1 0 in ") for problem in found)
+
+
+@pytest.mark.slow
+def test_a_register_that_moves_is_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Six alarms of the ASC85 are in its error register, and five procedures read it."""
+    for name in ("asc85.yaml", "asc85.second.yaml"):
+        shutil.copy(SPECS / name, folder)
+    edit(
+        folder / "asc85.yaml",
+        ("address: 0x69\n    addresses: 0x69", "address: 0x6A\n    addresses: 0x6A"),
+        ("register (69h)", "register"),
+    )
+    main(["check", "asc85.yaml"])
+    lines = capsys.readouterr().out.splitlines()
+    (problem,) = [line for line in lines if ": readings-disagree: register 0x69: " in line]
+    assert ", and 11 more with the same cause in lines " in problem
+    assert "of asc85.second.yaml; " in problem
+    assert not any("alarm at register" in line or "a procedure over" in line for line in lines)

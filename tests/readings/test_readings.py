@@ -83,7 +83,8 @@ def test_it_is_shown_with_path_and_line(folder: pathlib.Path, capsys: pytest.Cap
     printed = capsys.readouterr().out
     assert (
         f"""\
-twice.second.yaml:128:14: readings-disagree: register 0x4A: 1 byte here, nothing in twice.yaml:127{MEND}
+twice.second.yaml:128:14: readings-disagree: register 0x4A: 1 byte here, nothing in twice.yaml:127, and 1 more with \
+the same cause in line 152 of twice.second.yaml{MEND}
   in registers.configuration.address
     address: 0x4A
              ^

@@ -196,3 +196,68 @@ def test_an_added_start_value_lists_that_of_the_crc_first(tmp_path: Path, capsys
     listed = paths_of_am36(tmp_path, capsys, "(binary: 1000011)\n", added)[:LISTED]
     assert listed[0] == "init: 0"
     assert any("The start value is 0." in line for line in listed)
+
+
+#: A text of the ASC85's manual: a register that moves, and a register whose bytes change their order.
+ASC85_TEXT = """\
+ASC85
+
+{contents}
+
+4 Electrical connections
+
+5 SSI interface
+
+6 BiSS C-mode interface
+
+6.2.1 SCD structure
+
+Error
+
+For a list of the messages refer to the register 69 Error register.
+
+Warning
+
+The meaning of the warnings is explained at the register 69 Error register.
+
+6.4 Implemented registers
+
+Position
+
+Registers 61-64 contain the absolute position information.
+
+Register\t61\t62\t63\t64
+\tLSB\t\t\tMSB
+
+6.5 Application notes
+"""
+
+
+def reread_asc85(tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str) -> str:
+    titles = ["1 Safety summary", "2 Identification", "3 Mounting instructions", "4 Electrical connections"]
+    titles += ["5 SSI interface", "6 BiSS C-mode interface", "6.2.1 SCD structure"]
+    titles += ["6.4 Implemented registers", "6.5 Application notes"]
+    text = ASC85_TEXT.format(contents="".join(f"{title}....... {page}\n" for page, title in enumerate(titles, 8)))
+    assert old in text
+    (tmp_path / "old.txt").write_text(text, encoding="utf-8")
+    (tmp_path / "new.txt").write_text(text.replace(old, new), encoding="utf-8")
+    main(["reread", str(tmp_path / "old.txt"), str(tmp_path / "new.txt"), "--specs", str(AM36.parent)])
+    return capsys.readouterr().out
+
+
+def test_an_address_in_a_text_is_listed_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The manual prints 69, and the spec 69h. The second passage has the same change as the first."""
+    printed = reread_asc85(tmp_path, capsys, "the register 69", "the register 6A")
+    first_passage, second_passage = printed.split("  old: ")[1:]
+    for flag in ("error", "warning"):
+        line = f"fields.{flag}.remedy: Read the error register (69h)"
+        assert line in "\n".join(first_passage.splitlines()[: LISTED + 2])
+        assert line not in second_passage
+    assert "the facts listed above for the same change\n" in second_passage
+
+
+def test_the_order_of_bytes_is_listed_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    printed = reread_asc85(tmp_path, capsys, "\tLSB\t\t\tMSB", "\tMSB\t\t\tLSB")
+    _, new_line, first_fact, *_ = printed[printed.index("  old: ") :].splitlines()
+    assert new_line.startswith("  new: ")
+    assert "registers.position.byte_order: low_byte_first" in first_fact

@@ -198,6 +198,8 @@ RULES: tuple[Rule, ...] = (
     stale_texts.check_labels_in_errata,
     stale_texts.check_alarm_names,
     stale_texts.check_led_states,
+    stale_texts.check_addresses_and_commands,
+    stale_texts.check_byte_order_in_texts,
     frames.check_layouts_without_requests,
     frames.check_parities,
     frames.check_slaves,

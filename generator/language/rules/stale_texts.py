@@ -1,4 +1,4 @@
-"""Rules for facts that a revision of the spec leaves behind: quantities in errata, quoted names, times given twice."""
+"""Rules for facts that a revision of the spec leaves behind: quantities, quoted names, addresses, commands, times."""
 
 from __future__ import annotations
 
@@ -274,3 +274,58 @@ def check_led_states(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
             if match["state"].casefold() not in words_of_states:
                 message = f"the text says {quoted(match[0])}, but no LED has the state {quoted(match['state'])}"
                 report.add("left-behind", path, f"{message}; correct one of the two", cause=match["state"])
+
+
+#: An address or a command in a text, such as "register (1Fh)" or "command 03".
+_REGISTER_AT = re.compile(r"\b[Rr]egisters? \(?(?P<address>[0-9A-F]{2})h\b")
+_COMMANDS = re.compile(r"\b[Cc]ommands? [0-9A-F]{2}(?:(?:, (?:and )?| and | or )[0-9A-F]{2})*\b")
+_FIRST_BYTE = re.compile(r"\b(?P<byte>low|high) byte (?:comes|is sent) first\b")
+#: Keys of the numbers that a text may call a command.
+_CODES = frozenset(("value", "constant", "control", "id"))
+
+
+def check_addresses_and_commands(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+    """Check that texts name no register by an address, and no command by a code, that the spec does not have.
+
+    A spec without registers is not checked. A printed text of an erratum may name what is missing.
+    """
+    registers = by_name(spec.registers).values()
+    if not registers or report.document.family or report.document.other_files:
+        return
+    addresses: set[int] = set()
+    for register in registers:
+        addresses.update(range(register.address, register.address + register.length))
+    codes = {number for path, number in leaves_of(spec.data, report) if path[-1] in _CODES and isinstance(number, int)}
+    for path, text in leaves_of(spec.data, report):
+        is_text = path[-1] in _TEXTS or path[0] == "tables"
+        if not isinstance(text, str) or path[0] in _ELSEWHERE or not is_text:
+            continue
+        for match in _REGISTER_AT.finditer(text):
+            if int(match["address"], 16) not in addresses:
+                named_register = quoted(f"register {match['address']}h")
+                message = f"the text says {named_register}, but no register has this address; correct one of the two"
+                report.add("left-behind", path, message, cause=match["address"])
+        for code in _command_codes(text):
+            # A manual prints codes in hexadecimal or in decimal.
+            if codes.isdisjoint((int(code, 16), int(code) if code.isdigit() else -1)):
+                message = f"the text says {quoted(f'command {code}')}, but nothing here has this value"
+                report.add("left-behind", path, f"{message}; correct one of the two", cause=code)
+
+
+def _command_codes(text: str) -> Iterator[str]:
+    """Yield the codes of commands in a text: ``["01", "03"]`` for ``commands 01 and 03``."""
+    for commands in _COMMANDS.findall(text):
+        yield from re.findall(r"\b[0-9A-F]{2}\b", commands)
+
+
+def check_byte_order_in_texts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a text of a register that says which byte comes first agrees with its byte order."""
+    if report.document.family or report.document.other_files:
+        return
+    for register in by_name(spec.registers).values():
+        for key, text in (("meaning", register.meaning), ("note", register.note)):
+            match = _FIRST_BYTE.search(text)
+            if match is None or register.byte_order in ("", f"{match['byte']}_byte_first"):
+                continue
+            message = f"the text says {quoted(match[0])}, but 'byte_order' is {register.byte_order}"
+            report.add("left-behind", register.place_of(key), f"{message}; correct one of the two")
