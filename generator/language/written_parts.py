@@ -77,7 +77,7 @@ from .written_layouts import (
 @written("One value.")
 class WrittenArgument(WrittenPart):
     name: Name = key("Name of the value.")
-    of: Name = key("Register that the value is written to. The limits of the register apply.")
+    of: Name = key("Register to which the value is written. The limits of the register apply.")
     as_: Name = key("For a register with several meanings: the meaning whose limits apply.", default="")
     meaning: Prose = key("Meaning of the value.", default="")
 
@@ -136,7 +136,7 @@ class WrittenExample(WrittenPart):
     counts: Count | None = key("measure: the position in counts.", default=None)
     micrometres: Count | None = key("measure: the position in micrometres.", default=None)
     source: SourceText = key("")
-    order_code: str = key("Order code that the example applies to.", longest=100, default="")
+    order_code: str = key("Order code to which the example applies.", longest=100, default="")
     alternatives: Mapping[Name, Name] = key(
         "frame: chosen answers, each under the name of its alternative. Default: the first answer of each.",
         default=NOTHING,
@@ -159,7 +159,7 @@ class WrittenExample(WrittenPart):
     )
     writes: tuple[Located[Write], ...] = key("procedure: resulting writes, in order.", least=0, default=())
     refused: Literal["", "crc", "constant", "length", "range"] = key(
-        "frame: error for which a decoder rejects the frame.", default=""
+        "frame: the error with which a decoder rejects it.", default=""
     )
     erratum: Name = key("Erratum that explains an incorrect example.", default="")
     note: Prose = note_key(default="")
@@ -171,7 +171,7 @@ class WrittenReading(WrittenPart):
     used: Prose = key("The value in the spec.")
 
 
-@written("A place where the manual must not be followed literally.")
+@written("A passage of the manual that must not be followed literally.")
 class WrittenErratum(WrittenPart):
     name: Name = key("Name of the erratum.")
     title: Headline = key(
@@ -248,13 +248,13 @@ class WrittenDocument(WrittenPart):
 
 @written("One difference from the spec. It has exactly one of the keys set, add, remove, unknown and also.")
 class WrittenChange(WrittenPart):
-    set: Places = key("Place or places whose value changes.", default=())
+    set: Places = key("Location or locations whose value changes.", default=())
     to: Anything | None = key("With set: new value.", default=None)
     add: Place = key("A list to which an item is added, or a new key.", default="")
     value: Anything | None = key("With add: new item or value.", default=None)
-    remove: Places = key("Place or places to remove.", default=())
+    remove: Places = key("Location or locations to remove.", default=())
     unknown: Places = key(
-        "Place or places whose content is unknown. They are removed, and outputs state that they are unknown.",
+        "Location or locations whose content is unknown. They are removed, and outputs state that they are unknown.",
         default=(),
     )
     also: str = key("Description of an additional, undocumented item.", shortest=1, longest=500, default="")
@@ -333,7 +333,7 @@ class WrittenSpec(WrittenPart):
         "Sequences of register writes, requests and waits that the manual prescribes.", least=0, default=()
     )
     printed_defaults: tuple[WrittenPrintedDefault, ...] = key(
-        "The manual's own list of defaults, row by row. It is checked against the registers.", least=0, default=()
+        "The manual's own list of defaults, row by row. 'check' compares it with the registers.", least=0, default=()
     )
     alternatives: tuple[WrittenAlternative, ...] = key(
         "Questions that the manual leaves open, or answers differently from other evidence. The user "

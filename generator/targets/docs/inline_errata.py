@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
-from ...say.errata import errata
+from ...say.errata import consequence, errata
 from ...say.errata import erratum as erratum_statement
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, escape_html, link, link_list
 from ...say.text import sentence
@@ -58,7 +58,7 @@ class ErrataLines:
             edition_links = [
                 self._link_to_erratum(erratum, escape(_edition_phrase(erratum))) for erratum in edition_errata
             ]
-            list_items.append(f"- Other editions differ: {', '.join(dict.fromkeys(edition_links))}")
+            list_items.append(f"- The facts differ in other editions: {', '.join(dict.fromkeys(edition_links))}")
         return "\n".join(list_items)
 
     def links_in_cell(self, *paths: str) -> str:
@@ -147,7 +147,7 @@ class ErrataLinks:
                 anchors_by_edition.setdefault(_edition_phrase(difference), []).append(path_with_anchor)
         if anchors_by_edition:
             editions = link_list(_numbered_links(label, pages) for label, pages in anchors_by_edition.items())
-            list_items.append(f"- Other editions differ: {editions}")
+            list_items.append(f"- The facts differ in other editions: {editions}")
         return "\n".join(list_items)
 
 
@@ -157,11 +157,11 @@ def _html_link(erratum: Erratum) -> str:
 
 
 def _numbered_links(label: str, pages: Sequence[str]) -> str:
-    """Return links to several pages: the first with the label, the others with their numbers."""
+    """Return links to several pages: the first with the label, the others with their numbers in parentheses."""
     first_page, *further_pages = pages
     first_link = link(escape(label), first_page)
     numbered_links = [link(f"{number}", page) for number, page in enumerate(further_pages, 2)]
-    return ", ".join([first_link, *numbered_links])
+    return f"{first_link} (also {', '.join(numbered_links)})" if numbered_links else first_link
 
 
 #: Marks of the links, by status.
@@ -235,8 +235,8 @@ def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     # The labels are the head of the table, and the texts are its only row.
     head, cells = zip(*labels_and_texts, strict=True)
     affected = ", ".join(map(code, erratum.affects))
-    kind = f"{status_badge(erratum)}, {fact_tables.severity_text(erratum.severity)}"
-    summary = f"{kind}. Source: {citation(erratum.source)}. Affects {affected}."
+    result = f"{status_badge(erratum)}: {consequence(erratum.severity)}."
+    summary = f"{result} Affected parts of the spec: {affected}. Source: {citation(erratum.source)}."
     return {"erratum": erratum, "summary": summary, "head": head, "cells": cells}
 
 

@@ -289,4 +289,4 @@ def _refusal_lines(sheets: GroupSettings) -> Iterator[str]:
             reasons = " ".join(map(_refusal_text, sheet.refusals))
             groups_by_reasons.setdefault(reasons, []).append(group)
     for reasons, groups in groups_by_reasons.items():
-        yield f"{_codes_label(groups)}: {reasons}"
+        yield f"{_codes_label(groups)}. {reasons}"

@@ -102,7 +102,7 @@ static inline uint32_t cw_received_zeros(uint32_t value)
 #endif
 }
 
-/** Return up to 64 bits as a number. Its most significant bit is the bit at first. */
+/** Return up to 64 bits as a number. The bit at first is the most significant one. */
 CW_CONSTEXPR
 static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_t bits)
 {

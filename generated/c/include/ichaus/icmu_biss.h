@@ -9,7 +9,7 @@
  * The chips described here are products of iC-Haus GmbH. This project is not affiliated with it and
  * claims no certification.
  *
- * More headers of this interface, to include if you need them:
+ * Further headers of this interface, for you to include if needed:
  *   icmu_biss_labels.h           find the order code that a label shows
  *   icmu_biss_reports.h          texts that describe reports, alarms and times
  *   icmu_biss_registers.h        registers, and identification of encoders
@@ -30,7 +30,7 @@
  * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-ichaus.md
  * gives the printed text, what is used instead, and the reason.
  *
- * Arguments and results, where a function does not say more:
+ * Arguments and results, unless a function says otherwise:
  *   variant     an order code, ICHAUS_ICMU_BISS_IC_MU_28_2 for example
  *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
  *   bytes       a frame in the order sent, or a register with its lowest address first
