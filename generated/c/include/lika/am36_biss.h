@@ -559,9 +559,9 @@ static inline double lika_am36_biss_degrees(lika_am36_biss variant, uint64_t pos
 /**
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
  * position was stored. For example, code can be AM3616_4096_I7, as in
- * LIKA_AM36_BISS_AM3616_4096_I7. The order code is named only once, so the length and the decoder
- * always belong together. Another size of rx, or a pointer, does not compile. If registers were
- * changed, pass your own variant to lika_am36_biss_read instead.
+ * LIKA_AM36_BISS_AM3616_4096_I7. A call names the order code once, so its length and its decoder
+ * are used together. Another size of rx, or a pointer, does not compile. If registers were changed,
+ * pass your own variant to lika_am36_biss_read instead.
  */
 #define LIKA_AM36_BISS_READ(code, rx, position) \
     lika_am36_biss_read(LIKA_AM36_BISS_##code, \

@@ -555,9 +555,9 @@ static inline double lika_amm5_biss_degrees(lika_amm5_biss variant, uint64_t pos
 
 /**
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
- * position was stored. For example, code can be A21_65KSC1, as in LIKA_AMM5_BISS_A21_65KSC1. The
- * order code is named only once, so the length and the decoder always belong together. Another size
- * of rx, or a pointer, does not compile.
+ * position was stored. For example, code can be A21_65KSC1, as in LIKA_AMM5_BISS_A21_65KSC1. A call
+ * names the order code once, so its length and its decoder are used together. Another size of rx,
+ * or a pointer, does not compile.
  */
 #define LIKA_AMM5_BISS_READ(code, rx, position) \
     lika_amm5_biss_read(LIKA_AMM5_BISS_##code, \

@@ -1444,9 +1444,9 @@ static inline double lika_amm5_rs485_degrees(lika_amm5_rs485 variant, uint64_t p
 
 /**
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
- * position was stored. For example, code can be A23_65KJP1, as in LIKA_AMM5_RS485_A23_65KJP1. The
- * order code is named only once, so the length and the decoder always belong together. Another size
- * of rx, or a pointer, does not compile.
+ * position was stored. For example, code can be A23_65KJP1, as in LIKA_AMM5_RS485_A23_65KJP1. A
+ * call names the order code once, so its length and its decoder are used together. Another size of
+ * rx, or a pointer, does not compile.
  */
 #define LIKA_AMM5_RS485_READ(code, rx, position) \
     lika_amm5_rs485_complete_reply_position(LIKA_AMM5_RS485_##code, \

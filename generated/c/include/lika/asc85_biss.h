@@ -559,9 +559,9 @@ static inline double lika_asc85_biss_degrees(lika_asc85_biss variant, uint64_t p
 /**
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
  * position was stored. For example, code can be 25_SC1, and zero_bit AS_PRINTED, as in
- * LIKA_ASC85_BISS_25_SC1 and LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED. The order code is named only
- * once, so the length and the decoder always belong together. Another size of rx, or a pointer,
- * does not compile.
+ * LIKA_ASC85_BISS_25_SC1 and LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED. A call names the order code once,
+ * so its length and its decoder are used together. Another size of rx, or a pointer, does not
+ * compile.
  */
 #define LIKA_ASC85_BISS_READ(code, zero_bit, rx, position) \
     lika_asc85_biss_read(LIKA_ASC85_BISS_##code, \

@@ -573,9 +573,9 @@ static inline double lika_sma21_biss_millimetres(lika_sma21_biss variant, int64_
 
 /**
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
- * position was stored. For example, code can be SC1_0050, as in LIKA_SMA21_BISS_SC1_0050. The order
- * code is named only once, so the length and the decoder always belong together. Another size of
- * rx, or a pointer, does not compile. If registers were changed, pass your own variant to
+ * position was stored. For example, code can be SC1_0050, as in LIKA_SMA21_BISS_SC1_0050. A call
+ * names the order code once, so its length and its decoder are used together. Another size of rx,
+ * or a pointer, does not compile. If registers were changed, pass your own variant to
  * lika_sma21_biss_read instead.
  */
 #define LIKA_SMA21_BISS_READ(code, rx, position) \

@@ -1075,9 +1075,9 @@ static inline double lika_sma21_rs485_millimetres(lika_sma21_rs485 variant, int6
 
 /**
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
- * position was stored. For example, code can be JP1_0005, as in LIKA_SMA21_RS485_JP1_0005. The
- * order code is named only once, so the length and the decoder always belong together. Another size
- * of rx, or a pointer, does not compile.
+ * position was stored. For example, code can be JP1_0005, as in LIKA_SMA21_RS485_JP1_0005. A call
+ * names the order code once, so its length and its decoder are used together. Another size of rx,
+ * or a pointer, does not compile.
  */
 #define LIKA_SMA21_RS485_READ(code, rx, position) \
     lika_sma21_rs485_position_reply_position(LIKA_SMA21_RS485_##code, \

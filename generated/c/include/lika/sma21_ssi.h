@@ -461,9 +461,9 @@ static inline double lika_sma21_ssi_millimetres(lika_sma21_ssi variant, int64_t 
 
 /**
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
- * position was stored. For example, code can be BG1_0001, as in LIKA_SMA21_SSI_BG1_0001. The order
- * code is named only once, so the length and the decoder always belong together. Another size of
- * rx, or a pointer, does not compile.
+ * position was stored. For example, code can be BG1_0001, as in LIKA_SMA21_SSI_BG1_0001. A call
+ * names the order code once, so its length and its decoder are used together. Another size of rx,
+ * or a pointer, does not compile.
  */
 #define LIKA_SMA21_SSI_READ(code, rx, position) \
     lika_sma21_ssi_read(LIKA_SMA21_SSI_##code, \
