@@ -35,7 +35,7 @@ encoder runs the wrong way                    | questions-counts-backwards
 EXAMPLES = """
 all-ones            | Every bit is 1
 all-zeros           | Every bit is 0
-counts-backwards    | 0.1030°
+counts-backwards    | 0.0343°
 crc-always-wrong    | the CRC is not inverted
 error-bit           | the position is not usable
 factor-of-two       | 16000 counts

@@ -225,7 +225,7 @@ def page_values(device: Device) -> ErrataPage:
     return {
         "device": device,
         "errata_summary": summary + fact_tables.sentence_on_changes(len(device.errata) - len(manual_errata)),
-        "errata_by_kind": list(_sections_by_status_and_impact(device.errata)),
+        "errata_by_kind": [*_sections_by_status_and_impact(manual_errata), *_sections_of_changes(device.errata)],
     }
 
 
@@ -263,6 +263,15 @@ def _sections_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator
             if of_kind:
                 kind = escape(f"{status.capitalize()}, {fact_tables.severity_text(severity)}")
                 yield kind, list(map(_erratum_section, of_kind))
+
+
+def _sections_of_changes(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
+    """Yield the changes by overlays, and those in other editions, each under a heading of its own."""
+    overlay_changes = [erratum for erratum in listed_errata if erratum.overlay]
+    edition_changes = [erratum for erratum in listed_errata if erratum.edition and not erratum.overlay]
+    for heading, changes in (("Overlays", overlay_changes), ("Other editions", edition_changes)):
+        if changes:
+            yield heading, list(map(_erratum_section, changes))
 
 
 def _has_status_and_severity(erratum: Erratum, status: str, severity: str) -> bool:
