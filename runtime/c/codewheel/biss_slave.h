@@ -27,7 +27,7 @@ extern "C" {
 /** Number of bytes with one bit per address. */
 #define CW_BISS_ADDRESS_BYTES 16U
 
-/** Action that a slave waits for. The slave is busy until then. */
+/** Action for which a slave waits. The slave is busy until then. */
 typedef enum cw_biss_wants {
     CW_BISS_WANTS_NOTHING = 0, /**< none */
     CW_BISS_WANTS_BYTE = 1, /**< call _slave_give with the content of the register at address */
