@@ -157,11 +157,10 @@ def _html_link(erratum: Erratum) -> str:
 
 
 def _numbered_links(label: str, pages: Sequence[str]) -> str:
-    """Return links to several pages: the first with the label, the others with their numbers in parentheses."""
-    first_page, *further_pages = pages
-    first_link = link(escape(label), first_page)
-    numbered_links = [link(f"{number}", page) for number, page in enumerate(further_pages, 2)]
-    return f"{first_link} (also {', '.join(numbered_links)})" if numbered_links else first_link
+    """Return the label as a link to the page, or in front of the numbers of several pages."""
+    if len(pages) == 1:
+        return link(escape(label), pages[0])
+    return f"{escape(label)} ({', '.join(link(f'{number}', page) for number, page in enumerate(pages, 1))})"
 
 
 #: Marks of the links, by status.
