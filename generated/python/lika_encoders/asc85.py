@@ -1166,7 +1166,7 @@ class Position(RegisterOf["BissEncoder"], _Position):
             position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
         The position register is described for one resolution only (open): The exponents are the bit numbers of the
             register. The position is left-aligned at bit 31 and position_bits wide. The bits below it are unspecified.
-        Two kinds of reading the position could reset the errors (open): Reading the position register resets the
+        Two ways of reading the position could reset the errors (open): Reading the position register resets the
             messages.
     """
 
@@ -1247,7 +1247,7 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
             printed.
         The manual does not say which errors cause a warning (open): No bit of the error register is interpreted as a
             warning. All are active errors.
-        Two kinds of reading the position could reset the errors (open): Reading the position register resets the
+        Two ways of reading the position could reset the errors (open): Reading the position register resets the
             messages.
     """
 
@@ -1457,7 +1457,7 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The position register contains the requested position.
 
     Errata, with their full text in ERRATA:
-        Two kinds of reading the position could reset the errors (open): Reading the position register resets the
+        Two ways of reading the position could reset the errors (open): Reading the position register resets the
             messages.
 
     Args:
@@ -1690,7 +1690,7 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The messages are reset. Messages with a persistent cause appear again.
 
     Errata, with their full text in ERRATA:
-        Two kinds of reading the position could reset the errors (open): Reading the position register resets the
+        Two ways of reading the position could reset the errors (open): Reading the position register resets the
             messages.
 
     Args:

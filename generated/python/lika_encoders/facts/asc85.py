@@ -149,8 +149,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The SSI pause is "at least" 12 µs in words and above it in signs (open) [5.1, 5.3 p.17, amm5: 5.3, sma21:
-# 5.3]:
+# Erratum: The SSI pause of 12 µs is printed as "at least" and as ">" (open) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
 # Printed: Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs.
 # Used: The minimum is 12 µs. Use a longer pause.
 
@@ -1263,7 +1262,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The SSI pause is \"at least\" 12 µs in words and above it in signs",
+        title="The SSI pause of 12 µs is printed as \"at least\" and as \">\"",
         printed="Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs",
         used="The minimum is 12 µs. Use a longer pause.",
         why=(
@@ -1519,7 +1518,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="error_reset",
-        title="Two kinds of reading the position could reset the errors",
+        title="Two ways of reading the position could reset the errors",
         printed="\"the reset is performed upon reading out position data\"",
         used="Reading the position register resets the messages.",
         why=(
