@@ -283,5 +283,5 @@ def test_a_note_on_the_page_names_its_order_codes(pages: dict[str, str]) -> None
     """ASC85/SC2 needs 10 V, /SC1 5 V: only the former has the note that the supply of the terminal is not enough."""
     page = pages["docs/asc85-biss-masters.md"].partition('<a id="biss-beckhoff_el5042"></a>')[2].partition("<a id=")[0]
     note = next(line for line in page.splitlines() if "which is not enough for this encoder" in line)
-    assert note.startswith("- `ASC8520/SC2`, `ASC8521/SC2`")
+    assert "This applies to `ASC8520/SC2`, `ASC8521/SC2`" in note
     assert "/SC1`" not in note

@@ -254,7 +254,7 @@ def _setting_note(setting: Setting, sheet: Sheet) -> str:
 def _with_order_codes(groups_by_note: Mapping[str, Sequence[Group]], group_count: int) -> Iterator[str]:
     """Yield each note, with its order codes at the end unless it applies to all groups."""
     for note, groups in groups_by_note.items():
-        yield note if len(groups) == group_count else f"{note} Only for {_codes_label(groups)}."
+        yield note if len(groups) == group_count else f"{note} This applies to {_codes_label(groups)}."
 
 
 def _refusal_text(refusal: Refusal) -> str:
