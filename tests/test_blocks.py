@@ -58,7 +58,6 @@ ELSEWHERE = {
     "docs/transcribe/how-to-transcribe.md": {
         "yaml: ": "tests/fictional/test_page.py::test_yaml_is_that_of_the_spec",
         "text: tv62.second": "tests/fictional/test_revision.py::test_the_story_of_the_page",
-        "text: bytes": "tests/fictional/test_page.py::test_what_the_tool_says_is_what_it_says",
         "text: ": "tests/fictional/test_page.py::test_slips_are_found_in_the_words_shown",
         ": ": "tests/fictional/test_page.py::test_commands_of_the_page_work",
     },

@@ -78,7 +78,7 @@ class WrittenRegister(WrittenPart):
     default: Count | None = key("Factory default, as one number.", default=None)
     min: Formula | None = key("Lowest value that may be written.", default=None)
     max: Formula | None = key("Highest value that may be written.", default=None)
-    limits_of: Name = key("Field or join that min and max apply to. Default: the whole register.", default="")
+    limits_of: Name = key("Field or join to which min and max apply. Default: the whole register.", default="")
     opened_by: WrittenOpenedBy | None = key("", default=None)
     clears_itself: bool = key("True if the register returns to its default on its own after a write.", default=False)
     wait_at_least_ms: int | None = key(
@@ -208,7 +208,7 @@ class WrittenSpelling(WrittenPart):
     )
     values: Mapping[Name, Mapping[Label, str]] = key(
         "For each part: strings on the label, each with the listed value that it represents. A part "
-        "given here accepts only these strings. Any other part accepts its listed values.",
+        "given here accepts only these strings. Every other part accepts only the values listed for it.",
         default=NOTHING,
     )
     then: str = key(

@@ -192,7 +192,7 @@ class WrittenField(WrittenPart):
         allowed_in=("parity_of",),
     )
     digits: tuple[Located[Digits], ...] = key(
-        "Parts into which the decimal digits of the number are split, most significant first.", default=()
+        "Groups of decimal digits into which the number is split, most significant first.", default=()
     )
     text: Literal["", "ascii"] = key("Character code of the bytes.", default="")
     equals: NumberOrText | None = key(

@@ -77,7 +77,7 @@ from .written_layouts import (
 @written("One value.")
 class WrittenArgument(WrittenPart):
     name: Name = key("Name of the value.")
-    of: Name = key("Register that the value is written to. The limits of the register apply.")
+    of: Name = key("Register to which the value is written. The limits of the register apply.")
     as_: Name = key("For a register with several meanings: the meaning whose limits apply.", default="")
     meaning: Prose = key("Meaning of the value.", default="")
 
@@ -150,7 +150,7 @@ class WrittenExample(WrittenPart):
     )
     source: SourceText = key("")
     order_code: str = key(
-        "Order code that the example applies to.",
+        "Order code to which the example applies.",
         longest=100,
         default="",
         needed_by=("measure",),
@@ -206,7 +206,7 @@ class WrittenReading(WrittenPart):
     used: Prose = key("The value in the spec.")
 
 
-@written("A place where the manual must not be followed literally.")
+@written("A passage of the manual that must not be followed literally.")
 class WrittenErratum(WrittenPart):
     name: Name = key("Name of the erratum.")
     title: Headline = key(
@@ -283,13 +283,13 @@ class WrittenDocument(WrittenPart):
 
 @written("One difference from the spec. It has exactly one of the keys set, add, remove, unknown and also.")
 class WrittenChange(WrittenPart):
-    set: Places = key("Place or places whose value changes.", default=())
+    set: Places = key("Location or locations whose value changes.", default=())
     to: Anything | None = key("With set: new value.", default=None)
     add: Place = key("A list to which an item is added, or a new key.", default="")
     value: Anything | None = key("With add: new item or value.", default=None)
-    remove: Places = key("Place or places to remove.", default=())
+    remove: Places = key("Location or locations to remove.", default=())
     unknown: Places = key(
-        "Place or places whose content is unknown. They are removed, and outputs state that they are unknown.",
+        "Location or locations whose content is unknown. They are removed, and outputs state that they are unknown.",
         default=(),
     )
     also: str = key("Description of an additional, undocumented item.", shortest=1, longest=500, default="")
@@ -368,7 +368,7 @@ class WrittenSpec(WrittenPart):
         "Sequences of register writes, requests and waits that the manual prescribes.", least=0, default=()
     )
     printed_defaults: tuple[WrittenPrintedDefault, ...] = key(
-        "The manual's own list of defaults, row by row. It is checked against the registers.", least=0, default=()
+        "The manual's own list of defaults, row by row. 'check' compares it with the registers.", least=0, default=()
     )
     alternatives: tuple[WrittenAlternative, ...] = key(
         "Questions that the manual leaves open, or answers differently from other evidence. The user "

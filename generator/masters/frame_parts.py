@@ -385,7 +385,7 @@ class CableTable:
         rows_with_clock = [row for row in self.rows if clock_hz <= row.highest_hz]
         if rows_with_clock:
             longest_row = max(rows_with_clock, key=lambda row: row.metres)
-            return f"For a cable {longest_row.cable}, according to the table in {self.origin}."
+            return f"This clock suits a cable {longest_row.cable}, according to the table in {self.origin}."
         fastest_row = max(self.rows, key=lambda row: row.hz)
         limit_words = "below" if fastest_row.is_below else "of at most"
         limit = f"{limit_words} {hertz(fastest_row.hz)}"

@@ -117,6 +117,15 @@ def actual_value(name: str, record: Record) -> str:
     return f"{NUMBERS[name]}: {number}"
 
 
+def encoder_has(name: str, record: Record) -> str:
+    """Return a sentence with an item of a record, such as ``This encoder has 4 zero bits before the position.``"""
+    value = actual_value(name, record)
+    if name == "movement":
+        return f"This encoder is {value}."
+    is_noun = name in record.words or name in _COUNTED_BITS or name == "crc_inverted"
+    return f"This encoder has {value}." if is_noun else f"For this encoder: {value}."
+
+
 def value_of_setting(rule: Raw, record: Record) -> ValueOfSetting:
     """Return the value of a setting, such as ``(5000, "5000 kHz", "at_most")``.
 

@@ -29,9 +29,9 @@ from .setting_values import (
     Raw,
     UnknownValue,
     UnsupportedFeature,
-    actual_value,
     best_listed_clock,
     best_selectable_clock,
+    encoder_has,
     fill_template,
     is_within_limits,
     rule_applies,
@@ -266,7 +266,7 @@ def _settings_and_device_refusals(
 
 
 def _limit_refusal(rule: Raw, master: Master, record: Record) -> Refusal:
-    reason = f"{rule['reason']} For this encoder: {actual_value(rule['item'], record)}."
+    reason = f"{rule['reason']} {encoder_has(rule['item'], record)}"
     return Refusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
 
 

@@ -90,7 +90,7 @@ class Timeout:
     at_most_ns: Count | None = key("Upper bound in nanoseconds.", default=None, read="time", noun="upper bound")
     typical_ns: Count | None = key("Typical value in nanoseconds.", default=None, read="time", noun="typical value")
     printed: tuple[PrintedTimeout, ...] = key(
-        "Values calculated in the manual.", writing="They are checked against the rule.", least=0, default=()
+        "Values calculated in the manual.", writing="'check' compares them with the rule.", least=0, default=()
     )
     only: Phrase = only_key(default="")
     source: Sources = source_key()

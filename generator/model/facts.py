@@ -145,7 +145,7 @@ class Contact:
     contact: Phrase = key("Pin number or wire colour, as text.", data="Pin number or wire colour.")
     signal: Phrase = key("Function as printed.", rule="contact")
     only: Phrase = only_key(
-        "Order codes that have it, as in .../65K...:",
+        "Order codes to which it applies, as in .../65K...:",
         default="",
         data="Order codes that have the contact.",
         rule="contact",
@@ -161,7 +161,7 @@ class Connector:
     )
     title: Phrase = key("Type and gender as printed.", rule="words")
     interfaces: tuple[InterfaceName, ...] = key(
-        "Interfaces that it is wired for.",
+        "Interfaces for which it is wired.",
         data="Interfaces that the connector is wired for. Empty for all.",
         least=0,
         default=(),
@@ -230,7 +230,7 @@ class Quantity:
         shape="string",
     )
     where: Phrase = key(
-        "Part or condition that it applies to, if there are several.",
+        "Part or condition to which it applies, if there are several.",
         data="Part or condition that it applies to. Empty if there is only one.",
         default="",
     )
@@ -329,8 +329,8 @@ class Table:
     title: Phrase = key("Subject of the table.")
     columns: tuple[Prose, ...] = key("Headings, with units.", data="Column headings.", most=12)
     units: tuple[Unit, ...] = key(
-        "Units of the columns that contain numbers, in the order of the columns. Empty for a column of text.",
-        data="Units of the columns that contain numbers. Empty for a column of text.",
+        "Units of the columns that contain numbers, in order. A column of text has an empty string.",
+        data="Units of the columns that contain numbers. A column of text has an empty string.",
         most=12,
         default=(),
         read="table",

@@ -241,7 +241,7 @@ class DataId:
     name: Name = name_key("Name of the data ID.")
     id: Hex = key("Number of the data ID.", minimum=0, maximum=31, rule="data-id-changed", label="number")
     control: Hex = key(
-        "Byte of the control field as printed. It is checked against sync code, ID and parity.",
+        "Byte of the control field as printed. 'check' compares it with sync code, ID and parity.",
         data="Byte of the control field.",
         minimum=0,
         maximum=255,

@@ -56,7 +56,7 @@ class LayoutRange:
         read="measurement",
     )
     highest: Expression | None = key(
-        "Highest number that can be sent, as in the measurement.",
+        "Highest position that can be sent, as under 'measurement'.",
         default=None,
         rule="measurement",
         label="highest number",

@@ -242,7 +242,7 @@ def note_key(about: str = "Additional information for the reader.", **options: A
 
 
 def only_key(
-    about: str = "Order codes that it applies to, as in .../65K...:", writing: str = "", **options: Any
+    about: str = "Order codes to which it applies, as in .../65K...:", writing: str = "", **options: Any
 ) -> Any:
     """Describe the key ``only``."""
     data = options.pop("data", "Order codes that the item applies to. Empty if it applies to all.")

@@ -44,7 +44,7 @@ def procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
 
 def about_procedure(sequence: Procedure) -> Iterator[Statement]:
     """Yield the preconditions and the result of a procedure."""
-    yield from spec_text(sequence.precondition, label="Before")
+    yield from spec_text(sequence.precondition, label="Precondition")
     yield from spec_text(sequence.result, label="Result")
 
 
@@ -107,13 +107,11 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[P
             yield from ("Poll ", _register_or_field(device, register.name, field))
             yield f"{address_text}, until it is {value}"
         case WriteStep(value_name=name, value=value):
-            yield from (
-                "Write ",
-                *_value_or_argument(name, value),
-                " to ",
-                reference_to_register(device, register.name),
-                address_text,
-            )
+            yield from ("Write ", *_value_or_argument(name, value), " to ")
+            if value is None and name == register.name:
+                yield register_at(register)
+            else:
+                yield from (reference_to_register(device, register.name), address_text)
             if value is not None:
                 yield from (": ", Code(register.bytes_of(value).hex(" ").upper()))
         case ModifyStep(field=field, value_name=name, value=value):
@@ -126,7 +124,7 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[P
 
 def _value_or_argument(name: str, value: int | None) -> tuple[Part, ...]:
     """Return the name of a value or, if ``value`` is None, the name of the argument whose value is written."""
-    return ("the value of ", Code(name)) if value is None else (Code(name),)
+    return ("the argument ", Code(name)) if value is None else (Code(name),)
 
 
 def _register_or_field(device: Device, register: str, field: str) -> Part:

@@ -61,6 +61,14 @@ _LISTS = {
     "alternatives": "alternative",
     "documents": "document",
 }
+#: Words for keys whose parts are abbreviations or one word in the spec.
+_WORDS_OF_STEPS = {
+    "data_ids": "data IDs",
+    "measurement": "unit of the position",
+    "profile_id": "profile ID",
+    "ssi_word": "SSI word",
+    "timeout": "time-out",
+}
 _PATH = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
 #: Number of an item in a list without names, counted from 1.
 _INDEX = re.compile(r"\[([0-9]+)\]")
@@ -70,7 +78,7 @@ _MORE = re.compile(r" and ([0-9]+ more)$")
 def paths_in_words(paths: str) -> str:
     """Return paths such as ``registers.bank.default, supply and 2 more`` in words.
 
-    The result is ``the default of register bank, the supply and 2 more``.
+    The result is ``the default of the register bank, the supply and 2 more``.
     """
     number_of_more = _MORE.search(paths)
     listed_paths = _MORE.sub("", paths).split(", ")
@@ -81,7 +89,7 @@ def paths_in_words(paths: str) -> str:
 
 
 def change_in_words(printed: str) -> str:
-    """Return a part and its value in words: ``bank.default: 50`` becomes ``the default of register bank: 50``.
+    """Return a part and its value in words: ``bank.default: 50`` becomes ``the default of the register bank: 50``.
 
     Text that does not begin with paths is unchanged.
     """
@@ -95,8 +103,8 @@ def change_in_words(printed: str) -> str:
 def _beginning_in_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
     """Return the words for the first steps of a path that are described together, and the other steps.
 
-    ``["bank", "default"]`` becomes ``("register bank", ["default"])``. If no steps are described together, the words
-    are empty and all steps are left.
+    ``["bank", "default"]`` becomes ``("the register bank", ["default"])``. If no steps are described together, the
+    words are empty and all steps are left.
     """
     match steps:
         # order_code.parts.output.values.B
@@ -104,19 +112,19 @@ def _beginning_in_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
             return f"order codes with {part} {value}", other_steps
         # order_code.parts.output.open
         case ["order_code", "parts", part, key, *other_steps]:
-            return f"order code part {part}", [key, *other_steps]
+            return f"the order code part {part}", [key, *other_steps]
         # order_code.also_written.1.values.output
         case ["order_code", "also_written", number, "values", part, *other_steps]:
             return f"the values of {part} in spelling {number} on labels", other_steps
     is_register = steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code")
     if is_register:
         # Paths of registers may leave out the name of their list.
-        return f"register {steps[0]}", steps[1:]
+        return f"the register {steps[0]}", steps[1:]
     return "", steps
 
 
 def _path_in_words(steps: Sequence[str]) -> str:
-    """Return one path in words, such as ``the note on field status of register command``.
+    """Return one path in words, such as ``the note on the field status of the register command``.
 
     The words begin with the outermost step, and each further step is added before or around them. A step without words
     is kept.
@@ -124,7 +132,7 @@ def _path_in_words(steps: Sequence[str]) -> str:
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
     words, remaining_steps = _beginning_in_words(steps)
-    # registers.command.fields.status.note: "register command", "field status of …", "the note on field …".
+    # registers.command.fields.status.note: "the register command", "the field status of …", "the note on the field …".
     while remaining_steps:
         match remaining_steps:
             case ["interfaces", name, *later_steps]:
@@ -132,19 +140,22 @@ def _path_in_words(steps: Sequence[str]) -> str:
             case ["order_code", *later_steps]:
                 words = "the order code"
             case [list_name, name, *later_steps] if list_name in _LISTS:
-                words = _of_owner(f"{_LISTS[list_name]} {name}", words)
+                words = _of_owner(f"the {_LISTS[list_name]} {name}", words)
             case [key] if key in _KEYS:
                 words = _KEYS[key].format(words)
                 later_steps = []
             case [step, *later_steps]:
-                words = _of_owner(step.replace("_", " "), words)
+                words = _of_owner(f"the {_WORDS_OF_STEPS.get(step, step.replace('_', ' '))}", words)
         remaining_steps = later_steps
     return words
 
 
 def _of_owner(part: str, owner: str) -> str:
-    """Return a part with what it belongs to, such as ``field status of register command``."""
-    return f"{part} of {owner}" if owner else part
+    """Return a part with what it belongs to, such as ``the field status of the register command``.
+
+    The owner is omitted if the part is named after it, as in ``the SSI word``.
+    """
+    return f"{part} of {owner}" if owner and owner not in part.split() else part
 
 
 #: Longest reason, in characters, that is shown next to code. Errata with wrong data always show their reason.
@@ -189,8 +200,7 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     used = sentence(correction.used)
     if correction.only:
         used += " " + sentence(f"Only with {correction.only}")
-    severity = correction.severity.replace("_", " ")
-    label = f"Erratum: {correction.title} ({correction.status}, {severity})"
+    label = f"Erratum: {correction.title} ({correction.status})"
     brief_needs_all = may_send_wrong_bytes and correction.status == "open"
     used_in_brief = used if brief_needs_all else _first_sentence(used)
     labelled_texts = [("Printed", correction.printed), ("Used", used)]
@@ -251,6 +261,20 @@ def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
         yield "In the spec", change
         label_of_used = "In that edition" if correction.edition else "With the overlay"
         yield label_of_used, f"{correction.used}"
+
+
+#: Result of following the manual literally, by the severity of an erratum.
+_CONSEQUENCES = {
+    "wrong_data": "Following the manual literally gives wrong bytes or bits on the wire",
+    "wrong_limit": "Following the manual literally gives a wrong limit or order code",
+    "omission": "Information is missing from the manual",
+    "wording": "Only the wording of the manual is affected",
+}
+
+
+def consequence(severity: str) -> str:
+    """Return the result of following the manual literally, as a sentence without a full stop."""
+    return _CONSEQUENCES[severity]
 
 
 def question(alternative: Alternative) -> Statement:

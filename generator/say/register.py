@@ -190,7 +190,7 @@ def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Stat
     if range_parts:
         meaning_parts += [", ", *range_parts]
     if register_meaning.meaning:
-        meaning_parts.append(f": {register_meaning.meaning}")
+        meaning_parts.append(f". {register_meaning.meaning}")
     return statement(*meaning_parts, source=register_meaning.source)
 
 

@@ -70,7 +70,7 @@ def test_its_session(tmp_path: Path) -> None:
 
 
 def test_it_has_commands() -> None:
-    assert sum(command.startswith("codewheel ") for command, _ in steps()) >= 10
+    assert sum(command.startswith("codewheel ") for command, _ in steps()) >= 9
 
 
 def test_its_links() -> None:

@@ -637,8 +637,8 @@ def summary(*errata: Erratum) -> str:
 
 def errata_page(*errata: Erratum) -> str:
     page = inline_errata.page_values(replace(tv62(), errata=errata))
-    sections = [section for _, of_kind in page["errata_by_kind"] for section in of_kind]
-    texts = (" ".join((section["summary"], *section["cells"])) for section in sections)
+    sections = [(kind, section) for kind, of_kind in page["errata_by_kind"] for section in of_kind]
+    texts = (" ".join((kind, section["summary"], *section["cells"])) for kind, section in sections)
     return "\n".join((page["errata_summary"], *texts))
 
 

@@ -68,7 +68,7 @@ def test_the_yaml_is_that_of_the_spec() -> None:
 def test_commands_print_what_is_shown(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     examples = fences("")
-    assert len(examples) == 3
+    assert len(examples) == 2
     for text in examples:
         command, _, printed = text.removeprefix("$ ").partition("\n")
         main(shlex.split(command)[1:])

@@ -21,6 +21,10 @@ GROUPS = {
 OTHERS = {"example", "example-overlay", "site"}
 _CONTENTS = re.compile(r"^```\{toctree\}\n:hidden:\n:caption: ([^\n]*)\n\n(.*?)^```", re.MULTILINE | re.DOTALL)
 _MOST_ENTRIES = 8
+#: Most words of all pages that are written by hand. References are not counted, and blocks of code neither.
+_MOST_WORDS = 28_000
+_REFERENCES = re.compile(r"rules|spec-language|mutants|words")
+_NOT_WORDS = re.compile(r"^(`{3,}|~{3,}).*?^\1`*\s*$|\A---\n.*?^---$|<!--.*?-->", re.MULTILINE | re.DOTALL)
 
 
 def entries_by_caption() -> dict[str, list[str]]:
@@ -46,3 +50,10 @@ def test_each_page_is_listed_in_the_group_of_its_folder() -> None:
         pages -= {page for page in pages if any(page.startswith(f"{other}-") for other in pages)}
         listed = {entry for entry in entries_by_caption()[caption] if entry.startswith("docs/")}
         assert listed == pages, folder
+
+
+def test_what_is_written_by_hand_stays_short() -> None:
+    pages = [page for page in DOCS.rglob("*.md") if not _REFERENCES.match(page.stem)]
+    texts = [_NOT_WORDS.sub("", page.read_text(encoding="utf-8")) for page in pages]
+    word_count = sum(bool(re.search(r"\w", word)) for text in texts for word in text.split())
+    assert 10_000 < word_count <= _MOST_WORDS

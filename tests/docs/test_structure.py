@@ -112,6 +112,15 @@ def test_each_erratum_stands_in_full_on_one_page(library: Library, pages: Files)
             assert heads == [f"docs/{device.name}/errata.md"]
 
 
+def test_other_editions_are_apart_from_the_errata_of_the_manual(library: Library, pages: Files) -> None:
+    """AMM5, document release: edition 1.7 updated registers 44h to 47h."""
+    manual, other_editions = pages["docs/amm5/errata.md"].split("\n## Other editions\n")
+    (amm5,) = [device for device in library.devices if device.name == "amm5"]
+    for erratum in amm5.errata:
+        assert (f'<a id="erratum-{erratum.name}"></a>' in other_editions) == bool(erratum.edition)
+        assert (f'<a id="erratum-{erratum.name}"></a>' in manual) != bool(erratum.edition)
+
+
 def test_no_heading_without_errata() -> None:
     assert all_values([]) == {"standings": []}
 

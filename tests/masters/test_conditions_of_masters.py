@@ -134,7 +134,7 @@ def test_power_fail_bit_in_the_gray_code_of_keb(
         assert settings_of(capsys, tmp_path, master)["refusals"], master
     low = record_with(record_of("AM3616/4096-GG"), coding="gray_with_status", status_active="low", status_bits=1)
     assert [refusal.reason for refusal in sheet(masters["keb_f6"], low).refusals] == [
-        "A Power Fail Bit is 1 for an error. For this encoder: status bits that are active low."
+        "A Power Fail Bit is 1 for an error. This encoder has status bits that are active low."
     ]
 
 
@@ -190,7 +190,7 @@ def test_resolution_in_bits(tmp_path: Path, capsys: pytest.CaptureFixture[str], 
     """With 9 bits, these masters compute with 2^9 = 512 counts per revolution, which is wrong for 360."""
     write_spec(tmp_path, position(9), counts=360)
     (reason,) = settings_of(capsys, tmp_path, master)["refusals"]
-    assert reason.endswith("For this encoder: 360 counts per revolution in 9 singleturn bits.")
+    assert reason.endswith("This encoder has 360 counts per revolution in 9 singleturn bits.")
     write_spec(tmp_path, position(9), counts=512)
     assert settings_of(capsys, tmp_path, master)["refusals"] == []
 

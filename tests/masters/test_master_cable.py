@@ -72,7 +72,7 @@ def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFix
     biss = data_with_settings(capsys, "AMM5A21/65KSC1", "beckhoff_el5042")
     assert (
         biss["settings"]["Clock Frequency, EL5042 and EP7041-4032"]["note"]
-        == "For a cable up to 10 m, according to the table in AN15 of iC-Haus, revision A3, for RS-422."
+        == "This clock suits a cable up to 10 m, according to the table in AN15 of iC-Haus, revision A3, for RS-422."
     )
     assert len(biss["record"]["cable_lengths"]) == 7
     assert biss["record"]["cable_errata"] == []

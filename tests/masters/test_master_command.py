@@ -86,7 +86,7 @@ def test_columns_end_where_most_settings_do(devices: Mapping[str, Device], sheet
 def test_a_master_that_cannot(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "master", "ASC8525/SC1", "--master", "keb_f5", "--choose", "zero_bit=as_printed")
     assert code == 1
-    assert "without further bits. For this encoder: 1 zero bit after the position. [manual: 2.2.2]" in " ".join(
+    assert "without further bits. This encoder has 1 zero bit after the position. [manual: 2.2.2]" in " ".join(
         out.split()
     )
     code, out, _ = run(capsys, "master", "ASC8525/SC1", "--master", "keb_f5", "--choose", "zero_bit=left_out")
@@ -283,5 +283,5 @@ def test_a_note_on_the_page_names_its_order_codes(pages: dict[str, str]) -> None
     """ASC85/SC2 needs 10 V, /SC1 5 V: only the former has the note that the supply of the terminal is not enough."""
     page = pages["docs/asc85-biss-masters.md"].partition('<a id="biss-beckhoff_el5042"></a>')[2].partition("<a id=")[0]
     note = next(line for line in page.splitlines() if "which is not enough for this encoder" in line)
-    assert note.startswith("- `ASC8520/SC2`, `ASC8521/SC2`")
+    assert "This applies to `ASC8520/SC2`, `ASC8521/SC2`" in note
     assert "/SC1`" not in note

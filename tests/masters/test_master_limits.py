@@ -27,13 +27,13 @@ def record_with(record: Record, **items: int | str | None) -> Record:
             "beckhoff_el5042",
             {"data_bits": 64},
             {"data_bits": 65},
-            "The position has at most 64 bits. For this encoder: 65 data bits.",
+            "The position has at most 64 bits. This encoder has 65 data bits.",
         ),
         (
             "beckhoff_ax8000",
             {"padding_left": 31},
             {"padding_left": 32},
-            "There are at most 31 fill bits. For this encoder: 32 zero bits before the position.",
+            "There are at most 31 fill bits. This encoder has 32 zero bits before the position.",
         ),
         (
             "ic_mb",
@@ -41,7 +41,7 @@ def record_with(record: Record, **items: int | str | None) -> Record:
             {"bits_without_crc": 65},
             (
                 "A slave sends 1 to 64 bits of sensor data, status bits included. "
-                "For this encoder: 65 bits of data, status and others."
+                "This encoder has 65 bits of data, status and others."
             ),
         ),
         (
@@ -57,43 +57,43 @@ def record_with(record: Record, **items: int | str | None) -> Record:
             "ti_motor_control_sdk",
             {"data_bits": 56},
             {"data_bits": 57},
-            "single_turn_len and multi_turn_len together are at most 56. For this encoder: 57 data bits.",
+            "single_turn_len and multi_turn_len together are at most 56. This encoder has 57 data bits.",
         ),
         (
             "ti_motor_control_sdk",
             {"crc_bits": 6},
             {"crc_bits": 16},
-            "The CRC of the position has 6 bits. For this encoder: 16 CRC bits.",
+            "The CRC of the position has 6 bits. This encoder has 16 CRC bits.",
         ),
         (
             "ti_motor_control_sdk",
             {"crc_inverted": 1},
             {"crc_inverted": 0},
-            ("The driver expects the inverted CRC. No setting changes this. For this encoder: a plain CRC."),
+            ("The driver expects the inverted CRC. No setting changes this. This encoder has a plain CRC."),
         ),
         (
             "ti_c2000",
             {"data_bits": 62},
             {"data_bits": 63},
-            "Position, error and warning together are stored in 64 bits. For this encoder: 63 data bits.",
+            "Position, error and warning together are stored in 64 bits. This encoder has 63 data bits.",
         ),
         (
             "moteus",
             {"data_bits": 58},
             {"data_bits": 59},
-            "There are at most 58 data bits. For this encoder: 59 data bits.",
+            "There are at most 58 data bits. This encoder has 59 data bits.",
         ),
         (
             "linuxcnc_hostmot2",
             {"frame_bits": 96},
             {"frame_bits": 97},
-            "A BiSS channel has at most 96 bits. For this encoder: 97 bits in the frame.",
+            "A BiSS channel has at most 96 bits. This encoder has 97 bits in the frame.",
         ),
         (
             "linuxcnc_hostmot2",
             {"singleturn_bits": 32},
             {"singleturn_bits": 33},
-            "A field has at most 32 bits. For this encoder: 33 singleturn bits.",
+            "A field has at most 32 bits. This encoder has 33 singleturn bits.",
         ),
         (
             "synapticon",
@@ -101,7 +101,7 @@ def record_with(record: Record, **items: int | str | None) -> Record:
             {"status_active": "mixed"},
             (
                 "Both status bits are active low or both are active high. "
-                "For this encoder: status bits of both active levels."
+                "This encoder has status bits of both active levels."
             ),
         ),
         (

@@ -187,10 +187,10 @@ def test_gray_over_biss(devices: Mapping[str, Device], masters: dict[str, Master
     )
     assert {setting.name: setting.value for setting in sheet(masters["beckhoff_el5042"], gray).settings}["Coding"] == 1
     assert (
-        "Gray code over both parts cannot be specified. For this encoder: Gray code."
+        "Gray code over both parts cannot be specified. This encoder has Gray code."
         in sheet(masters["linuxcnc_hostmot2"], gray).refusals[0].reason
     )
-    assert "For this encoder: Gray code." in sheet(masters["ic_mb"], gray).refusals[0].reason
+    assert "This encoder has Gray code." in sheet(masters["ic_mb"], gray).refusals[0].reason
 
 
 def test_rs485_has_no_master(record_of: RecordOf) -> None:

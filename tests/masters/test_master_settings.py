@@ -410,7 +410,7 @@ def test_example_of_siemens(values_of: ValuesOf) -> None:
             "ASC8525/SC1 as_printed",
             (
                 "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. "
-                "For this encoder: 1 zero bit after the position."
+                "This encoder has 1 zero bit after the position."
             ),
         ),
         (
@@ -418,24 +418,24 @@ def test_example_of_siemens(values_of: ValuesOf) -> None:
             "ASC8525/SC1 as_printed",
             (
                 "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. "
-                "For this encoder: 1 zero bit after the position."
+                "This encoder has 1 zero bit after the position."
             ),
         ),
         # 16 + 23 bits. 16 + 17 are one too many.
         (
             "omron_nx",
             "AMM5A23/65KBG1",
-            "A frame has at most 32 data bits in total. For this encoder: 39 bits in the frame.",
+            "A frame has at most 32 data bits in total. This encoder has 39 bits in the frame.",
         ),
         (
             "omron_nx",
             "AMM5A17/65KBG1",
-            "A frame has at most 32 data bits in total. For this encoder: 33 bits in the frame.",
+            "A frame has at most 32 data bits in total. This encoder has 33 bits in the frame.",
         ),
         (
             "keb_f5",
             "SMA21-SC1-0002",
-            "The data word consists of the turns and the position within one turn. For this encoder: linear.",
+            "The data word consists of the turns and the position within one turn. This encoder is linear.",
         ),
     ],
 )

@@ -265,7 +265,7 @@ def test_a_life_counter_before_the_status_bits(tmp_path: Path, capsys: Capture) 
     # The manual of the F5 and the F6 shows the whole data word, which has no room for it.
     for name in ("keb_f5", "keb_f6"):
         (refusal,) = sheets[name]["refusals"]
-        assert refusal["reason"].endswith("without further bits. For this encoder: 6 other bits after the position.")
+        assert refusal["reason"].endswith("without further bits. This encoder has 6 other bits after the position.")
 
 
 def test_a_life_counter_after_the_status_bits(tmp_path: Path, capsys: Capture) -> None:
@@ -274,7 +274,7 @@ def test_a_life_counter_after_the_status_bits(tmp_path: Path, capsys: Capture) -
     sheets = sheets_of(capsys, tmp_path)
     for name in ("beckhoff_el5042", "synapticon"):
         (refusal,) = sheets[name]["refusals"]
-        assert refusal["reason"].endswith("For this encoder: 6 other bits after the first status bit.")
+        assert refusal["reason"].endswith("This encoder has 6 other bits after the first status bit.")
     assert values_of(sheets["ic_mb"])["SDLEN"] == 12 + 17 + 2 + 6 - 1
 
 

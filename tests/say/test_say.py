@@ -64,8 +64,8 @@ REGISTERS = [
     ("key", "Automatically returns to its default after a write."),
     ("locked", "Can be written only while key is C0h (unlock)."),
     ("opened", "Can be written only while settings.mode is 0 (open)."),
-    ("either", "While settings.mode is 0 (open), the register holds preset, at most 100: A place [8.1]."),
-    ("either", "While settings.mode is 1 (shut), the register holds offset: A distance [8.2]."),
+    ("either", "While settings.mode is 0 (open), the register holds preset, at most 100. A place [8.1]."),
+    ("either", "While settings.mode is 1 (shut), the register holds offset. A distance [8.2]."),
     ("command", "Reading the same address accesses status instead."),
     ("status", "Writing to the same address accesses command instead."),
 ]

@@ -27,11 +27,15 @@ all bits are 1                                | questions-all-ones
 position off by a factor of two               | questions-factor-of-two
 position is half                              | questions-factor-of-two
 position twice                                | questions-factor-of-two
+counts backwards                              | questions-counts-backwards
+wrong counting direction                      | questions-counts-backwards
+encoder runs the wrong way                    | questions-counts-backwards
 """
 #: Pages, and what the box shows for the example.
 EXAMPLES = """
 all-ones            | Every bit is 1
 all-zeros           | Every bit is 0
+counts-backwards    | 0.0343°
 crc-always-wrong    | the CRC is not inverted
 error-bit           | the position is not usable
 factor-of-two       | 16000 counts

@@ -22,7 +22,12 @@ OPEN = {
 }
 REST = {1280: 25.0, 375: 45.0}
 #: Pages on which facts are looked up, and their maximum length in screens of 1280 pixels with folds as they open.
-REFERENCE = ("docs/transcribe/rules*.html", "docs/transcribe/spec-language*.html", "generated/docs/*/[a-z]*.html")
+REFERENCE = (
+    "docs/transcribe/rules*.html",
+    "docs/transcribe/spec-language*.html",
+    "docs/*/how-to-*.html",
+    "generated/docs/*/[a-z]*.html",
+)
 LONGEST_REFERENCE = 15.0
 #: Share of the visible words that may be about errata.
 ERRATA = 0.10

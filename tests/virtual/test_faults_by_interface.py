@@ -74,15 +74,6 @@ def test_the_help_lists_the_faults_of_each_interface(capsys: pytest.CaptureFixtu
         assert dict(re.findall(r"^  (\w+) +(.*)$", block, re.MULTILINE)) == faults_of(interface)
 
 
-def test_the_page_lists_the_faults_of_each_interface() -> None:
-    page = (ROOT / "docs/bench/command-line.md").read_text(encoding="utf-8")
-    rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| `")]
-    printed = {cells[0].strip("`"): cells[1:] for cells in rows if cells[0].strip("`") in FAULTS}
-    assert printed.keys() == FAULTS.keys()
-    for fault, effects in FAULTS.items():
-        assert printed[fault] == [effects.get(interface, "–") for interface in CODES], fault
-
-
 @cache
 def families() -> tuple[Device, ...]:
     """Return all families, including the families of the examples."""

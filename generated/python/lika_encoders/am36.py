@@ -521,8 +521,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
-    Errata (full text in ERRATA):
-        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
+    Errata, with their full text in ERRATA:
+        The start value of the BiSS CRCs is missing (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -543,8 +543,8 @@ def crc_biss_4(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Errata (full text in ERRATA):
-        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
+    Errata, with their full text in ERRATA:
+        The start value of the BiSS CRCs is missing (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -622,14 +622,13 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     read zeros after the word. There is no error bit, no warning bit and no CRC. In Gray code, multiturn and singleturn
     are coded as one word.
 
-    Errata (full text in ERRATA):
-        The manual does not say which of BG and GG is Gray code (open, wrong data): BG is binary, GG is Gray.
-        The bits of the SSI words are numbered from 1 instead of 0 (settled, wrong data): The words have bits 27:0 and
-            30:0.
-        Two sections disagree on the number of SSI clocks (open, wrong limit): The generated files do not enforce either
-            rule. n + 1 clocks satisfy both.
-        The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
-            significant part. Singleturn follows. In Gray code, both form one word.
+    Errata, with their full text in ERRATA:
+        The manual does not say which of BG and GG is Gray code (open): BG is binary, GG is Gray.
+        The bits of the SSI words are numbered from 1 instead of 0 (settled): The words have bits 27:0 and 30:0.
+        Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
+            clocks satisfy both.
+        The order of singleturn and multiturn is missing (open): Multiturn comes first, as the more significant part.
+            Singleturn follows. In Gray code, both form one word.
     """
 
     __slots__ = ()
@@ -759,16 +758,16 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     and singleturn are coded as one word. If the number of revolutions is not a power of two, the step from the last
     position to the first then changes several bits at once.
 
-    Errata (full text in ERRATA):
-        The singleturn resolution of the BiSS models is left open (open, wrong data): The widths come from registers 56h
-            and 57h, with their printed defaults, regardless of the order code.
-        The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
-            significant part. Singleturn follows. In Gray code, both form one word.
-        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
-            the position has the number of bits given by registers 56h and 57h.
-        The manual does not say what 0 means in the unused error bits (open, omission): A frame with either bit at 0 is
-            decoded, and the bit is reported. The position is not usable if nE is 0. Otherwise, the verdict is unknown,
-            because no bit of the frame says that the position is valid.
+    Errata, with their full text in ERRATA:
+        The singleturn resolution of the BiSS models is left open (open): The widths come from registers 56h and 57h,
+            with their printed defaults, regardless of the order code.
+        The order of singleturn and multiturn is missing (open): Multiturn comes first, as the more significant part.
+            Singleturn follows. In Gray code, both form one word.
+        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+            position has the number of bits given by registers 56h and 57h.
+        The manual does not say what 0 means in the unused error bits (open): A frame with either bit at 0 is decoded,
+            and the bit is reported. The position is not usable if nE is 0. Otherwise, the verdict is unknown, because
+            no bit of the frame says that the position is valid.
 
     Bits of unused:
         bit 0, warning: Warning, nW: Not used, always 1. In the BiSS protocol, 0 here signals a warning. Unused,
@@ -943,12 +942,12 @@ class ProfileId(FixedRegister, _ProfileId):
 
     Next to this register, the manual refers to "Standard encoder profile", "data format", "Variant 0-24".
 
-    Errata (full text in ERRATA):
-        The profile ID 0000h does not fit the variant 0-24 (open, wrong data): The value is 00 00. The generated files
-            do not derive a data length from it.
-        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
-            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
-            more.
+    Errata, with their full text in ERRATA:
+        The profile ID 0000h does not fit the variant 0-24 (open): The profile ID is 00 00. The generated files do not
+            derive a data length from it.
+        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
+            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
+            the timings of BiSS C-mode and 2 more.
     """
 
     __slots__ = ()
@@ -1001,12 +1000,12 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
     Byte order: high byte first, at 44h.
 
-    Errata (full text in ERRATA):
-        The coding of year, week and serial number is not given (open, wrong data): The values are plain binary numbers.
-            The year is the plain value of its byte. 46h is the high byte of the serial number.
-        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
-            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
-            more.
+    Errata, with their full text in ERRATA:
+        The coding of year, week and serial number is not given (open): The values are plain binary numbers. The year is
+            the plain value of its byte. 46h is the high byte of the serial number.
+        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
+            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
+            the timings of BiSS C-mode and 2 more.
     """
 
     __slots__ = ()
@@ -1048,12 +1047,12 @@ class Command(IntEnum):
     the command "Save parameters and activate Preset" stores the resolution but sets the preset to zero. The preset must
     then be written again.
 
-    Errata (full text in ERRATA):
-        Two sections disagree on when a new resolution clears the preset (open, omission): set_resolution saves the
-            resolution first, and only then writes and activates the preset.
-        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
-            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
-            more.
+    Errata, with their full text in ERRATA:
+        Two sections disagree on when a new resolution clears the preset (open): set_resolution saves the resolution
+            first, and only then writes and activates the preset.
+        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
+            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
+            the timings of BiSS C-mode and 2 more.
     """
 
     NORMAL_OPERATIONAL_STATE = 0
@@ -1116,13 +1115,13 @@ class Configuration(FixedRegister, _Configuration):
     A new value takes effect immediately. The command "Save parameters on EEPROM" saves it. Bits 0, 1, 3, 4 and 7 are
     not used. According to the list of defaults they are 0.
 
-    Errata (full text in ERRATA):
-        One warning gives the bit Enable preset the opposite polarity (settled, wrong data): 0 enables the preset
-            function. 1 disables it.
-        The example calls Counting direction bit 8 instead of bit 6 (settled, wrong data): Counting direction is bit 6.
-        The preset example writes one bit instead of the whole byte (settled, wrong data): Register 49h is set to 20h,
-            with bit 2 at 0 and the other bits at their defaults.
-        In edition 1.1: Instead of: the note on register configuration.
+    Errata, with their full text in ERRATA:
+        One warning gives the bit Enable preset the opposite polarity (settled): 0 enables the preset function. 1
+            disables it.
+        The example calls Counting direction bit 8 instead of bit 6 (settled): Counting direction is bit 6.
+        The preset example writes one bit instead of the whole byte (settled): Register 49h is set to 20h, with bit 2 at
+            0 and the other bits at their defaults.
+        In edition 1.1: Instead of: the note on the register configuration.
 
     Checked by decode():
         zero_above_counting_direction: Always zero.
@@ -1188,14 +1187,14 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
     command "Save parameters on EEPROM" saves it. Only powers of two are accepted. Register 56h shows the resulting
     number of bits.
 
-    Errata (full text in ERRATA):
-        The singleturn resolution of the BiSS models is left open (open, wrong data): The widths come from registers 56h
-            and 57h, with their printed defaults, regardless of the order code.
-        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
-            the position has the number of bits given by registers 56h and 57h.
-        The byte order of the resolution registers is not given (open, omission): The high byte comes first.
-        When a value of several bytes becomes active is not described (open, omission): The bytes are written in
-            ascending order of address, without another access in between.
+    Errata, with their full text in ERRATA:
+        The singleturn resolution of the BiSS models is left open (open): The widths come from registers 56h and 57h,
+            with their printed defaults, regardless of the order code.
+        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+            position has the number of bits given by registers 56h and 57h.
+        The byte order of the resolution registers is not given (open): The high byte comes first.
+        When a value of several bytes becomes active is not described (open): The bytes are written in ascending order
+            of address, without another access in between.
     """
 
     @classmethod
@@ -1249,14 +1248,14 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
     must not turn by more than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute
     position is lost.
 
-    Errata (full text in ERRATA):
-        The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit): The registers and the frame
-            use 65,536. 4096 is used only on the label.
-        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
-            the position has the number of bits given by registers 56h and 57h.
-        The byte order of the resolution registers is not given (open, omission): The high byte comes first.
-        When a value of several bytes becomes active is not described (open, omission): The bytes are written in
-            ascending order of address, without another access in between.
+    Errata, with their full text in ERRATA:
+        The order code has 4,096 revolutions, the registers have 65,536 (open): The registers and the frame use 65,536.
+            4096 is used only on the label.
+        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+            position has the number of bits given by registers 56h and 57h.
+        The byte order of the resolution registers is not given (open): The high byte comes first.
+        When a value of several bytes becomes active is not described (open): The bytes are written in ascending order
+            of address, without another access in between.
     """
 
     @classmethod
@@ -1314,13 +1313,12 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     "Information per revolution" or of "Number of revolutions". The preset can be used, for instance, to align the zero
     points of encoder and application.
 
-    Errata (full text in ERRATA):
-        Two sections disagree on when a new resolution clears the preset (open, omission): set_resolution saves the
-            resolution first, and only then writes and activates the preset.
-        One warning gives the bit Enable preset the opposite polarity (settled, wrong data): 0 enables the preset
-            function. 1 disables it.
-        The printed default of Preset has six bytes instead of five (settled, wrong data): The default is five bytes of
-            00.
+    Errata, with their full text in ERRATA:
+        Two sections disagree on when a new resolution clears the preset (open): set_resolution saves the resolution
+            first, and only then writes and activates the preset.
+        One warning gives the bit Enable preset the opposite polarity (settled): 0 enables the preset function. 1
+            disables it.
+        The printed default of Preset has six bytes instead of five (settled): The default is five bytes of 00.
 
     Checked by decode():
         zero_above_position: Always zero.
@@ -1382,10 +1380,10 @@ class DeviceType(FixedRegister, _DeviceType):
 
     Default: ``02``.
 
-    Errata (full text in ERRATA):
-        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
-            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
-            more.
+    Errata, with their full text in ERRATA:
+        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
+            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
+            the timings of BiSS C-mode and 2 more.
     """
 
     __slots__ = ()
@@ -1434,11 +1432,11 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
 
     Default: ``14``.
 
-    Errata (full text in ERRATA):
-        The singleturn resolution of the BiSS models is left open (open, wrong data): The widths come from registers 56h
-            and 57h, with their printed defaults, regardless of the order code.
-        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
-            the position has the number of bits given by registers 56h and 57h.
+    Errata, with their full text in ERRATA:
+        The singleturn resolution of the BiSS models is left open (open): The widths come from registers 56h and 57h,
+            with their printed defaults, regardless of the order code.
+        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+            position has the number of bits given by registers 56h and 57h.
     """
 
     __slots__ = ()
@@ -1482,13 +1480,13 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
 
     Default: ``10``.
 
-    Errata (full text in ERRATA):
-        The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit): The registers and the frame
-            use 65,536. 4096 is used only on the label.
-        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
-            the position has the number of bits given by registers 56h and 57h.
-        The number of bits for 2,000 revolutions and the like is not given (open, omission): The number of bits is read
-            from register 57h, not computed.
+    Errata, with their full text in ERRATA:
+        The order code has 4,096 revolutions, the registers have 65,536 (open): The registers and the frame use 65,536.
+            4096 is used only on the label.
+        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+            position has the number of bits given by registers 56h and 57h.
+        The number of bits for 2,000 revolutions and the like is not given (open): The number of bits is read from
+            register 57h, not computed.
     """
 
     __slots__ = ()
@@ -1541,13 +1539,13 @@ class DeviceId(FixedRegister, _DeviceId):
 
     Byte order: high byte first, at 78h.
 
-    Errata (full text in ERRATA):
-        The BiSS models are printed with 17 instead of I7 (settled, wrong limit): I7 is the code for BiSS. 17 is also
-            accepted and shown as unlisted.
-        All models share one device ID (open, omission): The device ID is used as printed.
-        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
-            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
-            more.
+    Errata, with their full text in ERRATA:
+        The BiSS models are printed with 17 instead of I7 (settled): I7 is the code for BiSS. 17 is also accepted and
+            shown as unlisted.
+        All models share one device ID (open): The device ID is used as printed.
+        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
+            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
+            the timings of BiSS C-mode and 2 more.
     """
 
     __slots__ = ()
@@ -1600,10 +1598,10 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
     Byte order: high byte first, at 7Eh.
 
-    Errata (full text in ERRATA):
-        In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
-            register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
-            more.
+    Errata, with their full text in ERRATA:
+        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
+            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
+            the timings of BiSS C-mode and 2 more.
     """
 
     __slots__ = ()
@@ -1807,13 +1805,13 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
 def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """Set, save and activate a preset [6.5 p.29].
 
-    Before: The manual suggests setting the preset with the shaft at a standstill.
+    Precondition: The manual suggests setting the preset with the shaft at a standstill.
 
     Result: The position at the moment of the command becomes the preset value. All other positions shift accordingly.
 
-    Errata (full text in ERRATA):
-        The preset example writes one bit instead of the whole byte (settled, wrong data): Register 49h is set to 20h,
-            with bit 2 at 0 and the other bits at their defaults.
+    Errata, with their full text in ERRATA:
+        The preset example writes one bit instead of the whole byte (settled): Register 49h is set to 20h, with bit 2 at
+            0 and the other bits at their defaults.
 
     Args:
         variant: The encoder.
@@ -1862,9 +1860,9 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     Result: The preset is saved. The position is the same as before. The "Zero setting/Preset" input or activate_preset
     activates the preset.
 
-    Errata (full text in ERRATA):
-        The preset example writes one bit instead of the whole byte (settled, wrong data): Register 49h is set to 20h,
-            with bit 2 at 0 and the other bits at their defaults.
+    Errata, with their full text in ERRATA:
+        The preset example writes one bit instead of the whole byte (settled): Register 49h is set to 20h, with bit 2 at
+            0 and the other bits at their defaults.
 
     Args:
         variant: The encoder.
@@ -1928,8 +1926,8 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Save the parameters and activate the current preset [6.5 p.24, 6.5 p.25].
 
-    Before: The "Enable preset" bit is 0 (enable), the factory default. The manual suggests activating the preset with
-    the shaft at a standstill.
+    Precondition: The "Enable preset" bit is 0 (enable), the factory default. The manual suggests activating the preset
+    with the shaft at a standstill.
 
     Result: The position at the moment of the command becomes the preset value.
 
@@ -1960,11 +1958,11 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     The default number of revolutions, 65,536, is more than 4,096. With this setting, the shaft must not turn by more
     than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute position is lost.
 
-    Errata (full text in ERRATA):
-        The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit): The registers and the frame
-            use 65,536. 4096 is used only on the label.
-        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
-            the position has the number of bits given by registers 56h and 57h.
+    Errata, with their full text in ERRATA:
+        The order code has 4,096 revolutions, the registers have 65,536 (open): The registers and the frame use 65,536.
+            4096 is used only on the label.
+        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+            position has the number of bits given by registers 56h and 57h.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1992,7 +1990,7 @@ def set_resolution(
 ) -> tuple[Step, ...]:
     """Change the resolution, then set and activate the preset again [6.5 p.24, 6.5 p.29].
 
-    Before: The manual suggests doing this with the shaft at a standstill.
+    Precondition: The manual suggests doing this with the shaft at a standstill.
 
     Result: The new resolution is saved. The position at the moment of the last command becomes the preset value. Frames
     have the widths read in the last two steps.
@@ -2000,13 +1998,13 @@ def set_resolution(
     The frame length changes as soon as the resolution is written. The master must use the new length before it can read
     a position again. The order of the steps follows from the warnings of registers 48h, 4Bh, 4Eh and 50h.
 
-    Errata (full text in ERRATA):
-        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
-            the position has the number of bits given by registers 56h and 57h.
-        Two sections disagree on when a new resolution clears the preset (open, omission): set_resolution saves the
-            resolution first, and only then writes and activates the preset.
-        When a value of several bytes becomes active is not described (open, omission): The bytes are written in
-            ascending order of address, without another access in between.
+    Errata, with their full text in ERRATA:
+        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+            position has the number of bits given by registers 56h and 57h.
+        Two sections disagree on when a new resolution clears the preset (open): set_resolution saves the resolution
+            first, and only then writes and activates the preset.
+        When a value of several bytes becomes active is not described (open): The bytes are written in ascending order
+            of address, without another access in between.
 
     Args:
         variant: The encoder.

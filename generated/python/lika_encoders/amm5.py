@@ -240,7 +240,7 @@ class Variant(Rotary, Wrapping):
         singleturn_bits: Singleturn resolution [Preliminary information p.7]. Unit: bits.
         multiturn_bits: Number of bits that count revolutions. 0 in singleturn models [Preliminary information p.7].
             Unit: bits.
-        low_battery_only: 1 if an active warning bit is taken for a low battery [6.2.1 p.33]. Set by your choice of
+        low_battery_only: 1 if an active warning bit stands for a low battery [6.2.1 p.33]. Set by your choice of
             ``warning_cause``: 0 for ``either_cause`` (default), 1 for ``low_battery``. Applies only to BiSS C-mode.
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
@@ -611,8 +611,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
-    Errata (full text in ERRATA):
-        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
+    Errata, with their full text in ERRATA:
+        The start value of the BiSS CRCs is missing (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -633,8 +633,8 @@ def crc_biss_4(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Errata (full text in ERRATA):
-        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
+    Errata, with their full text in ERRATA:
+        The start value of the BiSS CRCs is missing (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -655,9 +655,9 @@ def crc_rs485_8(data: bytes) -> int:
     The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit first. It equals
     the XOR of the bytes, so it does not detect swapped bytes. The printed code sets the start value to 0.
 
-    Errata (full text in ERRATA):
-        The printed CRC code expects the bits of a byte MSB first (settled, wrong data): The CRC is the XOR of all bytes
-            before it, which is x^8 + 1 with input and output reflected.
+    Errata, with their full text in ERRATA:
+        The printed CRC code expects the bits of a byte MSB first (settled): The CRC is the XOR of all bytes before it,
+            which is x^8 + 1 with input and output reflected.
 
     Args:
         data: Bytes that the CRC covers.
@@ -702,10 +702,10 @@ class EepromAddress(Enum):
 
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
-    Errata (full text in ERRATA):
-        The place of MEM BUSY in the address byte is doubtful (open, wrong data): Either position is possible. The user
-            must choose, and there is no default. With the wrong choice, an access reaches twice the address or half of
-            it, and a write overwrites other data there. Read and compare before you write.
+    Errata, with their full text in ERRATA:
+        The place of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user must choose,
+            and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
+            write overwrites other data there. Read and compare before you write.
     """
 
     AS_PRINTED = (1, 0)  # eeprom_address_bit, mem_busy_bit
@@ -722,16 +722,16 @@ class EepromAddress(Enum):
 
 
 class WarningCause(Enum):
-    """Cause that an active warning bit of a BiSS frame is taken for [6.2.1 p.33, 4.3.1 p.23].
+    """Cause that an active warning bit of a BiSS frame stands for [6.2.1 p.33, 4.3.1 p.23].
 
     The manual leaves this open, or other evidence contradicts it. The default is EITHER_CAUSE. Variant.with_answers()
     chooses another answer.
 
-    Errata (full text in ERRATA):
-        Which errors affect the position is only partly described (open, omission): The position is not usable if any of
-            these is active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In
-            multiturn models, the MT error or the warning bit also makes the position unusable. With the battery alarm,
-            it is usable with a warning. So it is with the warning bit if you choose to take it for a low battery. EE_1,
+    Errata, with their full text in ERRATA:
+        Which errors affect the position is only partly described (open): The position is not usable if any of these is
+            active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In multiturn
+            models, the MT error or the warning bit also makes the position unusable. With the battery alarm, it is
+            usable with a warning. The same applies to the warning bit if you choose to treat it as a low battery. EE_1,
             which combines BUSY, PS error, battery alarm and MT error, makes the position unusable. If the frame also
             carries these four flags (data ID 3), they decide instead.
     """
@@ -776,13 +776,13 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     The word has as many bits as the position, 17 to 39, and starts with the most significant bit. Further clock pulses
     read zeros after the word. There is no error bit, no warning bit and no CRC.
 
-    Errata (full text in ERRATA):
-        One section says Binary or Gray, the other says Binary (settled, wrong data): Binary.
-        Two sections disagree on the number of SSI clocks (open, wrong limit): The generated files do not enforce either
-            rule. n + 1 clocks satisfy both.
-        The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit): 65KBG1.
-        The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
-            significant part. Singleturn follows.
+    Errata, with their full text in ERRATA:
+        One section says Binary or Gray, the other says Binary (settled): The output code is binary.
+        Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
+            clocks satisfy both.
+        The table of word lengths has 65KKG1 instead of 65KBG1 (settled): The order codes contain 65KBG1.
+        The order of singleturn and multiturn is missing (open): Multiturn comes first, as the more significant part.
+            Singleturn follows.
     """
 
     __slots__ = ()
@@ -916,22 +916,22 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     Together, multiturn and singleturn are called Position in the manual (Italian: Posizione). It has 17 to 39 bits,
     most significant bit first.
 
-    Errata (full text in ERRATA):
-        The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
-            significant part. Singleturn follows.
-        The frame is one bit longer than the printed length (settled, wrong data): The length is position_bits + 8.
-        Error bits, LEDs and alarms do not correspond one to one (open, omission): Each bit, LED and alarm is used as
-            printed. None is derived from another.
-        Which errors affect the position is only partly described (open, omission): The position is not usable if any of
-            these is active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In
-            multiturn models, the MT error or the warning bit also makes the position unusable. With the battery alarm,
-            it is usable with a warning. So it is with the warning bit if you choose to take it for a low battery. EE_1,
+    Errata, with their full text in ERRATA:
+        The order of singleturn and multiturn is missing (open): Multiturn comes first, as the more significant part.
+            Singleturn follows.
+        The frame is one bit longer than the printed length (settled): The length is position_bits + 8.
+        Error bits, LEDs and alarms do not correspond one to one (open): Each bit, LED and alarm is used as printed.
+            None is derived from another.
+        Which errors affect the position is only partly described (open): The position is not usable if any of these is
+            active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In multiturn
+            models, the MT error or the warning bit also makes the position unusable. With the battery alarm, it is
+            usable with a warning. The same applies to the warning bit if you choose to treat it as a low battery. EE_1,
             which combines BUSY, PS error, battery alarm and MT error, makes the position unusable. If the frame also
             carries these four flags (data ID 3), they decide instead.
-        Battery alarms are printed for models without a battery (open, omission): In singleturn models (.../1...), nW,
-            BATT and MTERR have no explanation. An active bit is reported, and the position is usable with a warning.
-            Without ALMC (data IDs 0 and 1), EE_1 makes the position unusable, since it may be BUSY. The step is left
-            out. Only with .../1...
+        Battery alarms are printed for models without a battery (open): In singleturn models (.../1...), nW, BATT and
+            MTERR have no explanation. An active bit is reported, and the position is usable with a warning. Without
+            ALMC (data IDs 0 and 1), EE_1 makes the position unusable, since it may be BUSY. The step is left out. Only
+            with .../1...
 
     Checked by decode():
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
@@ -1085,7 +1085,7 @@ class DataRequest(FixedBytes, _DataRequest):
 
     One byte, without a CRC.
 
-    See also in ERRATA: The structure of the control field is not described.
+    See also these errata in ERRATA: The structure of the control field is not described.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1167,12 +1167,12 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
 
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Errata (full text in ERRATA):
-        The place of MEM BUSY in the address byte is doubtful (open, wrong data): Either position is possible. The user
-            must choose, and there is no default. With the wrong choice, an access reaches twice the address or half of
-            it, and a write overwrites other data there. Read and compare before you write.
+    Errata, with their full text in ERRATA:
+        The place of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user must choose,
+            and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
+            write overwrites other data there. Read and compare before you write.
 
-    See also in ERRATA: The structure of the control field is not described.
+    See also these errata in ERRATA: The structure of the control field is not described.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1311,12 +1311,12 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
 
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Errata (full text in ERRATA):
-        The place of MEM BUSY in the address byte is doubtful (open, wrong data): Either position is possible. The user
-            must choose, and there is no default. With the wrong choice, an access reaches twice the address or half of
-            it, and a write overwrites other data there. Read and compare before you write.
+    Errata, with their full text in ERRATA:
+        The place of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user must choose,
+            and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
+            write overwrites other data there. Read and compare before you write.
 
-    See also in ERRATA: The structure of the control field is not described.
+    See also these errata in ERRATA: The structure of the control field is not described.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1471,16 +1471,16 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
 
     position = (DF2 << 16) + (DF1 << 8) + DF0. The bits above the resolution are 0: bit 23, bits 23:21 or bits 23:17.
 
-    Errata (full text in ERRATA):
-        One bit combines BUSY with errors that keep the position (open, omission): EE_1 is one flag, status_other_error.
-            Do not trust a position received with this flag until ALMC has been read.
-        The frame of the CRC example does not fit any reply (settled, wrong data): The bytes are used only as a check of
-            the CRC. As a reply, they are rejected because of their length.
+    Errata, with their full text in ERRATA:
+        One bit combines BUSY with errors that keep the position (open): EE_1 is one flag, status_other_error. Do not
+            trust a position received with this flag until ALMC has been read.
+        The frame of the CRC example does not fit any reply (settled): The bytes are used only as a check of the CRC. As
+            a reply, they are rejected because of their length.
 
-    See also in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say what other
-    values of the unused bits mean; Which errors affect the position is only partly described; The structure of the
-    control field is not described; Turning on the power twice can mean one or two power cycles; Battery alarms are
-    printed for models without a battery.
+    See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
+    what other values of the unused bits mean; Which errors affect the position is only partly described; The structure
+    of the control field is not described; Turning on the power twice can mean one or two power cycles; Battery alarms
+    are printed for models without a battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1628,14 +1628,14 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
 
     Singleturn models do not use these three bytes. Unused high bits are 0.
 
-    Errata (full text in ERRATA):
-        One bit combines BUSY with errors that keep the position (open, omission): EE_1 is one flag, status_other_error.
-            Do not trust a position received with this flag until ALMC has been read.
+    Errata, with their full text in ERRATA:
+        One bit combines BUSY with errors that keep the position (open): EE_1 is one flag, status_other_error. Do not
+            trust a position received with this flag until ALMC has been read.
 
-    See also in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say what other
-    values of the unused bits mean; Which errors affect the position is only partly described; The structure of the
-    control field is not described; Turning on the power twice can mean one or two power cycles; Battery alarms are
-    printed for models without a battery.
+    See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
+    what other values of the unused bits mean; Which errors affect the position is only partly described; The structure
+    of the control field is not described; Turning on the power twice can mean one or two power cycles; Battery alarms
+    are printed for models without a battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1775,14 +1775,14 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
 
     Its ``data_id`` is 2 (encoder_id).
 
-    Errata (full text in ERRATA):
-        The encoder ID 23h may be the decimal number 23 (open, wrong data): 23h is the expected encoder ID. A frame with
-            another ID is decoded, and the ID is reported.
+    Errata, with their full text in ERRATA:
+        The encoder ID 23h may be the decimal number 23 (open): 23h is the expected encoder ID. A frame with another ID
+            is decoded, and the ID is reported.
 
-    See also in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say what other
-    values of the unused bits mean; Which errors affect the position is only partly described; The structure of the
-    control field is not described; One bit combines BUSY with errors that keep the position; Turning on the power twice
-    can mean one or two power cycles; Battery alarms are printed for models without a battery.
+    See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
+    what other values of the unused bits mean; Which errors affect the position is only partly described; The structure
+    of the control field is not described; One bit combines BUSY with errors that keep the position; Turning on the
+    power twice can mean one or two power cycles; Battery alarms are printed for models without a battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1925,15 +1925,15 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
-    Errata (full text in ERRATA):
-        The encoder ID 23h may be the decimal number 23 (open, wrong data): 23h is the expected encoder ID. A frame with
-            another ID is decoded, and the ID is reported.
+    Errata, with their full text in ERRATA:
+        The encoder ID 23h may be the decimal number 23 (open): 23h is the expected encoder ID. A frame with another ID
+            is decoded, and the ID is reported.
 
-    See also in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say what other
-    values of the unused bits mean; Which errors affect the position is only partly described; The structure of the
-    control field is not described; One bit combines BUSY with errors that keep the position; Turning on the power twice
-    can mean one or two power cycles; Battery alarms are printed for models without a battery; The battery alarm is
-    missing in one list of errors to be reset; The condition that clears BUSY differs within the manual.
+    See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
+    what other values of the unused bits mean; Which errors affect the position is only partly described; The structure
+    of the control field is not described; One bit combines BUSY with errors that keep the position; Turning on the
+    power twice can mean one or two power cycles; Battery alarms are printed for models without a battery; The battery
+    alarm is missing in one list of errors to be reset; The condition that clears BUSY differs within the manual.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -2163,12 +2163,12 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
 
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Errata (full text in ERRATA):
-        The place of MEM BUSY in the address byte is doubtful (open, wrong data): Either position is possible. The user
-            must choose, and there is no default. With the wrong choice, an access reaches twice the address or half of
-            it, and a write overwrites other data there. Read and compare before you write.
+    Errata, with their full text in ERRATA:
+        The place of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user must choose,
+            and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
+            write overwrites other data there. Read and compare before you write.
 
-    See also in ERRATA: The structure of the control field is not described.
+    See also these errata in ERRATA: The structure of the control field is not described.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -2309,12 +2309,12 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
 
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
-    Errata (full text in ERRATA):
-        The place of MEM BUSY in the address byte is doubtful (open, wrong data): Either position is possible. The user
-            must choose, and there is no default. With the wrong choice, an access reaches twice the address or half of
-            it, and a write overwrites other data there. Read and compare before you write.
+    Errata, with their full text in ERRATA:
+        The place of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user must choose,
+            and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
+            write overwrites other data there. Read and compare before you write.
 
-    See also in ERRATA: The structure of the control field is not described.
+    See also these errata in ERRATA: The structure of the control field is not described.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -2616,16 +2616,14 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     suggests activating it at a standstill. The preset can be used, for instance, to align the zero points of encoder
     and application.
 
-    Errata (full text in ERRATA):
-        Only the Italian edition allows the total resolution as preset (settled, wrong limit): The maximum is
-            2^position_bits − 1.
-        The singleturn models are counted among those with 65,536 turns (settled, wrong limit): Singleturn models have
-            no multiturn bits. Their bits 48:33 are taken as 0.
-        The bits below the lowest singleturn bit are not described (open, omission): All bits below the lowest
-            singleturn bit are 0.
-        The preset uses registers that BiSS reserves for banks (open, omission): The registers are used as printed.
-        The printed default of Preset has five bytes instead of seven (settled, wrong data): The default is seven bytes
-            of 00.
+    Errata, with their full text in ERRATA:
+        Only the Italian edition allows the total resolution as preset (settled): The maximum is 2^position_bits − 1.
+        The singleturn models are counted among those with 65,536 turns (settled): Singleturn models have no multiturn
+            bits. Their bits 48:33 are assumed to be 0.
+        The bits below the lowest singleturn bit are not described (open): All bits below the lowest singleturn bit are
+            0.
+        The preset uses registers that BiSS reserves for banks (open): The registers are used as printed.
+        The printed default of Preset has five bytes instead of seven (settled): The default is seven bytes of 00.
 
     Checked by decode():
         zero_above_multiturn: Always zero.
@@ -2717,8 +2715,8 @@ class PresetSettingEnable(IntEnum):
 
     The list of defaults (section 10) gives 00, although the register cannot be read.
 
-    Errata (full text in ERRATA):
-        The preset uses registers that BiSS reserves for banks (open, omission): The registers are used as printed.
+    Errata, with their full text in ERRATA:
+        The preset uses registers that BiSS reserves for banks (open): The registers are used as printed.
     """
 
     DISABLE = 0
@@ -2767,10 +2765,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
     Byte order: high byte first, at 44h.
 
-    Errata (full text in ERRATA):
-        Sister manuals read the serial number in opposite byte orders (open, wrong data): The high byte comes first, as
-            printed.
-        Before edition 1.7: Not known: register serial_number.
+    Errata, with their full text in ERRATA:
+        Sister manuals read the serial number in opposite byte orders (open): The high byte comes first, as printed.
+        Before edition 1.7: Not known: the register serial_number.
     """
 
     __slots__ = ()
@@ -2823,9 +2820,9 @@ class Command(IntEnum):
 
     After a command, the register automatically returns to 00.
 
-    Errata (full text in ERRATA):
-        Before edition 1.4: Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
-            procedure store_preset, procedure save_parameters and procedure activate_preset.
+    Errata, with their full text in ERRATA:
+        Before edition 1.4: Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure
+            set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
     """
 
     SAVE_PARAMETERS = 1
@@ -2873,9 +2870,9 @@ class DeviceId(FixedRegister, _DeviceId):
 
     Byte order: high byte first, at 78h.
 
-    Errata (full text in ERRATA):
-        All models share one device ID (open, omission): The device ID is used as printed.
-        Before edition 1.7: Not known: register device_id.
+    Errata, with their full text in ERRATA:
+        All models share one device ID (open): The device ID is used as printed.
+        Before edition 1.7: Not known: the register device_id.
     """
 
     __slots__ = ()
@@ -3010,13 +3007,13 @@ _PROCEDURES: Final = {
 def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """Set, save and activate a preset [6.4 p.35].
 
-    Before: The manual suggests setting the preset with the shaft at a standstill.
+    Precondition: The manual suggests setting the preset with the shaft at a standstill.
 
     Result: The position at the moment of activation becomes the preset value. All other positions shift accordingly.
 
-    Errata (full text in ERRATA):
-        Before edition 1.4: Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
-            procedure store_preset, procedure save_parameters and procedure activate_preset.
+    Errata, with their full text in ERRATA:
+        Before edition 1.4: Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure
+            set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
 
     Args:
         variant: The encoder.
@@ -3064,9 +3061,9 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Result: The preset is saved. The position is the same as before.
 
-    Errata (full text in ERRATA):
-        Before edition 1.4: Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
-            procedure store_preset, procedure save_parameters and procedure activate_preset.
+    Errata, with their full text in ERRATA:
+        Before edition 1.4: Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure
+            set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
 
     Args:
         variant: The encoder.
@@ -3112,9 +3109,9 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: New register values are saved.
 
-    Errata (full text in ERRATA):
-        Before edition 1.4: Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
-            procedure store_preset, procedure save_parameters and procedure activate_preset.
+    Errata, with their full text in ERRATA:
+        Before edition 1.4: Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure
+            set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3137,13 +3134,13 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Activate the saved preset [6.4 p.39].
 
-    Before: The manual suggests activating the preset with the shaft at a standstill.
+    Precondition: The manual suggests activating the preset with the shaft at a standstill.
 
     Result: The position at the moment of the command becomes the preset value.
 
-    Errata (full text in ERRATA):
-        Before edition 1.4: Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset,
-            procedure store_preset, procedure save_parameters and procedure activate_preset.
+    Errata, with their full text in ERRATA:
+        Before edition 1.4: Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure
+            set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3166,20 +3163,20 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     """Reset singleturn and multiturn data [7.4.2 p.45].
 
-    Before: The shaft is at a standstill.
+    Precondition: The shaft is at a standstill.
 
     Result: Singleturn and multiturn data are 0. The shaft position is kept without main power, with or without an
     external battery.
 
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
-    Errata (full text in ERRATA):
-        Table and note disagree on what data ID 8 resets (open, wrong data): The generated files follow the table. Data
-            ID 8 resets singleturn and multiturn data.
-        The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
-            After each request, at least 40 µs pass before the next one begins.
-        A shaft turning at 300 rpm is called stopped (open, wrong limit): The condition is standstill, which the manual
-            defines as 300 rpm or less.
+    Errata, with their full text in ERRATA:
+        Table and note disagree on what data ID 8 resets (open): The generated files follow the table. Data ID 8 resets
+            singleturn and multiturn data.
+        The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
+            request, at least 40 µs pass before the next one begins.
+        A shaft turning at 300 rpm is called stopped (open): The condition is standstill, which the manual defines as
+            300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3202,20 +3199,20 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
 def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     """Reset multiturn data and all errors [7.4.2 p.45].
 
-    Before: The shaft is at a standstill, which the manual defines as 300 rpm or less.
+    Precondition: The shaft is at a standstill, which the manual defines as 300 rpm or less.
 
     Result: Multiturn data are 0. Singleturn data are not reset. The latched errors (PS error, ST error, MT error, and
     according to 7.4.1 also the battery alarm) are cleared.
 
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
-    Errata (full text in ERRATA):
-        The battery alarm is missing in one list of errors to be reset (open, omission): Data IDs 7 and C also clear the
-            battery alarm. Only with .../65K...
-        The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
-            After each request, at least 40 µs pass before the next one begins.
-        A shaft turning at 300 rpm is called stopped (open, wrong limit): The condition is standstill, which the manual
-            defines as 300 rpm or less.
+    Errata, with their full text in ERRATA:
+        The battery alarm is missing in one list of errors to be reset (open): Data IDs 7 and C also clear the battery
+            alarm. Only with .../65K...
+        The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
+            request, at least 40 µs pass before the next one begins.
+        A shaft turning at 300 rpm is called stopped (open): The condition is standstill, which the manual defines as
+            300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3238,20 +3235,20 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
 def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     """Reset all errors [7.4.2 p.45].
 
-    Before: The shaft is at a standstill, which the manual defines as 300 rpm or less.
+    Precondition: The shaft is at a standstill, which the manual defines as 300 rpm or less.
 
     Result: The latched errors (PS error, ST error, MT error, and according to 7.4.1 also the battery alarm) are
     cleared.
 
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
-    Errata (full text in ERRATA):
-        The battery alarm is missing in one list of errors to be reset (open, omission): Data IDs 7 and C also clear the
-            battery alarm. Only with .../65K...
-        The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
-            After each request, at least 40 µs pass before the next one begins.
-        A shaft turning at 300 rpm is called stopped (open, wrong limit): The condition is standstill, which the manual
-            defines as 300 rpm or less.
+    Errata, with their full text in ERRATA:
+        The battery alarm is missing in one list of errors to be reset (open): Data IDs 7 and C also clear the battery
+            alarm. Only with .../65K...
+        The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
+            request, at least 40 µs pass before the next one begins.
+        A shaft turning at 300 rpm is called stopped (open): The condition is standstill, which the manual defines as
+            300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

@@ -436,8 +436,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     significant bit first) and the range (everything from the position to the warning bit, with the constant 0 where it
     is sent) come from public BiSS documents.
 
-    Errata (full text in ERRATA):
-        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
+    Errata, with their full text in ERRATA:
+        The start value of the BiSS CRCs is missing (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -458,8 +458,8 @@ def crc_biss_4(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Errata (full text in ERRATA):
-        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
+    Errata, with their full text in ERRATA:
+        The start value of the BiSS CRCs is missing (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -482,11 +482,10 @@ class ZeroBit(Enum):
 
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
-    Errata (full text in ERRATA):
-        The table of the frame has one bit more than the printed length (open, wrong data): Either layout is possible.
-            The user must choose, and there is no default: position_bits + 9 bits with the 0 bit between position and
-            error bit, or position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is
-            likely.
+    Errata, with their full text in ERRATA:
+        The table of the frame has one bit more than the printed length (open): Either layout is possible. The user must
+            choose, and there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
+            position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
     """
 
     AS_PRINTED = (1,)  # zero_bits
@@ -525,12 +524,12 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     read zeros after the word. There is no error bit, no warning bit and no CRC. The constant 0 bit of the BiSS frame is
     also absent.
 
-    Errata (full text in ERRATA):
-        The manual does not say which of BG and GG is Gray code (open, wrong data): BG is binary, GG is Gray.
-        Two sections disagree on the number of SSI clocks (open, wrong limit): The generated files do not enforce either
-            rule. n + 1 clocks satisfy both.
-        The bits of the SSI words are numbered from 1 instead of 0 (settled, wrong data): The bits are 19:0 to 24:0,
-            with bit 0 as the LSB.
+    Errata, with their full text in ERRATA:
+        The manual does not say which of BG and GG is Gray code (open): BG is binary, GG is Gray.
+        Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
+            clocks satisfy both.
+        The bits of the SSI words are numbered from 1 instead of 0 (settled): The bits are 19:0 to 24:0, with bit 0 as
+            the LSB.
     """
 
     __slots__ = ()
@@ -626,17 +625,16 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
 
     The positions of its fields depend on your choice of ``zero_bit``: ``as_printed`` or ``left_out``.
 
-    Errata (full text in ERRATA):
-        The table of the frame has one bit more than the printed length (open, wrong data): Either layout is possible.
-            The user must choose, and there is no default: position_bits + 9 bits with the 0 bit between position and
-            error bit, or position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is
-            likely.
-        One profile ID is given for models with different data lengths (open, wrong data): The profile ID is 281Ah for
-            all models, as printed. It does not indicate the resolution or the zero bit of the frame.
-        The manual does not say which errors cause a warning (open, omission): No bit of the error register is
-            interpreted as a warning. All are active errors.
-        How errors and warnings affect the position is not described (open, omission): Error bit active: the position is
-            not usable. Warning bit active: the position is usable with a warning.
+    Errata, with their full text in ERRATA:
+        The table of the frame has one bit more than the printed length (open): Either layout is possible. The user must
+            choose, and there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
+            position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
+        One profile ID is given for models with different data lengths (open): The profile ID is 281Ah for all models,
+            as printed. It does not indicate the resolution or the zero bit of the frame.
+        The manual does not say which errors cause a warning (open): No bit of the error register is interpreted as a
+            warning. All are active errors.
+        How errors and warnings affect the position is not described (open): Error bit active: the position is not
+            usable. Warning bit active: the position is usable with a warning.
 
     Checked by decode():
         zero: 0: Always 0, between position and error bit.
@@ -826,13 +824,12 @@ class ProfileId(FixedRegister, _ProfileId):
     therefore not used to identify the encoder. For the variant, the manual refers to the standard encoder profile, data
     format.
 
-    Errata (full text in ERRATA):
-        The table of the frame has one bit more than the printed length (open, wrong data): Either layout is possible.
-            The user must choose, and there is no default: position_bits + 9 bits with the 0 bit between position and
-            error bit, or position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is
-            likely.
-        One profile ID is given for models with different data lengths (open, wrong data): The profile ID is 281Ah for
-            all models, as printed. It does not indicate the resolution or the zero bit of the frame.
+    Errata, with their full text in ERRATA:
+        The table of the frame has one bit more than the printed length (open): Either layout is possible. The user must
+            choose, and there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
+            position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
+        One profile ID is given for models with different data lengths (open): The profile ID is 281Ah for all models,
+            as printed. It does not indicate the resolution or the zero bit of the frame.
     """
 
     __slots__ = ()
@@ -882,9 +879,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
     Byte order: high byte first, at 44h.
 
-    Errata (full text in ERRATA):
-        The meaning of the digits of the serial number is not given (open, omission): The serial number is a single
-            number.
+    Errata, with their full text in ERRATA:
+        The meaning of the digits of the serial number is not given (open): The serial number is a single number.
     """
 
     __slots__ = ()
@@ -996,9 +992,9 @@ class Command(IntEnum):
 
     Reading the same address accesses ``status`` instead.
 
-    Errata (full text in ERRATA):
-        A singleturn encoder has a cycle counter without explanation (open, omission): The command and the error are
-            described as printed.
+    Errata, with their full text in ERRATA:
+        A singleturn encoder has a cycle counter without explanation (open): The command and the error are described as
+            printed.
     """
 
     REQUEST_POSITION = 0
@@ -1099,14 +1095,12 @@ class Status(FixedRegister, _Status):
     from the position register at another time. Before reading the position register, wait until "Position data valid"
     is 1, as in the procedure request_position.
 
-    Errata (full text in ERRATA):
-        Absolute data valid is bit 2 in one place and bit 1 in another (settled, wrong data): Absolute data valid is bit
-            1.
-        Internal data bus busy is bit 3 in one place and bit 2 in another (settled, wrong data): Internal data bus busy
-            is bit 2.
-        The manual does not say which errors cause a warning (open, omission): No bit of the error register is
-            interpreted as a warning. All are active errors.
-        The registers of the EDS are not listed (open, omission): The generated files have no EDS.
+    Errata, with their full text in ERRATA:
+        Absolute data valid is bit 2 in one place and bit 1 in another (settled): Absolute data valid is bit 1.
+        Internal data bus busy is bit 3 in one place and bit 2 in another (settled): Internal data bus busy is bit 2.
+        The manual does not say which errors cause a warning (open): No bit of the error register is interpreted as a
+            warning. All are active errors.
+        The registers of the EDS are not listed (open): The generated files have no EDS.
     """
 
     __slots__ = ()
@@ -1166,16 +1160,14 @@ class Position(RegisterOf["BissEncoder"], _Position):
     frame. At a lower resolution, the position is also interpreted as left-aligned. The low byte comes first, unlike in
     the other multi-byte registers.
 
-    Errata (full text in ERRATA):
-        The table of the frame has one bit more than the printed length (open, wrong data): Either layout is possible.
-            The user must choose, and there is no default: position_bits + 9 bits with the 0 bit between position and
-            error bit, or position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is
-            likely.
-        The position register is described for one resolution only (open, wrong data): The exponents are the bit numbers
-            of the register. The position is left-aligned at bit 31 and position_bits wide. The bits below it are
-            unspecified.
-        Two kinds of reading the position could reset the errors (open, omission): Reading the position register resets
-            the messages.
+    Errata, with their full text in ERRATA:
+        The table of the frame has one bit more than the printed length (open): Either layout is possible. The user must
+            choose, and there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
+            position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
+        The position register is described for one resolution only (open): The exponents are the bit numbers of the
+            register. The position is left-aligned at bit 31 and position_bits wide. The bits below it are unspecified.
+        Two ways of reading the position could reset the errors (open): Reading the position register resets the
+            messages.
     """
 
     __slots__ = ()
@@ -1250,13 +1242,13 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
     Bits 2 and 7 are not used. A fault also sets the status "Warning message" or "Error message", or both. Reading the
     position clears a message. The message appears again while its cause persists.
 
-    Errata (full text in ERRATA):
-        A singleturn encoder has a cycle counter without explanation (open, omission): The command and the error are
-            described as printed.
-        The manual does not say which errors cause a warning (open, omission): No bit of the error register is
-            interpreted as a warning. All are active errors.
-        Two kinds of reading the position could reset the errors (open, omission): Reading the position register resets
-            the messages.
+    Errata, with their full text in ERRATA:
+        A singleturn encoder has a cycle counter without explanation (open): The command and the error are described as
+            printed.
+        The manual does not say which errors cause a warning (open): No bit of the error register is interpreted as a
+            warning. All are active errors.
+        Two ways of reading the position could reset the errors (open): Reading the position register resets the
+            messages.
     """
 
     __slots__ = ()
@@ -1311,8 +1303,8 @@ class DeviceId(FixedRegister, _DeviceId):
 
     The revision table of the manual lists hardware 0 and software 1, which are the two characters of the release.
 
-    Errata (full text in ERRATA):
-        All models share one device ID (open, omission): The device ID is used as printed.
+    Errata, with their full text in ERRATA:
+        All models share one device ID (open): The device ID is used as printed.
     """
 
     __slots__ = ()
@@ -1464,9 +1456,9 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: The position register contains the requested position.
 
-    Errata (full text in ERRATA):
-        Two kinds of reading the position could reset the errors (open, omission): Reading the position register resets
-            the messages.
+    Errata, with their full text in ERRATA:
+        Two ways of reading the position could reset the errors (open): Reading the position register resets the
+            messages.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1498,15 +1490,14 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Save the configuration [6.4 p.26].
 
-    Before: An EEPROM was connected at power-on. Without it, the command has no effect.
+    Precondition: An EEPROM was connected at power-on. Without it, the command has no effect.
 
     Result: The configuration registers and a new checksum are in the EEPROM.
 
     The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
 
-    Errata (full text in ERRATA):
-        Internal data bus busy is bit 3 in one place and bit 2 in another (settled, wrong data): Internal data bus busy
-            is bit 2.
+    Errata, with their full text in ERRATA:
+        Internal data bus busy is bit 3 in one place and bit 2 in another (settled): Internal data bus busy is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1548,11 +1539,10 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     The manual does not say how long the read takes, or whether "Absolute data valid" goes to 0 first. After a failed
     read, the bit does not become 1. Stop after a while and read the error register.
 
-    Errata (full text in ERRATA):
-        A singleturn encoder has a cycle counter without explanation (open, omission): The command and the error are
-            described as printed.
-        Absolute data valid is bit 2 in one place and bit 1 in another (settled, wrong data): Absolute data valid is bit
-            1.
+    Errata, with their full text in ERRATA:
+        A singleturn encoder has a cycle counter without explanation (open): The command and the error are described as
+            printed.
+        Absolute data valid is bit 2 in one place and bit 1 in another (settled): Absolute data valid is bit 1.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1620,9 +1610,8 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
 
     Result: Configuration error shows whether the configuration registers match their checksum.
 
-    Errata (full text in ERRATA):
-        Internal data bus busy is bit 3 in one place and bit 2 in another (settled, wrong data): Internal data bus busy
-            is bit 2.
+    Errata, with their full text in ERRATA:
+        Internal data bus busy is bit 3 in one place and bit 2 in another (settled): Internal data bus busy is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1700,9 +1689,9 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: The messages are reset. Messages with a persistent cause appear again.
 
-    Errata (full text in ERRATA):
-        Two kinds of reading the position could reset the errors (open, omission): Reading the position register resets
-            the messages.
+    Errata, with their full text in ERRATA:
+        Two ways of reading the position could reset the errors (open): Reading the position register resets the
+            messages.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1740,8 +1729,8 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The encoder is an ASC85 with BiSS. As printed, the IDs are the same for all resolutions and supplies. Only
     the label shows the rest of the order code.
 
-    Errata (full text in ERRATA):
-        All models share one device ID (open, omission): The device ID is used as printed.
+    Errata, with their full text in ERRATA:
+        All models share one device ID (open): The device ID is used as printed.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

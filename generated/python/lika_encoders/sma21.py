@@ -673,8 +673,8 @@ def crc_biss_6(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
-    Errata (full text in ERRATA):
-        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
+    Errata, with their full text in ERRATA:
+        The start value of the BiSS CRCs is missing (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -695,8 +695,8 @@ def crc_biss_4(number: int, bits: int) -> int:
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
     public BiSS documents.
 
-    Errata (full text in ERRATA):
-        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
+    Errata, with their full text in ERRATA:
+        The start value of the BiSS CRCs is missing (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -814,15 +814,15 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     clock pulses read zeros after the word. There is no warning bit and no CRC. Bit 0 is the error bit. The LSB of the
     position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
 
-    Errata (full text in ERRATA):
-        Two sections disagree on the number of SSI clocks (open, wrong limit): The generated files do not enforce either
-            rule. Sending one more clock than there are bits in the word satisfies both.
-        The manual does not say which bits are in Gray code (open, omission): Only the position is coded. The error bit,
-            the warning bit and the CRC are sent unchanged.
-        How single alarms affect the position is not described (open, omission): The position is not usable if any of
-            these is active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset.
-            The position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW.
-            It is usable while none is active (9.1).
+    Errata, with their full text in ERRATA:
+        Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule.
+            Sending one more clock than there are bits in the word satisfies both.
+        The manual does not say which bits are in Gray code (open): Only the position is coded. The error bit, the
+            warning bit and the CRC are sent unchanged.
+        How single alarms affect the position is not described (open): The position is not usable if any of these is
+            active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset. The
+            position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW. It is
+            usable while none is active (9.1).
     """
 
     __slots__ = ()
@@ -929,22 +929,22 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     Configuration register), the position takes up the whole field. With Gray output code, zeros above a number remain
     zeros, so it does not matter whether they are converted. The error and warning bits are assumed not to be converted.
 
-    Errata (full text in ERRATA):
-        The manual does not say which bits are in Gray code (open, omission): Only the position is coded. The error bit,
-            the warning bit and the CRC are sent unchanged.
-        The frame is one bit longer than printed at 1 µm (settled, wrong data): The frame has 32 bits at resolutions of
-            50 µm to 2 µm and 33 bits at 1 µm.
-        Bits that should be 0 carry data with an offset (open, wrong data): While an offset is selected in the
-            Configuration register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2
-            applies: the bits above the position are zero, and a frame with a nonzero bit there is rejected.
-        The values of positions below zero are not given (open, omission): Over SSI and BiSS, the position wraps around
-            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
-            field. The 48-bit position can be negative, and it never wraps around.
-        The level of an active warning is not given (open, omission): 0 means a warning, as with the error bit.
-        How single alarms affect the position is not described (open, omission): The position is not usable if any of
-            these is active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset.
-            The position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW.
-            It is usable while none is active (9.1).
+    Errata, with their full text in ERRATA:
+        The manual does not say which bits are in Gray code (open): Only the position is coded. The error bit, the
+            warning bit and the CRC are sent unchanged.
+        The frame is one bit longer than printed at 1 µm (settled): The frame has 32 bits at resolutions of 50 µm to 2
+            µm and 33 bits at 1 µm.
+        Bits that should be 0 carry data with an offset (open): While an offset is selected in the Configuration
+            register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the
+            bits above the position are zero, and a frame with a nonzero bit there is rejected.
+        The values of positions below zero are not given (open): Over SSI and BiSS, the position wraps around after
+            2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its field.
+            The 48-bit position can be negative, and it never wraps around.
+        The level of an active warning is not given (open): 0 means a warning, as with the error bit.
+        How single alarms affect the position is not described (open): The position is not usable if any of these is
+            active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset. The
+            position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW. It is
+            usable while none is active (9.1).
 
     Checked by decode():
         padding: Zeros above the position, part of the manual's Posizione. There are none while an offset is selected.
@@ -1062,7 +1062,7 @@ class DataRequest(FixedBytes, _DataRequest):
 
     One byte, without a CRC.
 
-    See also in ERRATA: The parity bit of the control field is printed as part of the ID.
+    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID.
 
     Checked by decode():
         sync: SC: Sync code, binary 010. Always 2.
@@ -1181,19 +1181,19 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     position = (DF2 << 16) + (DF1 << 8) + DF0, always binary. The bits above the resolution are 0: bit 23, bits 23:22 or
     bits 23:20.
 
-    Errata (full text in ERRATA):
-        The values of positions below zero are not given (open, omission): Over SSI and BiSS, the position wraps around
-            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
-            field. The 48-bit position can be negative, and it never wraps around.
-        The highest 24-bit position has one digit too many (settled, wrong limit): The highest value is FFFFFFh.
-        The width of the position over RS-485 is not given by model (open, omission): The position has 20 bits at 50 µm,
-            22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
-        Arrows show the bytes of the position in the opposite order (settled, wrong data): ABS0 is sent first.
+    Errata, with their full text in ERRATA:
+        The values of positions below zero are not given (open): Over SSI and BiSS, the position wraps around after
+            2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its field.
+            The 48-bit position can be negative, and it never wraps around.
+        The highest 24-bit position has one digit too many (settled): The highest value is FFFFFFh.
+        The width of the position over RS-485 is not given by model (open): The position has 20 bits at 50 µm, 22 at 10
+            µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
+        Arrows show the bytes of the position in the opposite order (settled): ABS0 is sent first.
 
-    See also in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms affect the
-    position is not described; The reply in the example sets an unused status bit; The level of the error bit is given
-    without its interface; Before edition 1.1: implementation of encoder inharmonious error; Before edition 1.1: active
-    state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious error.
+    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms
+    affect the position is not described; The reply in the example sets an unused status bit; The level of the error bit
+    is given without its interface; Before edition 1.1: implementation of encoder inharmonious error; Before edition
+    1.1: active state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious error.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
@@ -1371,19 +1371,18 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     The position is always binary, with negative values in two's complement. There is no error code. Only the status
     field reports errors.
 
-    Errata (full text in ERRATA):
-        The values of positions below zero are not given (open, omission): Over SSI and BiSS, the position wraps around
-            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
-            field. The 48-bit position can be negative, and it never wraps around.
-        The highest 48-bit position lacks two digits (settled, wrong limit): The highest value is 7FFFFFFFFFFFh.
-        High bits of the signed 48-bit position are said to be 0 (open, omission): The position is signed and uses all
-            48 bits.
-        The reply in the example sets an unused status bit (open, wrong data): dd0 to dd3 are unused and 0, as in 7.3.2.
-            A reply with other values is decoded, and the bits are reported.
-        Arrows show the bytes of the position in the opposite order (settled, wrong data): ABS0 is sent first.
+    Errata, with their full text in ERRATA:
+        The values of positions below zero are not given (open): Over SSI and BiSS, the position wraps around after
+            2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its field.
+            The 48-bit position can be negative, and it never wraps around.
+        The highest 48-bit position lacks two digits (settled): The highest value is 7FFFFFFFFFFFh.
+        High bits of the signed 48-bit position are said to be 0 (open): The position is signed and uses all 48 bits.
+        The reply in the example sets an unused status bit (open): dd0 to dd3 are unused and 0, as in 7.3.2. A reply
+            with other values is decoded, and the bits are reported.
+        Arrows show the bytes of the position in the opposite order (settled): ABS0 is sent first.
 
-    See also in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms affect the
-    position is not described; The level of the error bit is given without its interface.
+    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms
+    affect the position is not described; The level of the error bit is given without its interface.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
@@ -1545,16 +1544,16 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
 
     Its ``data_id`` is A (identification).
 
-    Errata (full text in ERRATA):
-        The highest 24-bit position has one digit too many (settled, wrong limit): The highest value is FFFFFFh.
-        The width of the position over RS-485 is not given by model (open, omission): The position has 20 bits at 50 µm,
-            22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
-        Arrows show the bytes of the position in the opposite order (settled, wrong data): ABS0 is sent first.
+    Errata, with their full text in ERRATA:
+        The highest 24-bit position has one digit too many (settled): The highest value is FFFFFFh.
+        The width of the position over RS-485 is not given by model (open): The position has 20 bits at 50 µm, 22 at 10
+            µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
+        Arrows show the bytes of the position in the opposite order (settled): ABS0 is sent first.
 
-    See also in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms affect the
-    position is not described; The reply in the example sets an unused status bit; The level of the error bit is given
-    without its interface; Before edition 1.1: implementation of encoder inharmonious error; Before edition 1.1: active
-    state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious error.
+    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms
+    affect the position is not described; The reply in the example sets an unused status bit; The level of the error bit
+    is given without its interface; Before edition 1.1: implementation of encoder inharmonious error; Before edition
+    1.1: active state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious error.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
@@ -1866,8 +1865,8 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
     The profile is the standard encoder profile. Its data format is Variant 0-24 for 50 µm to 2 µm and Variant 0-24+++
     for 1 µm.
 
-    Errata (full text in ERRATA):
-        The data lengths in the profile IDs count different bits (open, wrong data): Each is used as printed.
+    Errata, with their full text in ERRATA:
+        The data lengths in the profile IDs count different bits (open): Each profile ID is used as printed.
     """
 
     __slots__ = ()
@@ -1926,9 +1925,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
     Byte order: high byte first, at 44h.
 
-    Errata (full text in ERRATA):
-        The coding of year, week and serial number is not given (open, omission): The values are three binary numbers:
-            one byte, one byte, and two bytes with the high byte first.
+    Errata, with their full text in ERRATA:
+        The coding of year, week and serial number is not given (open): The values are three binary numbers: one byte,
+            one byte, and two bytes with the high byte first.
     """
 
     __slots__ = ()
@@ -2027,8 +2026,8 @@ class Configuration(FixedRegister, _Configuration):
 
     A new setting is active immediately after its transmission. Save it with the Command register.
 
-    Errata (full text in ERRATA):
-        The example calls Counting direction bit 8 instead of bit 6 (settled, wrong data): Counting direction is bit 6.
+    Errata, with their full text in ERRATA:
+        The example calls Counting direction bit 8 instead of bit 6 (settled): Counting direction is bit 6.
 
     Checked by decode():
         unused_7: Non utilizzato: Not used. Always 0.
@@ -2147,10 +2146,10 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
     Byte order: high byte first, at 50h. Default: ``00 00 00 00``. Can be written only while
     ``configuration.enable_preset_offset`` is 0 (``enable``). Save the parameters after a write, or the encoder loses
     the value at power-off. While ``configuration.select_preset_offset`` is 0 (``preset``), the register holds
-    ``preset``, 0 to ``2^position_bits - 1``: Value that the encoder reports at the current sensor position once the
+    ``preset``, 0 to ``2^position_bits - 1``. Value that the encoder reports at the current sensor position once the
     preset is activated. All positions before and after it shift accordingly. The preset can be used, for instance, to
     align the zero points of sensor and application. [6.4 p.32] While ``configuration.select_preset_offset`` is 1
-    (``offset``), the register holds ``offset``, 0 to ``2^scd_position_bits - 2^position_bits``: Value by which the
+    (``offset``), the register holds ``offset``, 0 to ``2^scd_position_bits - 2^position_bits``. Value by which the
     transmitted positions are shifted. The number of positions stays the same, and they start at the offset. The offset
     is applied to the position of the sensor at the time of activation. [6.4 p.32]
 
@@ -2160,13 +2159,12 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
     The highest offset is the number of positions of the 24-bit or 25-bit field minus the number of positions at that
     resolution: F0 00 00h at 50 µm, C0 00 00h at 10 µm, 80 00 00h at 5 µm, 0 at 2 µm and 1 µm.
 
-    Errata (full text in ERRATA):
-        Bits that should be 0 carry data with an offset (open, wrong data): While an offset is selected in the
-            Configuration register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2
-            applies: the bits above the position are zero, and a frame with a nonzero bit there is rejected.
-        The offset is described as a preset and as a shift (open, wrong data): All transmitted values are shifted by the
-            offset.
-        The highest value with an offset is one too high (settled, wrong limit): The highest value is that sum minus 1.
+    Errata, with their full text in ERRATA:
+        Bits that should be 0 carry data with an offset (open): While an offset is selected in the Configuration
+            register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the
+            bits above the position are zero, and a frame with a nonzero bit there is rejected.
+        The offset is described as a preset and as a shift (open): All transmitted values are shifted by the offset.
+        The highest value with an offset is one too high (settled): The highest value is that sum minus 1.
     """
 
     @classmethod
@@ -2323,8 +2321,8 @@ class PositionCheck(FixedRegister, _PositionCheck):
 
     Do not change the value. It is only for Lika's technicians.
 
-    Errata (full text in ERRATA):
-        One default is missing in the list of defaults (open, omission): 00h.
+    Errata, with their full text in ERRATA:
+        One default is missing in the list of defaults (open): The default is 00h.
     """
 
     __slots__ = ()
@@ -2371,8 +2369,8 @@ class DeviceId(FixedRegister, _DeviceId):
 
     Byte order: high byte first, at 78h.
 
-    Errata (full text in ERRATA):
-        All models share one device ID (open, omission): The device ID is used as printed.
+    Errata, with their full text in ERRATA:
+        All models share one device ID (open): The device ID is used as printed.
     """
 
     __slots__ = ()
@@ -2600,8 +2598,8 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
 def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """Set, save and activate a preset [6.4 p.32, 6.6.2 p.35].
 
-    Before: The sensor is at rest at the desired position. In the Configuration register, preset and offset are enabled
-    and preset is selected, which is the factory default. Otherwise run select_preset first.
+    Precondition: The sensor is at rest at the desired position. In the Configuration register, preset and offset are
+    enabled and preset is selected, which is the factory default. Otherwise run select_preset first.
 
     Result: The position at the moment of activation becomes the preset value. All other positions shift accordingly.
 
@@ -2669,17 +2667,16 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
     """Select, set, save and activate an offset [6.4 p.30, 6.4 p.32].
 
-    Before: The sensor is at rest at the desired position. At 2 µm and 1 µm, only 0 is within the limits.
+    Precondition: The sensor is at rest at the desired position. At 2 µm and 1 µm, only 0 is within the limits.
 
     Result: The transmitted positions are shifted by the offset. Once the offset is selected, the position takes up the
     whole field of the single cycle data, so a decoder must know the content of the Configuration register.
 
-    Errata (full text in ERRATA):
-        Bits that should be 0 carry data with an offset (open, wrong data): While an offset is selected in the
-            Configuration register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2
-            applies: the bits above the position are zero, and a frame with a nonzero bit there is rejected.
-        The offset is described as a preset and as a shift (open, wrong data): All transmitted values are shifted by the
-            offset.
+    Errata, with their full text in ERRATA:
+        Bits that should be 0 carry data with an offset (open): While an offset is selected in the Configuration
+            register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the
+            bits above the position are zero, and a frame with a nonzero bit there is rejected.
+        The offset is described as a preset and as a shift (open): All transmitted values are shifted by the offset.
 
     Args:
         variant: The encoder.
@@ -2766,7 +2763,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Load and save all default parameters [6.4 p.29].
 
-    Before: All previously set parameters are lost.
+    Precondition: All previously set parameters are lost.
 
     Result: The default parameters are active and saved.
 
@@ -2793,8 +2790,8 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: Manufacturer, device, resolution and serial number are known. The supply is not.
 
-    Errata (full text in ERRATA):
-        All models share one device ID (open, omission): The device ID is used as printed.
+    Errata, with their full text in ERRATA:
+        All models share one device ID (open): The device ID is used as printed.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2825,10 +2822,10 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     the initialization, which is the same as after power-on, is complete. The manual does not say how long it takes.
     Reset an "Initialization error" only after the initialization is complete and normal operation has started again.
 
-    Errata (full text in ERRATA):
-        The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
-            After each request, at least 40 µs pass before the next one begins.
-        The duration of a reset over RS-485 is missing (open, omission): The generated files specify no wait time.
+    Errata, with their full text in ERRATA:
+        The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
+            request, at least 40 µs pass before the next one begins.
+        The duration of a reset over RS-485 is missing (open): The generated files specify no wait time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2850,7 +2847,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     """Reset the position to 0 [7.3.3.2 p.41].
 
-    Before: The encoder is at rest.
+    Precondition: The encoder is at rest.
 
     Result: The position is 0.
 
@@ -2858,12 +2855,11 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     accepted during the reset, because the encoder is computing the absolute positions and writing the EEPROM. The
     manual does not say how long it takes.
 
-    Errata (full text in ERRATA):
-        Zero setting over RS-485 is denied and described (open, wrong limit): Data ID F is used as described in 7.3.1
-            and 7.3.3.2.
-        The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
-            After each request, at least 40 µs pass before the next one begins.
-        The duration of a reset over RS-485 is missing (open, omission): The generated files specify no wait time.
+    Errata, with their full text in ERRATA:
+        Zero setting over RS-485 is denied and described (open): Data ID F is used as described in 7.3.1 and 7.3.3.2.
+        The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
+            request, at least 40 µs pass before the next one begins.
+        The duration of a reset over RS-485 is missing (open): The generated files specify no wait time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

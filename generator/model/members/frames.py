@@ -198,7 +198,7 @@ FRAMES = (
         Member(
             "digits",
             "[digits]",
-            "Parts into which the decimal digits of the number are split, most significant first.",
+            "Groups of decimal digits into which the number is split, most significant first.",
             of="runs",
             read="value",
             noun="digits",

@@ -48,7 +48,7 @@ REGISTERS = (
         Member(
             "limits_of",
             "name",
-            "Field or join that min and max apply to.",
+            "Field or join to which min and max apply.",
             "register-rule",
             "limits are those of",
             refers_to="limits",
@@ -192,7 +192,7 @@ REGISTERS = (
         "argument",
         "A value supplied by the caller of a procedure.",
         NAME,
-        Member("of", "name", "Register that the value is written to.", refers_to="register"),
+        Member("of", "name", "Register to which the value is written.", refers_to="register"),
         MEANING,
         Member("meant_as", "name", "Applicable meaning of the register, if it has several."),
     ),

@@ -7,8 +7,7 @@ from typing import Annotated, TypedDict
 
 from ...model import Device, Erratum, Manufacturer, cite, layer_in_words
 from ...model.record import dataclass
-from ...say.errata import changed, paths_in_words
-from ...say.text import sentence
+from ...say.errata import changed, consequence, paths_in_words
 from .device import manual_title
 from .names import errata_page_name
 
@@ -72,9 +71,8 @@ def _family_errata(device: Device) -> FamilyErrata:
 
 def _erratum_text(erratum: Erratum) -> ErratumText:
     """Return the text of an erratum, without empty rows."""
-    severity = erratum.severity.replace("_", " ")
     labelled_texts = (
-        ("Affects", ", ".join(map(paths_in_words, erratum.affects))),
+        ("Affects", paths_in_words(", ".join(erratum.affects))),
         ("Printed", erratum.printed),
         ("Used", erratum.used),
         ("Only with", erratum.only),
@@ -82,7 +80,7 @@ def _erratum_text(erratum: Erratum) -> ErratumText:
     rows = tuple((label, text) for label, text in labelled_texts if text)
     return ErratumText(
         title=erratum.title,
-        standing=sentence(f"{erratum.name}: {erratum.status}, {severity}"),
+        standing=f"The erratum {erratum.name} is {erratum.status}. {consequence(erratum.severity)}.",
         rows=(*rows, *_reason_and_source(erratum)),
     )
 

@@ -73,7 +73,7 @@ def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]
         if isinstance(operation, Verifies):
             field = operation.field.name if operation.field is not None else ""
             instruction = MARKDOWN.sentence(read_back(device, operation.register, field))
-            reason = "Added to the given steps by generated code, because a corrupted write can look successful."
+            reason = "Generated code adds this step, because a corrupted write can look successful."
             yield "", instruction, reason, ""
             continue
         number_of_step += 1

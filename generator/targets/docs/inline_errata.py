@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
-from ...say.errata import errata
+from ...say.errata import consequence, errata
 from ...say.errata import erratum as erratum_statement
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, escape_html, link, link_list
 from ...say.text import sentence
@@ -58,7 +58,7 @@ class ErrataLines:
             edition_links = [
                 self._link_to_erratum(erratum, escape(_edition_phrase(erratum))) for erratum in edition_errata
             ]
-            list_items.append(f"- Other editions differ: {', '.join(dict.fromkeys(edition_links))}")
+            list_items.append(f"- The facts differ in other editions: {', '.join(dict.fromkeys(edition_links))}")
         return "\n".join(list_items)
 
     def links_in_cell(self, *paths: str) -> str:
@@ -147,7 +147,7 @@ class ErrataLinks:
                 anchors_by_edition.setdefault(_edition_phrase(difference), []).append(path_with_anchor)
         if anchors_by_edition:
             editions = link_list(_numbered_links(label, pages) for label, pages in anchors_by_edition.items())
-            list_items.append(f"- Other editions differ: {editions}")
+            list_items.append(f"- The facts differ in other editions: {editions}")
         return "\n".join(list_items)
 
 
@@ -157,11 +157,10 @@ def _html_link(erratum: Erratum) -> str:
 
 
 def _numbered_links(label: str, pages: Sequence[str]) -> str:
-    """Return links to several pages: the first with the label, the others with their numbers."""
-    first_page, *further_pages = pages
-    first_link = link(escape(label), first_page)
-    numbered_links = [link(f"{number}", page) for number, page in enumerate(further_pages, 2)]
-    return ", ".join([first_link, *numbered_links])
+    """Return the label as a link to the page, or in front of the numbers of several pages."""
+    if len(pages) == 1:
+        return link(escape(label), pages[0])
+    return f"{escape(label)} ({', '.join(link(f'{number}', page) for number, page in enumerate(pages, 1))})"
 
 
 #: Marks of the links, by status.
@@ -225,7 +224,7 @@ def page_values(device: Device) -> ErrataPage:
     return {
         "device": device,
         "errata_summary": summary + fact_tables.sentence_on_changes(len(device.errata) - len(manual_errata)),
-        "errata_by_kind": list(_sections_by_status_and_impact(device.errata)),
+        "errata_by_kind": [*_sections_by_status_and_impact(manual_errata), *_sections_of_changes(device.errata)],
     }
 
 
@@ -235,8 +234,8 @@ def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     # The labels are the head of the table, and the texts are its only row.
     head, cells = zip(*labels_and_texts, strict=True)
     affected = ", ".join(map(code, erratum.affects))
-    kind = f"{status_badge(erratum)}, {fact_tables.severity_text(erratum.severity)}"
-    summary = f"{kind}. Source: {citation(erratum.source)}. Affects {affected}."
+    result = f"{status_badge(erratum)}: {consequence(erratum.severity)}."
+    summary = f"{result} Affected parts of the spec: {affected}. Source: {citation(erratum.source)}."
     return {"erratum": erratum, "summary": summary, "head": head, "cells": cells}
 
 
@@ -263,6 +262,15 @@ def _sections_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator
             if of_kind:
                 kind = escape(f"{status.capitalize()}, {fact_tables.severity_text(severity)}")
                 yield kind, list(map(_erratum_section, of_kind))
+
+
+def _sections_of_changes(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
+    """Yield the changes by overlays, and those in other editions, each under a heading of its own."""
+    overlay_changes = [erratum for erratum in listed_errata if erratum.overlay]
+    edition_changes = [erratum for erratum in listed_errata if erratum.edition and not erratum.overlay]
+    for heading, changes in (("Overlays", overlay_changes), ("Other editions", edition_changes)):
+        if changes:
+            yield heading, list(map(_erratum_section, changes))
 
 
 def _has_status_and_severity(erratum: Erratum, status: str, severity: str) -> bool:

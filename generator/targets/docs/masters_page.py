@@ -252,9 +252,9 @@ def _setting_note(setting: Setting, sheet: Sheet) -> str:
 
 
 def _with_order_codes(groups_by_note: Mapping[str, Sequence[Group]], group_count: int) -> Iterator[str]:
-    """Yield each note, after its order codes unless it applies to all groups."""
+    """Yield each note, with its order codes at the end unless it applies to all groups."""
     for note, groups in groups_by_note.items():
-        yield note if len(groups) == group_count else f"{_codes_label(groups)}: {note}"
+        yield note if len(groups) == group_count else f"{note} This applies to {_codes_label(groups)}."
 
 
 def _refusal_text(refusal: Refusal) -> str:
@@ -289,4 +289,4 @@ def _refusal_lines(sheets: GroupSettings) -> Iterator[str]:
             reasons = " ".join(map(_refusal_text, sheet.refusals))
             groups_by_reasons.setdefault(reasons, []).append(group)
     for reasons, groups in groups_by_reasons.items():
-        yield f"{_codes_label(groups)}: {reasons}"
+        yield f"{_codes_label(groups)}. {reasons}"

@@ -141,7 +141,7 @@ def paragraphs(statements: Iterable[Statement]) -> list[Block]:
     errata_in_short = [_short_erratum(statement) for statement in all_statements if statement.below]
     return [
         *(DOCSTRING_STYLE.sentence(statement) for statement in all_statements if not statement.below),
-        ("Errata (full text in ERRATA)", errata_in_short),
+        ("Errata, with their full text in ERRATA", errata_in_short),
     ]
 
 
@@ -247,7 +247,7 @@ def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str,
     """Return the summary of a frame, and the paragraphs below it.
 
     The last one lists the titles of errata about its groups of fields that are not also about the frame, such as
-    "See also in ERRATA: Title; Other title." It is empty without such errata.
+    "See also these errata in ERRATA: Title; Other title." It is empty without such errata.
     """
     summary = DOCSTRING_STYLE.sentence(say_layout.head(interface, frame, heading(frame.name), device.alternatives))
     group_names = dict.fromkeys(field.group for field in frame.fields if field.group)
@@ -255,7 +255,7 @@ def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str,
     group_paths = [f"field_groups.{name}" for name in group_names]
     frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
     group_titles = [erratum.title for erratum in errata(device, *group_paths) if erratum not in frame_errata]
-    further_errata = f"See also in ERRATA: {'; '.join(group_titles)}." if group_titles else ""
+    further_errata = f"See also these errata in ERRATA: {'; '.join(group_titles)}." if group_titles else ""
     return summary, [*paragraphs(say_layout.layout(device, interface, frame)), further_errata]
 
 

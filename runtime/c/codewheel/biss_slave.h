@@ -27,7 +27,7 @@ extern "C" {
 /** Number of bytes with one bit per address. */
 #define CW_BISS_ADDRESS_BYTES 16U
 
-/** Action that a slave waits for. The slave is busy until then. */
+/** Action for which a slave waits. The slave is busy until then. */
 typedef enum cw_biss_wants {
     CW_BISS_WANTS_NOTHING = 0, /**< none */
     CW_BISS_WANTS_BYTE = 1, /**< call _slave_give with the content of the register at address */
@@ -116,7 +116,7 @@ static inline cw_result cw_biss_slave_allow(
     return CW_OK;
 }
 
-/** Give a slave the content of the register it wants. Does nothing unless it wants a byte. */
+/** Give a slave the content of the register it wants. Without such a request, this does nothing. */
 static inline void cw_biss_slave_give(cw_biss_slave *slave, uint8_t value)
 {
     if (slave->wants == CW_BISS_WANTS_BYTE) {
@@ -254,7 +254,7 @@ static inline bool cw_biss_slave_byte(cw_biss_slave *slave, bool cdm)
     }
     if (slave->bit_index == CW_BISS_BYTE_BITS) {
         if (cw_biss_byte_decode((uint16_t)slave->received_bits, &slave->value) != CW_OK) {
-            /* CRC error: do not store it. The master sees it from the bits sent back. */
+            /* CRC error: do not store it. The master sees the error in the bits sent back. */
             return cw_biss_slave_leave(slave, cdm);
         }
         slave->wants = CW_BISS_WANTS_STORE;

@@ -102,7 +102,7 @@ static inline uint32_t cw_received_zeros(uint32_t value)
 #endif
 }
 
-/** Return up to 64 bits as a number. Its most significant bit is the bit at first. */
+/** Return up to 64 bits as a number. The bit at first is the most significant one. */
 CW_CONSTEXPR
 static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_t bits)
 {
@@ -217,7 +217,7 @@ static inline uint32_t cw_received_8_samples(const uint8_t *samples, uint32_t pi
     return bits >> 24U;
 }
 
-/** Return the number of the only bit of a mask, as the sum of the powers of two in it. */
+/** Return the index of the only bit in a mask, as the sum of the powers of two in it. */
 static inline uint32_t cw_received_pin_bit(uint32_t mask)
 {
     uint32_t bit = 0U;

@@ -266,8 +266,7 @@ class OrderCode(NamedTuple):
     def _unknown_code_error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
         """Return the error for a text that is not an order code.
 
-        It names the wrong part: with any letters and digits allowed in this part, the label would be an order code. If
-        there is no such part, the message names none.
+        The message names the wrong part, if the label would be an order code with other letters and digits there.
         """
         nearest_codes = find_nearest(codes, text)
         candidates: list[_WrongPart] = []

@@ -80,7 +80,7 @@ extern "C" {
 #define CW_BISS_REGISTERS 64U
 /** Value used as the ID of a slave that has none. */
 #define CW_BISS_NO_ID 0xFFU
-/** Number of bits of CTS, ID and ADR, which CRC follows. */
+/** Number of bits of CTS, ID and ADR, before their CRC. */
 #define CW_BISS_HEAD_BITS 11U
 /** Number of bits from CTS to W: CTS, ID, ADR, CRC, R and W. */
 #define CW_BISS_HEADER_BITS 17U

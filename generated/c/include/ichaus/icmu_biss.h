@@ -22,7 +22,7 @@
  * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
  * ichaus_icmu_biss_position with cw_word_of.
  *
- * More headers of this interface, to include if you need them:
+ * Further headers of this interface, for you to include if needed:
  *   icmu_biss_labels.h           find the order code that a label shows
  *   icmu_biss_reports.h          texts that describe reports, alarms and times
  *   icmu_biss_registers.h        registers, and identification of encoders
@@ -43,7 +43,7 @@
  * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-ichaus.md
  * gives the printed text, what is used instead, and the reason.
  *
- * Arguments and results, where a function does not say more:
+ * Arguments and results, unless a function says otherwise:
  *   variant     an order code, ICHAUS_ICMU_BISS_IC_MU_28_2 for example
  *   word        a frame as a number: its last bit sent is bit 0, and the bits above it are 0
  *   bytes       a frame in the order sent, or a register with its lowest address first
@@ -410,7 +410,7 @@ static inline cw_verdict ichaus_icmu_biss_verdict(
 /**
  * Decode a frame, and store its position if it may be used.
  *
- * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A frame
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, a position was stored. A frame
  * that is not well formed is not usable.
  */
 CW_NODISCARD
@@ -431,7 +431,7 @@ static inline cw_verdict ichaus_icmu_biss_position(
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
- * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A buffer
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, a position was stored. A buffer
  * without a well-formed frame is not usable.
  */
 CW_NODISCARD
@@ -472,8 +472,8 @@ static inline uint32_t ichaus_icmu_biss_reports(
 
 /**
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
- * position was stored. For example, code can be IC_MU_28_2, as in ICHAUS_ICMU_BISS_IC_MU_28_2. The
- * order code is named once, so no length or decoder of another one can be mixed in. Another size of
+ * position was stored. For example, code can be IC_MU_28_2, as in ICHAUS_ICMU_BISS_IC_MU_28_2. A
+ * call names the order code once, so its length and its decoder are used together. Another size of
  * rx, or a pointer, does not compile.
  */
 #define ICHAUS_ICMU_BISS_READ(code, rx, position) \

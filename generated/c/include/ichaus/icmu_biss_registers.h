@@ -460,8 +460,7 @@ static inline cw_result ichaus_icmu_biss_write_output_selection(
 /**
  * EDSBANK, register 41h, read only, over BiSS C-mode [p.19, p.53].
  * First bank of the electronic data sheet. 00h and FFh stand for none.
- * Erratum: The access to the identification registers is missing (open, omission). Used: They are
- * read-only.
+ * Erratum: The access to the identification registers is missing (open). Used: They are read-only.
  * Eds bank.
  */
 #define ICHAUS_ICMU_BISS_REG_EDS_BANK_ADDRESS 0x41U
@@ -493,10 +492,9 @@ static inline cw_result ichaus_icmu_biss_read_eds_bank(
  * PROFILE_ID, registers 42h to 43h, read only, over BiSS C-mode [p.53, driver: MU_PROFILE_ID].
  * Profile ID.
  * Byte order: high byte first, at 42h.
- * Erratum: The byte order of the identification registers is reversed (settled, wrong data). Used:
- * The lowest address has the high byte.
- * Erratum: The access to the identification registers is missing (open, omission). Used: They are
- * read-only.
+ * Erratum: The byte order of the identification registers is reversed (settled). Used: The lowest
+ * address has the high byte.
+ * Erratum: The access to the identification registers is missing (open). Used: They are read-only.
  *   bits 15:0  profile_id
  */
 typedef struct ichaus_icmu_biss_reg_profile_id {
@@ -561,10 +559,9 @@ static inline cw_result ichaus_icmu_biss_read_profile_id(
  * SERIAL, registers 44h to 47h, read only, over BiSS C-mode [p.53, driver: MU_SERIAL].
  * Serial number.
  * Byte order: high byte first, at 44h.
- * Erratum: The byte order of the identification registers is reversed (settled, wrong data). Used:
- * The lowest address has the high byte.
- * Erratum: The access to the identification registers is missing (open, omission). Used: They are
- * read-only.
+ * Erratum: The byte order of the identification registers is reversed (settled). Used: The lowest
+ * address has the high byte.
+ * Erratum: The access to the identification registers is missing (open). Used: They are read-only.
  *   bits 31:0  serial_number
  */
 typedef struct ichaus_icmu_biss_reg_serial_number {
@@ -906,10 +903,9 @@ static inline cw_result ichaus_icmu_biss_read_status1(
  * DEV_ID, registers 78h to 7Dh, read only, over BiSS C-mode [p.53, driver: MU_DEV_ID].
  * Device ID.
  * Byte order: high byte first, at 78h.
- * Erratum: The byte order of the identification registers is reversed (settled, wrong data). Used:
- * The lowest address has the high byte.
- * Erratum: The access to the identification registers is missing (open, omission). Used: They are
- * read-only.
+ * Erratum: The byte order of the identification registers is reversed (settled). Used: The lowest
+ * address has the high byte.
+ * Erratum: The access to the identification registers is missing (open). Used: They are read-only.
  *   bits 47:0  device_id
  */
 typedef struct ichaus_icmu_biss_reg_device_id {
@@ -984,10 +980,9 @@ static inline cw_result ichaus_icmu_biss_read_device_id(
  * MFG_ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [p.53, driver: MU_MFG_ID].
  * BiSS manufacturer ID.
  * Byte order: high byte first, at 7Eh.
- * Erratum: The byte order of the identification registers is reversed (settled, wrong data). Used:
- * The lowest address has the high byte.
- * Erratum: The access to the identification registers is missing (open, omission). Used: They are
- * read-only.
+ * Erratum: The byte order of the identification registers is reversed (settled). Used: The lowest
+ * address has the high byte.
+ * Erratum: The access to the identification registers is missing (open). Used: They are read-only.
  *   bits 15:0  manufacturer_id
  */
 typedef struct ichaus_icmu_biss_reg_manufacturer_id {

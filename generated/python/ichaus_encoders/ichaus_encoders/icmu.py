@@ -312,8 +312,8 @@ def crc_configuration_16(data: bytes) -> int:
 
     It protects the configuration in the EEPROM, addresses 00h to 20h and 30h to 3Fh. BiSS does not give access to it.
 
-    Errata (full text in ERRATA):
-        The byte order of the CRC differs between two revisions (settled, wrong data): The high byte is at 21h.
+    Errata, with their full text in ERRATA:
+        The byte order of the CRC differs between two revisions (settled): The high byte is at 21h.
 
     Args:
         data: Bytes that the CRC covers.
@@ -704,8 +704,8 @@ class EdsBank(FixedRegister, _EdsBank):
 
     First bank of the electronic data sheet. 00h and FFh stand for none.
 
-    Errata (full text in ERRATA):
-        The access to the identification registers is missing (open, omission): They are read-only.
+    Errata, with their full text in ERRATA:
+        The access to the identification registers is missing (open): They are read-only.
     """
 
     __slots__ = ()
@@ -749,10 +749,9 @@ class ProfileId(FixedRegister, _ProfileId):
 
     Byte order: high byte first, at 42h.
 
-    Errata (full text in ERRATA):
-        The byte order of the identification registers is reversed (settled, wrong data): The lowest address has the
-            high byte.
-        The access to the identification registers is missing (open, omission): They are read-only.
+    Errata, with their full text in ERRATA:
+        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
+        The access to the identification registers is missing (open): They are read-only.
     """
 
     __slots__ = ()
@@ -796,10 +795,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
     Byte order: high byte first, at 44h.
 
-    Errata (full text in ERRATA):
-        The byte order of the identification registers is reversed (settled, wrong data): The lowest address has the
-            high byte.
-        The access to the identification registers is missing (open, omission): They are read-only.
+    Errata, with their full text in ERRATA:
+        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
+        The access to the identification registers is missing (open): They are read-only.
     """
 
     __slots__ = ()
@@ -1099,10 +1097,9 @@ class DeviceId(FixedRegister, _DeviceId):
 
     Byte order: high byte first, at 78h.
 
-    Errata (full text in ERRATA):
-        The byte order of the identification registers is reversed (settled, wrong data): The lowest address has the
-            high byte.
-        The access to the identification registers is missing (open, omission): They are read-only.
+    Errata, with their full text in ERRATA:
+        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
+        The access to the identification registers is missing (open): They are read-only.
     """
 
     __slots__ = ()
@@ -1146,10 +1143,9 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
     Byte order: high byte first, at 7Eh.
 
-    Errata (full text in ERRATA):
-        The byte order of the identification registers is reversed (settled, wrong data): The lowest address has the
-            high byte.
-        The access to the identification registers is missing (open, omission): They are read-only.
+    Errata, with their full text in ERRATA:
+        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
+        The access to the identification registers is missing (open): They are read-only.
     """
 
     __slots__ = ()

@@ -187,21 +187,21 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit) [5.3]:
+# Erratum: The clock for cables under 400 m is below the allowed range (open) [5.3]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum: The table of cable lengths has no cable for 400 kHz to 3 MHz (open, wrong limit) [5.3]:
+# Erratum: The table of cable lengths has no cable for 400 kHz to 3 MHz (open) [5.3]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The SSI pause is "at least" 12 µs in words and above it in signs (open, wrong limit) [5.1, 5.3, amm5: 5.3]:
+# Erratum: The SSI pause of 12 µs is printed as "at least" and as ">" (open) [5.1, 5.3, amm5: 5.3]:
 # Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs).
 # Used: The minimum is 12 µs. Use a longer pause.
 #
 # In edition 1.1 [am36_1_1_biss: p.21]:
-# Not known: order codes with output BG, order codes with output GG, SSI and parameter modulus.
+# Not known: order codes with output BG, order codes with output GG, SSI and the parameter modulus.
 # Why: No page on SSI is public. Only the name of the series shows that SSI models with BG exist.
 
 SSI: Final = SsiFacts(
@@ -250,12 +250,12 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
+# Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open) [6.5 p.28, 6.5 p.31]:
 # Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: if more than 4,096
 # are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is switched off.
 # Used: The registers and the frame use 65,536. 4096 is used only on the label.
 #
-# Erratum: The rule for the BiSS time-out is missing (open, omission) [6.6 p.32, prot: p.18]:
+# Erratum: The rule for the BiSS time-out is missing (open) [6.6 p.32, prot: p.18]:
 # Printed: BiSS time-out: "Self-adaptable to the clock, 10 µs max.".
 # Used: The time-out is at most 10 µs. No rule is given.
 #
@@ -266,8 +266,9 @@ SSI: Final = SsiFacts(
 # Why: Section 6.6, which gives the clock, is not on a public page.
 #
 # In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
-# Not known: register profile_id, register serial_number, register command, register device_type, register device_id,
-# register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2 more.
+# Not known: the register profile_id, the register serial_number, the register command, the register device_type, the
+# register device_id, the register manufacturer_id, the printed table of defaults, the timings of BiSS C-mode and 2
+# more.
 # Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is known
 # only that 01 in 48h stores a resolution. Its other values and the pause after it are not known. No procedure is known
 # to be correct.
@@ -1198,7 +1199,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The SSI pause is \"at least\" 12 µs in words and above it in signs",
+        title="The SSI pause of 12 µs is printed as \"at least\" and as \">\"",
         printed="5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs)",
         used="The minimum is 12 µs. Use a longer pause.",
         why=(
@@ -1316,7 +1317,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="profile_id_variant",
         title="The profile ID 0000h does not fit the variant 0-24",
         printed="Profile ID 00 00. See Standard encoder profile, Variant 0-24",
-        used="The value is 00 00. The generated files do not derive a data length from it.",
+        used="The profile ID is 00 00. The generated files do not derive a data length from it.",
         why=(
             "In the BiSS protocol description, 0000 means no profile. In profilebiss.xml, it is BP0, the universal "
             "profile, with a data channel of zero length, because bits 15:13 and 12:8 are 0. The SMA21 and ASC85 "

@@ -197,23 +197,23 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum: One section says Binary or Gray, the other says Binary (settled, wrong data) [5.1, 5.2]:
+# Erratum: One section says Binary or Gray, the other says Binary (settled) [5.1, 5.2]:
 # Printed: 5.1: "The output code can be Binary or Gray", see the order code. 5.2: "The output code is BINARY", see the
 # order code.
-# Used: Binary.
+# Used: The output code is binary.
 # Why: Section 5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no part for the output
 # code and only one SSI variant, BG1.
 #
-# Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit) [5.3]:
+# Erratum: The clock for cables under 400 m is below the allowed range (open) [5.3]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open, wrong limit) [5.3]:
+# Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open) [5.3]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The SSI pause is "at least" 20 µs in words and above it in signs (open, wrong limit) [5.1, 5.3, it: 5.3]:
+# Erratum: The SSI pause of 20 µs is printed as "at least" and as ">" (open) [5.1, 5.3, it: 5.3]:
 # Printed: Pause of at least 20 µs (Tp > 20 µs).
 # Used: The minimum is 20 µs. Use a longer pause.
 # Why: The words "at least" allow 20 µs, but the sign ">" does not.
@@ -268,18 +268,18 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum: The registers of the profile ID are not listed (open, omission) [6 p.31, 6.4 p.35, prot: p.14-15]:
+# Erratum: The registers of the profile ID are not listed (open) [6 p.31, 6.4 p.35, prot: p.14-15]:
 # Printed: The encoder complies with the "Standard encoder profile". No register 42h to 43h is listed.
 # Used: The generated files have no profile ID.
 #
-# Erratum: The lowest clock is below the range of BiSS (open, wrong limit) [6.5 p.40, prot: p.18]:
+# Erratum: The lowest clock is below the range of BiSS (open) [6.5 p.40, prot: p.18]:
 # Printed: The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.
 # Used: The lowest clock is 50 kHz.
 # Why: In the BiSS protocol description, the clock range starts at 80 kHz.
 #
 # Before edition 1.4 [Document release]:
-# Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset, procedure
-# save_parameters and procedure activate_preset.
+# Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure set_preset, the procedure
+# store_preset, the procedure save_parameters and the procedure activate_preset.
 # Why: The Command register was updated, so older encoders may have other values or another pause. Every procedure ends
 # by accessing this register, so no procedure is known to be correct for these encoders.
 
@@ -353,7 +353,7 @@ BISS: Final = BissFacts(
 
 # RS-485
 #
-# Erratum: The encoder ID 23h may be the decimal number 23 (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
+# Erratum: The encoder ID 23h may be the decimal number 23 (open) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
 # samples/drivers/sei/slave/tamagawa/README_en.rst]:
 # Printed: "ENID: encoder ID, fixed value = 23h".
 # Used: 23h is the expected encoder ID. A frame with another ID is decoded, and the ID is reported.
@@ -361,7 +361,7 @@ BISS: Final = BissFacts(
 # may be a decimal 23 that was mistaken for hexadecimal. The ID does not show whether the frame is valid. The sync code,
 # data ID, length and CRC do.
 #
-# Erratum: Table and note disagree on what data ID 8 resets (open, wrong data) [7.4.2 p.45, ti_sdk:
+# Erratum: Table and note disagree on what data ID 8 resets (open) [7.4.2 p.45, ti_sdk:
 # docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
 # Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8.
 # Used: The generated files follow the table. Data ID 8 resets singleturn and multiturn data.
@@ -369,11 +369,11 @@ BISS: Final = BissFacts(
 # data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the first would be this
 # request.
 #
-# Erratum: The interval between the ten reset requests is ambiguous (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
+# Erratum: The interval between the ten reset requests is ambiguous (open) [7.4.2 p.45, it: 7.4.2 p.45]:
 # Printed: The request is sent ten times in succession, at transmission intervals of 40 µs or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
-# Erratum: The reply time over RS-485 is missing (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
+# Erratum: The reply time over RS-485 is missing (open) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
 # Printed: The manual describes requests and replies, but not the time between them.
 # Used: The generated files have no reply time and no time-out. The master chooses its time-out.
 #
@@ -1919,7 +1919,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed=(
             "Battery voltage between 3 V and 5.5 V. Alarms below 3.15 V (Battery alarm) and below 3.05 V (MT error)"
         ),
-        used="Both are listed as printed.",
+        used="Both values are listed as printed.",
         why="From 3.00 V to 3.15 V, a battery is within its range but still raises an alarm.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1934,7 +1934,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "5.1: \"The output code can be Binary or Gray\", see the order code. 5.2: \"The output code is BINARY\", "
             "see the order code"
         ),
-        used="Binary",
+        used="The output code is binary",
         why=(
             "Section 5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no part for the "
             "output code and only one SSI variant, BG1."
@@ -1965,7 +1965,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_table_65kkg1",
         title="The table of word lengths has 65KKG1 instead of 65KBG1",
         printed="AMM5A17/65KKG1... and five more in the English table of word lengths",
-        used="65KBG1",
+        used="The order codes contain 65KBG1",
         why="The table just below it and the Italian edition have 65KBG1. No model has KG1.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
@@ -2165,10 +2165,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used=(
             "The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors "
             "stay active until they are reset. In multiturn models, the MT error or the warning bit also makes the "
-            "position unusable. With the battery alarm, it is usable with a warning. So it is with the warning bit if "
-            "you choose to take it for a low battery. EE_1, which combines BUSY, PS error, battery alarm and MT "
-            "error, makes the position unusable. If the frame also carries these four flags (data ID 3), they decide "
-            "instead."
+            "position unusable. With the battery alarm, it is usable with a warning. The same applies to the warning "
+            "bit if you choose to treat it as a low battery. EE_1, which combines BUSY, PS error, battery alarm and "
+            "MT error, makes the position unusable. If the frame also carries these four flags (data ID 3), they "
+            "decide instead."
         ),
         why=(
             "PS error and ST error are faults of the counting itself. The position may have been counted wrongly "
@@ -2224,7 +2224,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed=(
             "English: \"the number of revolutions is always 65,536\" in all models. Italian: in all multiturn models"
         ),
-        used="Singleturn models have no multiturn bits. Their bits 48:33 are taken as 0.",
+        used="Singleturn models have no multiturn bits. Their bits 48:33 are assumed to be 0.",
         why=(
             "Models with 1 revolution exist (preliminary information, 5.2, 6.2.1). The manual does not give the "
             "content of their bits 48:33."
@@ -2750,7 +2750,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "BUSY flag: returns to 0 when the delay is over. How to clear: by itself (turning speed \"decreased to "
             "300 rpm or less\")"
         ),
-        used="Both are given as printed.",
+        used="Both conditions are given as printed.",
         why=(
             "The description mentions no speed. The manual does not say whether power-on above 300 rpm keeps the flag "
             "set, with all position data at 0."
@@ -2762,7 +2762,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The SSI pause is \"at least\" 20 µs in words and above it in signs",
+        title="The SSI pause of 20 µs is printed as \"at least\" and as \">\"",
         printed="Pause of at least 20 µs (Tp > 20 µs)",
         used="The minimum is 20 µs. Use a longer pause.",
         why="The words \"at least\" allow 20 µs, but the sign \">\" does not.",

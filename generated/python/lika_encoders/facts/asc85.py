@@ -140,17 +140,16 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit) [5.3 p.17]:
+# Erratum: The clock for cables under 400 m is below the allowed range (open) [5.3 p.17]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open, wrong limit) [5.3 p.17]:
+# Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open) [5.3 p.17]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The SSI pause is "at least" 12 µs in words and above it in signs (open, wrong limit) [5.1, 5.3 p.17, amm5:
-# 5.3, sma21: 5.3]:
+# Erratum: The SSI pause of 12 µs is printed as "at least" and as ">" (open) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
 # Printed: Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs.
 # Used: The minimum is 12 µs. Use a longer pause.
 
@@ -200,9 +199,9 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum: The rule for the BiSS time-out is missing (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
+# Erratum: The rule for the BiSS time-out is missing (open) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
 # Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz).
-# Used: Only this value is used. The generated files have no rule for other clock frequencies.
+# Used: Only the printed value is used. The generated files have no rule for other clock frequencies.
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=100_000, max_hz=10_000_000, source="6.5 p.32"),
@@ -1263,7 +1262,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The SSI pause is \"at least\" 12 µs in words and above it in signs",
+        title="The SSI pause of 12 µs is printed as \"at least\" and as \">\"",
         printed="Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs",
         used="The minimum is 12 µs. Use a longer pause.",
         why=(
@@ -1519,7 +1518,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="error_reset",
-        title="Two kinds of reading the position could reset the errors",
+        title="Two ways of reading the position could reset the errors",
         printed="\"the reset is performed upon reading out position data\"",
         used="Reading the position register resets the messages.",
         why=(
@@ -1555,7 +1554,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="biss_timeout",
         title="The rule for the BiSS time-out is missing",
         printed="BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz)",
-        used="Only this value is used. The generated files have no rule for other clock frequencies.",
+        used="Only the printed value is used. The generated files have no rule for other clock frequencies.",
         why=(
             "An adaptive time-out depends on the clock, but the manual gives no rule. At 10 MHz, the one and a half "
             "clock periods of the BiSS description and of the AMM5 manual are 0.15 µs. 0.35 µs is three and a half "

@@ -177,16 +177,16 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit) [5.3 p.22]:
+# Erratum: The clock for cables under 400 m is below the allowed range (open) [5.3 p.22]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum: The table of cable lengths has no cable for 400 kHz to 1 MHz (open, wrong limit) [5.3 p.22]:
+# Erratum: The table of cable lengths has no cable for 400 kHz to 1 MHz (open) [5.3 p.22]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The SSI pause is "at least" 16 µs in words and above it in signs (open, wrong limit) [5.1, 5.3 p.22]:
+# Erratum: The SSI pause of 16 µs is printed as "at least" and as ">" (open) [5.1, 5.3 p.22]:
 # Printed: Pause of at least 16 µs (Tp > 16 µs).
 # Used: The minimum is 16 µs. Use a longer pause.
 # Why: The words "at least" allow 16 µs, but the sign ">" does not.
@@ -237,7 +237,7 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum: Bits that should be 0 carry data with an offset (open, wrong data) [6.2 p.25, 6.4 p.32]:
+# Erratum: Bits that should be 0 carry data with an offset (open) [6.2 p.25, 6.4 p.32]:
 # Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions of 20
 # bits.
 # Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes up the whole field of
@@ -248,15 +248,15 @@ SSI: Final = SsiFacts(
 # bits above the position carry data. The zeros of 6.2 apply only if no offset is selected. Only a frame of an encoder
 # with an offset could confirm this.
 #
-# Erratum: The data lengths in the profile IDs count different bits (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]:
+# Erratum: The data lengths in the profile IDs count different bits (open) [6.4 p.28, asc85: 6.4 p.23]:
 # Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a field of
 # 24 bits.
-# Used: Each is used as printed.
+# Used: Each profile ID is used as printed.
 # Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the whole
 # field, not of the position, and the variant with one more bit has one plus sign fewer. A master that takes the length
 # of the data from the profile ID would miss 4, 2 or 1 bits with this encoder.
 #
-# Erratum: The rule for the BiSS time-out is missing (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
+# Erratum: The rule for the BiSS time-out is missing (open) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
 # Printed: The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule.
 # Used: The time-out is at most 16 µs.
 
@@ -320,17 +320,17 @@ BISS: Final = BissFacts(
 
 # RS-485
 #
-# Erratum: Zero setting over RS-485 is denied and described (open, wrong limit) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
+# Erratum: Zero setting over RS-485 is denied and described (open) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
 # Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and RS-485.
 # 7.3.3.2: data ID F resets the position to 0.
 # Used: Data ID F is used as described in 7.3.1 and 7.3.3.2.
 #
-# Erratum: The interval between the ten reset requests is ambiguous (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
+# Erratum: The interval between the ten reset requests is ambiguous (open) [7.3.2 p.38, 7.3.3.2 p.41]:
 # Printed: The request is sent ten times in succession ("in successione", "in sequenza"), at transmission intervals of
 # 40 µs or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
-# Erratum: The reply time over RS-485 is missing (open, omission) [7.1 p.37, 7.2 p.37]:
+# Erratum: The reply time over RS-485 is missing (open) [7.1 p.37, 7.2 p.37]:
 # Printed: The manual describes requests and replies, but not the time between them.
 # Used: The generated files have no reply time and no time-out. The master chooses its time-out.
 
@@ -2099,7 +2099,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="bending_radius",
         title="Two sections disagree on the bending radius of the cable",
         printed="3.3: bending radius of the cable at least 45 mm. 4.5: outer diameter × 7.5",
-        used="Both are listed as printed.",
+        used="Both values are listed as printed.",
         why="7.5 × 6.1 mm is 45.75 mm, and 46.5 mm with the tolerance of the diameter. 45 mm is less.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -2273,7 +2273,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a "
             "field of 24 bits"
         ),
-        used="Each is used as printed.",
+        used="Each profile ID is used as printed.",
         why=(
             "The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the "
             "whole field, not of the position, and the variant with one more bit has one plus sign fewer. A master "
@@ -2453,7 +2453,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "ALMC is kept until the errors are reset. The alarm bit ea0, the sum of its bits 6 and 7, is cleared as "
             "soon as the cause is gone"
         ),
-        used="Both are used as printed.",
+        used="Both statements are used as printed.",
         why=(
             "If the bits are latched, their logical OR is latched as well. Bits 6 and 7 are not implemented, so this "
             "has no effect."
@@ -2652,8 +2652,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="The level of the error bit is given without its interface",
         printed="When the fault is gone the error bit goes to the high level (\"commuta al livello logico alto\").",
         used=(
-            "This applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error, and it stays "
-            "high until it is reset."
+            "This level applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error, and it "
+            "stays high until it is reset."
         ),
         why="Section 7.3.2 and the note in 9.1 say so. Section 9 does not distinguish between the interfaces.",
         status=Status.SETTLED,
@@ -2727,7 +2727,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="position_check_default",
         title="One default is missing in the list of defaults",
         printed="Register 59h can be written and has the default 00h. The list of defaults omits it.",
-        used="00h",
+        used="The default is 00h",
         why=(
             "The manual does not say whether loading the defaults resets it. It is the only register of this kind "
             "that is missing from the list."
@@ -2739,7 +2739,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The SSI pause is \"at least\" 16 µs in words and above it in signs",
+        title="The SSI pause of 16 µs is printed as \"at least\" and as \">\"",
         printed="Pause of at least 16 µs (Tp > 16 µs)",
         used="The minimum is 16 µs. Use a longer pause.",
         why="The words \"at least\" allow 16 µs, but the sign \">\" does not.",

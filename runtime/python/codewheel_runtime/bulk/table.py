@@ -69,7 +69,7 @@ if TYPE_CHECKING:
     _Unit = TypeVar("_Unit", bound=str, default=Any)
 
     class _TableOf(Generic[_Name, _Unit]):
-        """Base that type checkers see: it is generic in the names of the columns and in the units."""
+        """Base class for type checkers, generic in the names of the columns and in the units."""
 
 else:
     _Name = _Unit = str
