@@ -43,7 +43,7 @@ class Factor:
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """``multiple`` times the product of one or more factors. A spec can only write the multiples 1 and -1."""
+    """``multiple`` times the product of one or more factors. In a spec, ``bits + bits`` is a multiple of 2."""
 
     multiple: int
     factors: tuple[Factor, ...]
@@ -152,8 +152,7 @@ class Expression:
                 total += Expression(0, (term,))
             else:
                 full_definition = definition.substitute(definitions)
-                # A term of a spec, which is not a product, has the multiple 1 or -1.
-                total = total + full_definition if term.multiple > 0 else total - full_definition
+                total += full_definition * Expression(term.multiple)
         return total
 
     def __add__(self, other: Expression) -> Expression:
@@ -207,14 +206,11 @@ class Expression:
 
 
 def _simplify(constant: int, terms: tuple[Term, ...]) -> Expression:
-    """Return the sum with opposite terms cancelled and positive terms first."""
-    remaining: list[Term] = []
+    """Return the sum with terms of the same factors added up and positive terms first."""
+    multiples: dict[tuple[Factor, ...], int] = {}
     for term in terms:
-        opposite = Term(-term.multiple, term.factors)
-        if opposite in remaining:
-            remaining.remove(opposite)
-        else:
-            remaining.append(term)
+        multiples[term.factors] = multiples.get(term.factors, 0) + term.multiple
+    remaining = (Term(multiple, factors) for factors, multiple in multiples.items() if multiple)
     # False comes before True, and terms of one sign keep their order.
     positive_first = sorted(remaining, key=lambda term: term.multiple < 0)
     return Expression(constant, tuple(positive_first))

@@ -82,3 +82,16 @@ def test_what_follows_from_a_product_keeps_its_name() -> None:
 def test_sums_cancel() -> None:
     low = Expression.parse(33) - Expression.parse("bits")
     assert low + Expression.parse("bits") == Expression(33)
+
+
+def test_terms_of_the_same_factors_are_added_up() -> None:
+    """Eight fields of one parameter each begin at multiples of it, not at long sums."""
+    total = Expression.parse("flags + bits + flags - other + flags")
+    assert total.render() == "3 * flags + bits - other"
+    assert total.value({"flags": 1, "bits": 10, "other": 2}) == 11
+    assert (total - Expression.parse("flags + flags + flags")).render() == "bits - other"
+
+
+def test_a_multiple_of_a_derived_parameter_is_a_multiple_of_its_definition() -> None:
+    total = Expression.parse("word + word + 1").substitute({"word": Expression.parse("bits + 4")})
+    assert total.render() == "2 * bits + 9"

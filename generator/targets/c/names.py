@@ -389,7 +389,7 @@ class Scope:
         signs_and_products: list[tuple[str, Expr]] = []
         for term in expression.terms:
             sign = "+" if term.multiple > 0 else "-"
-            if term.is_power and not term.is_product:
+            if term.is_power and not term.is_product and abs(term.multiple) == 1:
                 # The power is one more than its mask.
                 constant += term.multiple
                 (exponent,) = term.factors

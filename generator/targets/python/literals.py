@@ -149,9 +149,7 @@ class Scope:
         if expression.is_constant:
             return number(expression.constant)
         # The summands: the products of the terms, and the constant. Each is positive, with its sign before it.
-        signs_and_summands = [
-            (_sign_of(term.multiple), self._product_of_factors(term)) for term in _collect_terms(expression)
-        ]
+        signs_and_summands = [(_sign_of(term.multiple), self._product_of_factors(term)) for term in expression.terms]
         if expression.constant:
             sign_and_constant = (_sign_of(expression.constant), Atom(str(abs(expression.constant))))
             # A sum should not start with a sign.
@@ -182,14 +180,6 @@ class Scope:
     def _factor_expression(self, factor: Factor) -> Expr:
         parameter = Atom(self.names[factor.parameter])
         return Operation(number(1), "<<", parameter) if factor.power else parameter
-
-
-def _collect_terms(expression: Expression) -> list[Term]:
-    """Return the terms, with terms of equal factors added up."""
-    multiples: dict[tuple[Factor, ...], int] = {}
-    for term in expression.terms:
-        multiples[term.factors] = multiples.get(term.factors, 0) + term.multiple
-    return [Term(multiple, factors) for factors, multiple in multiples.items()]
 
 
 def quoted(text: str | bytes) -> str:
