@@ -27,7 +27,7 @@ COMPILERS = (
 #: Lines of a header, comments included.
 BOUNDS = {"biss": 520, "ssi": 420, "spi": 550, "rs485": 550}
 #: Families with up to ten optional fields, of which a code has all, some or none, or with several CRCs.
-BOUNDS_OF_FAMILIES = {"c58": 470, "dl100": 470, "dl1000": 470, "icmr": 680}
+BOUNDS_OF_FAMILIES = {"c58": 470, "dl100": 470, "dl1000": 470, "icmr": 680, "icpvl": 550}
 
 #: What a user writes: a buffer from DMA, and the position.
 PROGRAM = """\
