@@ -27,7 +27,7 @@ COMPILERS = (
 #: Lines of a header, comments included.
 BOUNDS = {"biss": 520, "ssi": 420, "spi": 550, "rs485": 550}
 #: Families with up to ten optional fields, of which a code has all, some or none, or with several CRCs.
-BOUNDS_OF_FAMILIES = {"c58": 460, "dl100": 450, "dl1000": 455, "icmr": 670}
+BOUNDS_OF_FAMILIES = {"c58": 460, "dl100": 450, "dl1000": 455, "icmr": 670, "icpvl": 550}
 
 #: What a user writes: a buffer from DMA, and the position.
 PROGRAM = """\

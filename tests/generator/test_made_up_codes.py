@@ -14,7 +14,7 @@ from codewheel.targets.docs.files import generate
 from codewheel.targets.python.files import generate as generate_python
 
 UNCORROBORATED = {
-    *("acuro", "as38", "bml_s1g", "c58", "dl100", "dl1000", "icmn", "icmr"),
+    *("acuro", "as38", "bml_s1g", "c58", "dl100", "dl1000", "icmn", "icmr", "icpvl"),
     *("kcd", "la11", "msa213c", "ocd", "wdga"),
 }
 SAID = "Made-up order code: The label of the chip has only its name."
@@ -69,7 +69,7 @@ def test_the_c58_says_what_its_codes_and_decoders_lack(capsys: pytest.CaptureFix
 def test_every_code_with_a_width_of_our_own_says_it(every_encoder: Library) -> None:
     """The families whose sources name no labels. The widths of other codes are in their sources."""
     made_up = {device.name for device in every_encoder.devices if device.order_code.not_on_label}
-    settings = {"acuro", "bml_s1g", "c58", "dl100", "dl1000", "icmn", "icmr"}
+    settings = {"acuro", "bml_s1g", "c58", "dl100", "dl1000", "icmn", "icmr", "icpvl"}
     assert made_up == {"aksim2", "amt22", "icmu", "orbis", "orbis_serial", "resolute", "resolute_linear"} | settings
 
 

@@ -123,7 +123,7 @@ def test_each_grade_names_vectors_that_exist() -> None:
     assert counts == {
         "acuro": 0, "aksim2": 1, "am36": 0, "amm5": 0, "amt21": 0, "amt22": 1, "as38": 0, "as5047p": 0, "as5048a": 0,
         "as5055a": 0, "as5145": 0, "as5147": 0, "asc85": 0, "bml_s1g": 0, "c58": 0, "dl100": 0, "dl1000": 0, "icmhm": 0,
-        "icmn": 0, "icmr": 0, "icmu": 3, "kcd": 0, "la11": 0, "ma600": 0, "ma730": 0, "ma732": 3, "mlx90363": 4,
-        "msa213c": 0, "mt6701": 0, "mt6835": 0, "ocd": 0, "orbis": 0, "orbis_serial": 0, "resolute": 11,
+        "icmn": 0, "icmr": 0, "icmu": 3, "icpvl": 0, "kcd": 0, "la11": 0, "ma600": 0, "ma730": 0, "ma732": 3,
+        "mlx90363": 4, "msa213c": 0, "mt6701": 0, "mt6835": 0, "ocd": 0, "orbis": 0, "orbis_serial": 0, "resolute": 11,
         "resolute_linear": 11, "skm36": 9, "sma21": 0, "tle5012b": 0, "ts5700": 12, "wdga": 0,
     }  # fmt: skip

@@ -141,6 +141,21 @@ def icmn(order_code: str, word: int) -> Expected:
     return Expected(data >> 2, verdict_of(True, data & 2 == 0, data & 1 == 0))
 
 
+def icpvl(order_code: str, word: int) -> Expected:
+    """Pages 19 to 21 of the data sheet: 40 bits of revolutions, then the optional bits, from left to right."""
+    code, sync, error, warning, parity = order_code.rpartition("-")[2]
+    optional_bits = int(sync) + (error != "N") + (warning == "W") + (parity != "N")
+    if parity != "N" and word.bit_count() % 2 != (parity == "O"):
+        return REJECTED
+    turns = word >> optional_bits
+    flags = word // 2 if parity != "N" else word
+    # The warning is to the right of the error, and has its level.
+    has_warning = warning == "W" and flags % 2 == (error == "H")
+    error_bit = flags // 2 % 2 if warning == "W" else flags % 2
+    verdict = verdict_of(error != "N", error_bit == (error == "H"), has_warning)
+    return Expected(binary_number(turns) if code == "G" else turns, verdict)
+
+
 class Family(NamedTuple):
     """A family with its decoder from the manual, and the bits of each order code."""
 
@@ -161,6 +176,7 @@ DL1000 = {"24": 24, "24S1": 25, "24S8": 32, "25": 25}
 BML = {"S24": 24, "S25": 25, "S26": 26, "S32": 32}
 OCD = {"OCD-S101G-0013": 13, "OCD-S101G-1213": 25, "UCD-SHD1G-0013": 14, "UTD-S101G-1616": 32}
 ACURO = {"0014-G": 14, "0017-B": 17, "1214-B": 26, "1217-G": 29}
+ICPVL = {"B0NNN": 40, "G0NNE": 41, "B3NNO": 44, "G3LNN": 44, "B1HNE": 43, "G3LWO": 46, "B2HWN": 44, "G0LWE": 43}
 FAMILIES = [
     Family("sick", "dl100", "distance", dl100, {f"DL100-{form}": n for form, n in (DL100 | DL100_BINARY).items()}),
     Family("sick", "dl1000", "distance", dl1000, {f"DT1000-GRAY{form}-1MM": n for form, n in DL1000.items()}),
@@ -171,6 +187,7 @@ FAMILIES = [
     Family("posital", "ocd", "position", ocd, OCD),
     Family("hengstler", "acuro", "position", acuro, {f"ACURO-{form}": n for form, n in ACURO.items()}),
     Family("ichaus", "icmn", "position", icmn, {"iC-MN-25-8-T2": 41}, data_bits=35),
+    Family("ichaus", "icpvl", "multiturn", icpvl, {f"iC-PVL-40-{form}": n for form, n in ICPVL.items()}),
     Family("ichaus", "icmn", "position", icmn, {"iC-MN-8-0-T16": 16}, data_bits=10),
 ]
 
