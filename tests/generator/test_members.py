@@ -15,10 +15,14 @@ from codewheel.changes.families import compare_family
 from codewheel.changes.rules import RULES
 from codewheel.dump import plain, schema
 from codewheel.dump.xml import schema_text, to_xml
+from codewheel.language.part_schema import described_parts
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
+from codewheel.language.written import WrittenPart
 from codewheel.model import Device, Register
+from codewheel.model.key_types import name_of_part
 from codewheel.model.members import PARTS, PARTS_BY_CLASS, Member, Part
+from codewheel.model.part import keys_of
 from codewheel.model.record import dataclass
 from codewheel.readings import stated
 from codewheel.readings.compare import compare
@@ -41,6 +45,31 @@ RECORDS = {
     "SpiFacts": "interface",
     "SsiFacts": "interface",
 }
+#: Parts of a spec whose data have another name.
+NAMES_IN_DATA = {
+    **dict.fromkeys(("ssi", "biss", "rs485", "spi"), "interface"),
+    **dict.fromkeys(("rs485_exchange", "spi_exchange"), "exchange"),
+    "order_code": "order_code_grammar",
+}
+#: Parts of a spec that the data do not have: their keys become members of other parts, or only ``check`` reads them.
+ONLY_IN_SPECS = {"spec", "interfaces", "control_data", "gray", "printed_default", "reading", "section", "change"}
+#: Keys of a spec that the data do not have: other members follow from them, or only ``check`` reads them.
+KEYS_ONLY_IN_SPECS = {
+    "field": "use bits at top_bit low_bit padded_to makes_position_if others values_of text",
+    "field_group": "other_bits fields",
+    "layout": "when gray",
+    "register_meaning": "is",
+    "register": "addresses volatile",
+    "code_value": "meaning_differs",
+    "code_part": "label_is",
+    "alternative": "values",
+    "argument": "as",
+    "step": "until at_least_ms every_at_least_us",
+    "procedure": "printed_writes",
+    "erratum": "readings",
+    "manual": "contents",
+    "manual_edition": "before then",
+}
 #: Members that Python users have elsewhere: in the classes of frames and registers, in ``VARIANTS``, or as bytes.
 ELSEWHERE = {
     "FieldFacts": """kind high low width group container padding_of makes_position sums_up only only_while
@@ -55,6 +84,21 @@ ELSEWHERE = {
     "Erratum": "overlay edition",
     "PartValue": "interface sets only_with supply",
 }
+
+
+def test_each_key_of_a_spec_is_a_member_of_the_data() -> None:
+    """Otherwise a new key would be read from specs and then dropped without a word."""
+    members = {part.name: {member.name for member in part.members} for part in PARTS}
+    written_classes = [kind for kind in described_parts().values() if issubclass(kind, WrittenPart)]
+    dropped_keys = {}
+    for written_class in written_classes:
+        name = name_of_part(written_class.__name__)
+        if name in ONLY_IN_SPECS:
+            continue
+        keys = {described.name for described in keys_of(written_class)} - {"source"}
+        dropped_keys[name] = keys - members[NAMES_IN_DATA.get(name, name)]
+    expected_keys = {name: {*keys.split()} for name, keys in KEYS_ONLY_IN_SPECS.items()}
+    assert {name: keys for name, keys in dropped_keys.items() if keys} == expected_keys
 
 
 @pytest.mark.parametrize("kind", sorted(PARTS_BY_CLASS))
