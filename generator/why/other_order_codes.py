@@ -10,13 +10,14 @@ from typing import NamedTuple
 
 from ..model import Constant, Crc, Device, Layout, PlacedLayout, Variant
 from ..order_codes.parameters import possible_states, run_time_widths, with_changed
-from ..say.plain_text import counted, first_of
+from ..say.plain_text import counted
 from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
+from .texts import TEXTS
 
 #: A truncated frame of another order code is recognised by the rest of its CRC. At most this many bits may be missing.
-_MOST_CUT_BITS = 2
+MOST_CUT_BITS = 2
 #: Most register states to try, far more than today's encoders have.
-_MOST_STATES = 4096
+MOST_STATES = 4096
 
 
 class FrameShape(NamedTuple):
@@ -51,7 +52,7 @@ def _hypotheses_with_crc(
         if extra_bits > 0 and typed_frame.may_have(placed_layout.bits):
             yield _too_long_hypothesis(variant, shapes, crc, typed_frame.number, extra_bits)
         # A longer frame that lacks a few bits.
-        elif -_MOST_CUT_BITS <= extra_bits < 0 and typed_frame.bits == placed_layout.bits:
+        elif -MOST_CUT_BITS <= extra_bits < 0 and typed_frame.bits == placed_layout.bits:
             yield _too_short_hypothesis(variant, shapes, crc, typed_frame.number, lost_bits=-extra_bits)
 
 
@@ -68,8 +69,8 @@ def _too_long_hypothesis(
     are_zero_bits_right = number & zero_mask == 0
     frame = number >> extra_bits
     shape = _possible_shape(shapes, frame)
-    length_text = f"{shape.placed_layout.bits} bits"
-    mistake_text = f", read {counted(extra_bits, 'bit')} too long"
+    length_text = TEXTS["bits"].format(shape.placed_layout.bits)
+    mistake_text = TEXTS["read_too_long"].format(counted(extra_bits, "bit"))
     hypothesis = frame_hypothesis(
         _mistake_kind(shape.order_codes),
         f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
@@ -93,8 +94,8 @@ def _too_short_hypothesis(
     # The lost bits are 0 here, and ``frame_hypothesis`` does not compare them.
     frame = number << lost_bits
     shape = _possible_shape(shapes, frame)
-    length_text = f"{shape.placed_layout.bits} bits"
-    mistake_text = f", read {counted(lost_bits, 'bit')} too short"
+    length_text = TEXTS["bits"].format(shape.placed_layout.bits)
+    mistake_text = TEXTS["read_too_short"].format(counted(lost_bits, "bit"))
     hypothesis = frame_hypothesis(
         _mistake_kind(shape.order_codes),
         f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
@@ -133,9 +134,7 @@ def _complete_frame_hypotheses(
     # sorted by length.
     shortest_layout = possible_shapes[0].placed_layout
     order_codes = _order_codes_of(possible_shapes)
-    length_text = f"{shortest_layout.bits} bits"
-    if len(possible_shapes) > 1:
-        length_text += " or more"
+    length_text = TEXTS["bits_or_more" if len(possible_shapes) > 1 else "bits"].format(shortest_layout.bits)
     hypothesis = frame_hypothesis(
         _mistake_kind(order_codes),
         f"{length_text}, {_sender_text(variant, order_codes)}",
@@ -151,7 +150,7 @@ def _with_common_template(hypothesis: Hypothesis, length_text: str, mistake_text
     """Return the hypothesis with a template without the order codes, which can differ between frames of one encoder."""
     if not hypothesis.order_codes:
         return hypothesis
-    return replace(hypothesis, template=f"{length_text}, the frame of another order code{mistake_text}")
+    return replace(hypothesis, template=f"{length_text}, {TEXTS['of_other_code']}{mistake_text}")
 
 
 def _possible_shape(shapes: Sequence[FrameShape], frame: int) -> FrameShape:
@@ -182,10 +181,10 @@ def _sender_text(variant: Variant, order_codes: Sequence[str]) -> str:
     Without order codes, it is the frame of ``variant`` with other register values.
     """
     if not order_codes:
-        return f"the frame that {variant.code} sends when its registers select other widths"
-    if len(order_codes) == 2:
-        return f"the frame of {order_codes[0]} or {order_codes[1]}"
-    return f"the frame of {first_of(order_codes, 1)}"
+        return TEXTS["of_registers"].format(variant.code)
+    if len(order_codes) > 2:
+        return TEXTS["of_more_codes"].format(order_codes[0], len(order_codes) - 1)
+    return TEXTS["of_two_codes" if len(order_codes) == 2 else "of_code"].format(*order_codes)
 
 
 def _shapes_by_length(
@@ -236,17 +235,20 @@ def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> 
     return list(shape_by_key.values())
 
 
+def states_of_widths(device: Device, layout: Layout) -> Sequence[Sequence[Mapping[str, int]]]:
+    """Return all states of each register field that decides the length of a layout, or nothing without such fields."""
+    registers = run_time_widths(device, layout)
+    return possible_states([parameter for parameter in device.run_time_parameters if parameter.read_from in registers])
+
+
 def _parameters_of_states(device: Device, variant: Variant, layout: Layout) -> Iterator[Mapping[str, int]]:
     """Yield the parameters with each combination of values of the registers that decide the length of a layout.
 
     At most 4,096 combinations are tried. Without such registers, nothing is yielded.
     """
-    registers = run_time_widths(device, layout)
-    parameters_in_registers = [
-        parameter for parameter in device.run_time_parameters if parameter.read_from in registers
-    ]
-    if not parameters_in_registers:
+    states_by_field = states_of_widths(device, layout)
+    if not states_by_field:
         return
     # A combination consists of a state for each field: values by parameter name.
-    for state in islice(product(*possible_states(parameters_in_registers)), _MOST_STATES):
+    for state in islice(product(*states_by_field), MOST_STATES):
         yield with_changed(device, variant, ChainMap(*map(dict, state)))

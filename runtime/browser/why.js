@@ -457,7 +457,7 @@ function tryMistakesInBits(placedLayout, crc, typedFrame) {
   if (placedLayout.layout.crc_of) return hypotheses;
   return [
     ...hypotheses, ...tryRemovedStatus(placedLayout, crc, typedFrame),
-    ...tryOtherPolynomials(placedLayout, crc, typedFrame)];
+    ...tryOtherPolynomials(placedLayout, crc, typedFrame), ...tryOtherOrderCodes(placedLayout, typedFrame)];
 }
 
 /** Try the frame as sent with another CRC. */

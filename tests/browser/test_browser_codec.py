@@ -371,9 +371,8 @@ def test_registers_are_made_of_values(name: str, ask: Ask, node: Asker, library:
 
 # ------------------------------------------------------------ why a CRC is wrong
 
-#: Mistakes that the page explains. Only the command explains the others.
-#: Mistakes that only the command knows, since they need other order codes, register values or answers.
-COMMAND_KINDS = {"other_order_code", "other_widths", "other_answer"}
+#: Mistakes that only the command knows, since they name its options.
+COMMAND_KINDS = {"other_answer"}
 #: A mistake: its text, the number of random frames among which one matches, and what the frame then reads.
 Reason = list[Any]
 #: Families whose replies over SPI have a CRC, a parity, or bits that are sent during the command.

@@ -63,6 +63,7 @@ from ...why.hypotheses import (
 )
 from ...why.in_bytes import MOST_ECHOED_BYTES
 from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
+from ...why.other_order_codes import MOST_CUT_BITS, MOST_STATES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
 from ...why.texts import START_BITS, TEXTS
 from .. import NO_OPTIONS, Library, Options, Target
@@ -348,7 +349,8 @@ def script_table(library: Library) -> Data:
         "polynomials": POLYNOMIALS,
         "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "without_pair": INVERTED_WITHOUT_PAIR}
         | {"frames": MOST_FRAMES, "bits": LEAST_BITS, "equal_bits": LEAST_EQUAL_BITS, "certain": CERTAIN}
-        | {"channel_crc_bits": LEAST_CRC_BITS, "with_second": WITH_SECOND_MISTAKE},
+        | {"channel_crc_bits": LEAST_CRC_BITS, "with_second": WITH_SECOND_MISTAKE}
+        | {"cut_bits": MOST_CUT_BITS, "states": MOST_STATES},
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
         "known_crcs": [[json_number(known.polynomial), known.init, known.use] for known in KNOWN_CRCS],
         "byte_polynomials": [polynomial for polynomial in POLYNOMIALS if polynomial.bit_length() == 9],

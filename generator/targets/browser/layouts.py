@@ -50,6 +50,7 @@ from ...say.register import facts
 from ...say.report import alarm_of, meaning, of_older_edition, remedy, source, states
 from ...say.text import PLAIN_STYLE, spec_text
 from ...why.exchanges import usual_values_of
+from ...why.other_order_codes import states_of_widths
 
 Data = dict[str, Any]
 #: Characters that could end the surrounding script element, an HTML comment, or a line of the script.
@@ -257,6 +258,8 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
         # A byte that the bits sent do not fill begins with these zeros.
         fill=(codec.layout.bits - codec.layout.sent_bits).constant,
         crc=crc.crc.name if crc is not None else "",
+        # For each register field that decides the length, all values of its parameters.
+        states=[[*map(dict, states)] for states in states_of_widths(device, codec.layout)] if codec.crcs else [],
         crcs=optional_crcs,
         # If the CRC covers only a part of the frame: the lowest bit, and the number of bits.
         crc_of=[crc.low, crc.covered.constant] if crc is not None and crc.is_part else [],
