@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..language.problems import DocumentReport, quoted
-from ..model import Argument, Device, ModifyStep, Parameter, Procedure, Step, WriteStep, member_named
+from ..model import Argument, Device, ModifyStep, Parameter, Procedure, Step, WriteStep
 
 
 def check_limits_in_procedures(device: Device, report: DocumentReport) -> None:
@@ -49,7 +49,8 @@ def _parameters_changed_unseen(device: Device, step: Step) -> Iterator[Parameter
 
 
 def _arguments_written(procedure: Procedure, steps: tuple[Step, ...]) -> Iterator[Argument]:
-    """Yield the arguments that steps write."""
+    """Yield the arguments that steps write. A value that is not an argument is reported elsewhere."""
+    arguments = {argument.name: argument for argument in procedure.arguments}
     for step in steps:
-        if isinstance(step, WriteStep | ModifyStep) and step.value is None:
-            yield member_named(procedure.arguments, step.value_name, f"argument of '{procedure.name}'")
+        if isinstance(step, WriteStep | ModifyStep) and step.value is None and step.value_name in arguments:
+            yield arguments[step.value_name]
