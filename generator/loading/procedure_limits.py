@@ -49,7 +49,7 @@ def _parameters_changed_unseen(device: Device, step: Step) -> Iterator[Parameter
 
 
 def _arguments_written(procedure: Procedure, steps: tuple[Step, ...]) -> Iterator[Argument]:
-    """Yield the arguments that steps write. Other names are reported elsewhere."""
+    """Yield the arguments that steps write. A value that is not an argument is reported elsewhere."""
     arguments = {argument.name: argument for argument in procedure.arguments}
     for step in steps:
         if isinstance(step, WriteStep | ModifyStep) and step.value is None and step.value_name in arguments:

@@ -268,14 +268,15 @@ FRAMES = (
             "equals", "expression?", "Number expected on this device.", "field-expected", "documented value", form="hex"
         ),
         Member("equals_text", "string", "Text expected on this device."),
-        Member("constant", "integer?", "Fixed value of the bits.", "field-constant", "bits", of="value"),
+        Member("constant", "integer?", "Fixed value of the bits.", "field-constant", "value", of="value", form="hex"),
         Member(
             "unused",
             "integer?",
             "Documented value of unused bits. A frame with any other value is still decoded.",
             "field-constant",
-            "bits",
+            "value",
             of="value",
+            form="hex",
         ),
         Member(
             "active",
