@@ -93,7 +93,7 @@ def _picture(device: Device, variant: Variant, placed: PlacedLayout) -> Iterator
 def _legend(placed: PlacedLayout) -> str:
     """Return the names of the fields that are drawn with a letter."""
     lettered = [field for field in _left_to_right(placed) if _is_narrow(placed, field)]
-    letters = [f"{_letter(field)} = {words(field.name)}" for field in lettered]
+    letters = [f"{_letter(field)}\u00a0=\u00a0{words(field.name)}" for field in lettered]
     return f" {', '.join(letters)}." if letters else ""
 
 
