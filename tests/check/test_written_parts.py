@@ -29,6 +29,10 @@ _ASKING = ("has", "is_valid", "names_in", "place_of")
 RULES = Path(written_parts.__file__).parent / "rules"
 #: Most places at which rules may ask by text whether a key was given.
 MOST_PRESENCE_TESTS = 40
+#: Most keys with a literal JSON Schema, and most keys with a second sentence.
+MOST_OWN_SCHEMAS, MOST_SECOND_SENTENCES = 5, 110
+#: Most reads of a map by text in rules, most of them of maps with a type.
+MOST_UNTYPED_READS = 120
 SPEC = Path(__file__).parents[2] / "specs/lika/amm5.yaml"
 
 
@@ -194,3 +198,18 @@ def test_rules_have_no_values_that_mypy_does_not_check() -> None:
     """A value of any type is an object, whose type a rule must ask for."""
     modules_with_any = [path.name for path in RULES.glob("*.py") if re.search(r"\bAny\b", path.read_text("utf-8"))]
     assert modules_with_any == []
+
+
+def test_classes_describe_types_and_keys_in_words() -> None:
+    """A schema of its own, or a second sentence for readers of the data, needs a reason: mostly the type has both."""
+    described_keys = [described.key for kind in described_parts().values() for described in keys_of(kind)]
+    own_schemas = [key for key in described_keys if key.schema]
+    second_sentences = [key for key in described_keys if key.reading or (key.about and key.data)]
+    assert len(own_schemas) <= MOST_OWN_SCHEMAS
+    assert len(second_sentences) <= MOST_SECOND_SENTENCES
+
+
+def test_rules_read_few_values_without_a_type() -> None:
+    texts = [path.read_text(encoding="utf-8") for path in RULES.glob("*.py")]
+    untyped_reads = [match for text in texts for match in re.findall(r'\.get\(|\["', text)]
+    assert len(untyped_reads) <= MOST_UNTYPED_READS

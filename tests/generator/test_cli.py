@@ -294,10 +294,12 @@ def test_only_the_targets_that_run_are_imported(arguments: str, imported: set[st
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("arguments", ["show AMM5A17/1SC1", "decode AMM5A17/1SC1 0x3F"])
-def test_an_encoder_from_the_cache_needs_no_rules(arguments: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "arguments", ["show AMM5A17/1SC1", "decode AMM5A17/1SC1 0x3F", "generate specs/cui --target biss -o OUTPUT"]
+)
+def test_a_result_from_the_cache_needs_no_rules(arguments: str, tmp_path: Path) -> None:
     script = "import sys; from codewheel.commands.cli import main; main(sys.argv[1:]); print(*sorted(sys.modules))"
-    command = [sys.executable, "-c", script, *arguments.split()]
+    command = [sys.executable, "-c", script, *arguments.replace("OUTPUT", str(tmp_path / "output")).split()]
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
     for imports_rules in (True, False):
         done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT, env=environment)

@@ -115,7 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
         Stop: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
     """
     from ..selection import select_specs
-    from .files import is_unchanged
+    from .earlier_run import is_unchanged
 
     cache = cache_for(arguments)
     selection = select_specs(arguments, cache)
@@ -139,7 +139,8 @@ def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Se
         targets_named,
     )
     from ..read_specs import report_unknown_families
-    from .files import result_to_store, write_or_compare
+    from .earlier_run import result_to_store
+    from .files import write_or_compare
 
     with Progress("codewheel: reading the specs"):
         families, report = load_families(selection.paths, cache)

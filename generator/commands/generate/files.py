@@ -10,7 +10,6 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
-from typing import TypedDict
 
 from ...cache import Cache
 from ...changes.names import name_changes
@@ -25,41 +24,10 @@ from ...removable_outputs import Guard
 from ...say.plain_text import counted
 from ...targets import Library, TargetError
 from ...targets.registry import load_target
-from ...write import Change, changes, digest_of, digest_on_disk, left_stages, write
+from ...write import Change, changes, left_stages, write
 from ..outputs import accepted_devices
 from ..terminal import Stop
-
-#: The files of each target, as texts by path.
-Files = Mapping[str, Mapping[str, str]]
-#: The families of each target, as ``owners`` returns them.
-Families = Mapping[str, Sequence[str]]
-
-
-class Generated(TypedDict):
-    """Result of a run: the line about the specs, the targets, and the number and digest of their files."""
-
-    read_line: str
-    targets: list[str]
-    count: int
-    digest: str
-
-
-def is_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> bool:
-    """Return True if the files on the disk come from an earlier run, and repeat its output.
-
-    ``generated`` is the result of that run, or None if there is none with the same input.
-    """
-    if generated is None or digest_on_disk(arguments.output, generated["targets"]) != generated["digest"]:
-        return False
-    print(generated["read_line"])
-    _print_summary(arguments, generated["count"], changed=0)
-    return True
-
-
-def result_to_store(read_line: str, files: Files, families: Families) -> Generated:
-    """Return the result of a run that rendered these files."""
-    count = sum(map(len, files.values()))
-    return Generated(read_line=read_line, targets=list(files), count=count, digest=digest_of(files, families))
+from .earlier_run import Families, Files, print_summary
 
 
 def write_or_compare(
@@ -121,19 +89,7 @@ def _print_changes(file_changes: Sequence[Change], arguments: argparse.Namespace
         print(f"{word:<10} {(arguments.output / change.path).as_posix()}")
     if arguments.check and changed_files:
         _print_targets_by_state(file_changes)
-    _print_summary(arguments, len(file_changes), len(changed_files))
-
-
-def _print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
-    """Print the number of files. With ``--check``, raise ``Stop`` with exit code 1 if ``changed`` of them differ."""
-    if arguments.check and changed:
-        raise Stop(f"{counted(changed, 'file')} out of date; run: {arguments.again}", 1)
-    if arguments.check:
-        print(f"{counted(count, 'file')} up to date")
-    elif changed:
-        print(f"{counted(changed, 'file')} changed, {count - changed} unchanged")
-    else:
-        print(f"all {count} files unchanged")
+    print_summary(arguments, len(file_changes), len(changed_files))
 
 
 def _print_targets_by_state(file_changes: Iterable[Change]) -> None:
