@@ -60,7 +60,7 @@ def nearest_codes_hint(codes: str) -> str:
 #: Highest number of characters in a label, and those shown of a longer text.
 LONGEST, _SHOWN_CHARACTERS = 100, 20
 #: Least similarity, of 1, for a code to be suggested.
-NEAR = 0.4
+NEAR = 0.5
 
 _BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
 #: Regular expression for text that may follow the code on a label.

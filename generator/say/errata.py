@@ -144,6 +144,8 @@ def _path_in_words(steps: Sequence[str]) -> str:
             case [key] if key in _KEYS:
                 words = _KEYS[key].format(words)
                 later_steps = []
+            case [row, *later_steps] if row.isdecimal():
+                words = _of_owner(f"row {row}", words)
             case [step, *later_steps]:
                 words = _of_owner(f"the {_WORDS_OF_STEPS.get(step, step.replace('_', ' '))}", words)
         remaining_steps = later_steps

@@ -105,7 +105,7 @@ def test_commands_that_read_know_both(capsys: pytest.CaptureFixture[str], two: P
     assert run(capsys, "show", "amm5")[::2] == (0, "")
     code, out, err = run(capsys, "list", "--json")
     assert (code, err) == (0, "")
-    assert [row["family"] for row in json.loads(out)["families"]][:3] == ["enc_a", "enc_b", "aksim2"]
+    assert [row["family"] for row in json.loads(out)["families"]][:3] == ["enc_a", "enc_b", "acuro"]
     # Whoever names specs gets these alone.
     code, out, _ = run(capsys, "list", "specs/aa", "--json")
     assert [row["family"] for row in json.loads(out)["families"]] == ["enc_a"]
@@ -651,8 +651,8 @@ def test_targets_of_two_runs_are_named(capsys: pytest.CaptureFixture[str], two: 
         # The pattern of several families is {model}, which has a place for any label.
         ("EQN1325", "'EQN1325' is not a known order code; codewheel list shows the known patterns"),
         ("EQN1325-X", "'EQN1325-X' is not a known order code; codewheel list shows the known patterns"),
-        ("WDGA36E", "'WDGA36E' is not a known order code; the nearest are WDGA36E-06-1218-SIA"),
-        ("AS5047P1", "'AS5047P1' is not a known order code; the nearest are AS5047P, AS5147P"),
+        ("WDGA36E", "'WDGA36E' is not an order code of WDGA; the nearest are WDGA36E-06-1218-SIA"),
+        ("AS5047P1", "'AS5047P1' is not an order code of AS5047P; the nearest are AS5047P"),
     ],
 )
 def test_an_unknown_label_is_close_to_no_family(capsys: pytest.CaptureFixture[str], label: str, message: str) -> None:

@@ -151,7 +151,7 @@ def test_registers(capsys: pytest.CaptureFixture[str]) -> None:
             2,
             "there is no master 'synaptikon'; did you mean 'synapticon'?",
         ),
-        (["AMM5A23"], 2, "is not a known order code"),
+        (["AMM5A23"], 2, "is not an order code of AMM5"),
         (["AMM5A23/65KSC1", "--register", "0x56=0x10"], 2, "does not change how a frame is read"),
     ],
 )

@@ -36,14 +36,7 @@ ROOT = HERE.parents[1]
 PACKAGE = ROOT / "examples" / "rust-target"
 
 #: Specs that are not for this target.
-<<<<<<< HEAD
-OTHERS = ("long_crc", "lowfirst", "gray_parity", "options", "crc_options", "long_names", "switched")
-=======
-OTHERS = (
-    *("long_crc", "lowfirst", "gray_parity", "options", "crc_options", "icmr"),
-    *("icpvl", "long_names", "switched"),
-)
->>>>>>> i47
+OTHERS = ("long_crc", "lowfirst", "gray_parity", "options", "crc_options", "icpvl", "long_names", "switched")
 
 
 def _specs() -> Iterator[str]:
