@@ -39,13 +39,14 @@ def other_positions(
 
     Zeros in front of the typed frame may also have been received, so those recordings that SSI allows follow.
 
-    The list is empty if a CRC or an error contradicts other readings, or if the frame has no position. Readings with
-    the same position are left out.
+    The list is empty if a CRC or an error contradicts other readings, if the frame has no position, or if it has
+    numbers whose digits are sent separately. Readings with the same position are left out.
     """
     placed_layout = decoded.layout
     if placed_layout is None or placed_layout.layout.in_bytes or placed_layout.layout.sender != "encoder":
         return []
-    if decoded.problems or decoded.crc is not None:
+    has_digits = any(field.number.digit_code for field in placed_layout.layout.fields)
+    if decoded.problems or decoded.crc is not None or has_digits:
         return []
     position_field = position_name(device, variant)
     position = decoded.values.get(position_field)

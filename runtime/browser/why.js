@@ -1045,7 +1045,8 @@ function otherPositions({ placedLayout, number, problems, crc, fields, typedFram
   const positionIn = (decodedFields) => decodedFields.find((field) => field.name === name);
   const position = positionIn(fields);
   const hasPosition = typeof position?.value === "bigint";
-  if (!isWordOfEncoder || problems.length || crc || !hasPosition) return [];
+  const hasDigits = Boolean(placedLayout?.digits.length);
+  if (!isWordOfEncoder || problems.length || crc || !hasPosition || hasDigits) return [];
   const doubtfulFrames = listDoubtfulFrames(placedLayout, number, position);
   const textsAndFrames = [
     ...doubtfulFrames.map((frameNumber, index) => [TABLE.doubts[index], frameNumber]),

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device, kinds
 from codewheel.model.kinds import DigitCode
@@ -170,3 +171,19 @@ def test_encoders_refuse_numbers_without_digits(device: Device, import_generated
 @pytest.mark.parametrize(("width", "highest"), [(1, 1), (3, 7), (4, 9), (5, 19), (8, 99), (10, 399), (64, 10**16 - 1)])
 def test_highest_number_of_bits(width: int, highest: int) -> None:
     assert DigitCode("BCD", 4, tuple(range(10))).highest(width) == highest
+
+
+def test_no_other_position_is_proposed(capsys: pytest.CaptureFixture[str]) -> None:
+    """Most other readings of a frame with digits have a digit that does not exist."""
+    specs = [argument for name in ("digits", "manufacturer") for argument in ("--specs", str(SPECS / f"{name}.yaml"))]
+    assert main(["decode", "BCDS", "0b00100101110101100101", *specs]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "position 0x359 359 counts" in text
+    assert "look wrong" not in text
+
+
+def test_a_frame_without_digits_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
+    specs = [argument for name in ("digits", "manufacturer") for argument in ("--specs", str(SPECS / f"{name}.yaml"))]
+    assert main(["decode", "BCDS", "0b00100101110101101001", *specs]) == 1
+    text = " ".join(capsys.readouterr().out.split())
+    assert "position is sent as 0x35a, but it must be BCD of at most 359" in text
