@@ -8,9 +8,23 @@
 function tryOtherOrderCodes(placedLayout, typedFrame) {
   const { layout, family } = placedLayout;
   const crcNames = layout.crcs ? Object.values(layout.crcs) : [layout.crc];
-  const shapes = [...listShapesOfCodes(placedLayout), ...listShapesOfRegisters(placedLayout)];
+  const shapes = listShapes(placedLayout);
   return crcNames.map((name) => family.crcs[name]).flatMap(
     (crc) => tryShapes(placedLayout, crc, typedFrame, groupByLength(placedLayout, crc, shapes)));
+}
+
+/** The shapes of the last parameters, by layout. Several frames of one encoder have the same shapes. */
+const lastShapes = new WeakMap();
+
+/** List all shapes of a layout: those of order codes, and then those that only registers can select. */
+function listShapes(placedLayout) {
+  const parametersKey = Object.entries(placedLayout.parameters).join(" ");
+  const last = lastShapes.get(placedLayout.layout);
+  if (last?.parametersKey === parametersKey) return last.shapes;
+  const shapesOfCodes = listShapesOfCodes(placedLayout);
+  const shapes = [...shapesOfCodes, ...listShapesOfRegisters(placedLayout, shapesOfCodes)];
+  lastShapes.set(placedLayout.layout, { parametersKey, shapes });
+  return shapes;
 }
 
 /** Try the shapes, which have this CRC and are grouped by their length. */
@@ -119,9 +133,8 @@ function listShapesOfCodes(placedLayout) {
 const layoutCrcName = ({ family, crc }) => Object.keys(family.crcs ?? {}).find((name) => family.crcs[name] === crc) ?? "";
 
 /** List the shapes that only registers can select, the first for each length. */
-function listShapesOfRegisters(placedLayout) {
-  const { family, layout, parameters } = placedLayout;
-  const lengths = new Set(listShapesOfCodes(placedLayout).map((shape) => shape.placedLayout.bits));
+function listShapesOfRegisters({ family, layout, parameters }, shapesOfCodes) {
+  const lengths = new Set(shapesOfCodes.map((shape) => shape.placedLayout.bits));
   const own = Object.fromEntries((family.given ?? []).map((name) => [name, parameters[name]]));
   return combineStates(layout.states ?? []).flatMap((state) => {
     const changed = Object.fromEntries(Object.entries(state).map(([name, value]) => [name, toBigInt(value)]));

@@ -145,7 +145,10 @@ static inline uint64_t cw_to_gray_excess(
     return cw_to_gray(cw_with_field(word, low, bits, sum), low, bits);
 }
 
-/** Return the digit with this code, or base if no digit has it. codes has the code of the digit 0 in its lowest bits. */
+/**
+ * Return the digit with this code, or base if no digit has it. codes has the code of the digit 0 in
+ * its lowest bits.
+ */
 CW_CONSTEXPR
 static inline uint32_t cw_digit(uint64_t code, uint32_t digit_bits, uint32_t base, uint64_t codes)
 {
@@ -159,7 +162,8 @@ static inline uint32_t cw_digit(uint64_t code, uint32_t digit_bits, uint32_t bas
 /**
  * Convert the field that starts at bit low from separate digits to a number and return the word.
  *
- * If the bits of a digit are the code of no digit, all bits of the field are then 1, which is above the highest number.
+ * If the bits of a digit are the code of no digit, all bits of the field are then 1, which is above
+ * the highest number.
  */
 CW_CONSTEXPR
 static inline uint64_t cw_from_digits(
@@ -169,7 +173,8 @@ static inline uint64_t cw_from_digits(
     uint64_t number = 0U;
     uint64_t weight = 1U;
     for (uint32_t place = 0U; place < bits; place += digit_bits) {
-        const uint32_t digit = cw_digit(cw_field(digits, place, digit_bits), digit_bits, base, codes);
+        const uint64_t code = cw_field(digits, place, digit_bits);
+        const uint32_t digit = cw_digit(code, digit_bits, base, codes);
         if (digit == base) {
             number = cw_mask(bits);
             break;
@@ -180,7 +185,7 @@ static inline uint64_t cw_from_digits(
     return cw_with_field(word, low, bits, number);
 }
 
-/** Convert the field that starts at bit low from a number to separate digits and return the word. */
+/** Convert the field at bit low from a number to separate digits and return the word. */
 CW_CONSTEXPR
 static inline uint64_t cw_to_digits(
     uint64_t word, uint32_t low, uint32_t bits, uint32_t digit_bits, uint32_t base, uint64_t codes)
