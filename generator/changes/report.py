@@ -305,6 +305,8 @@ def _result_lines(findings: DiffResult) -> Iterator[str]:
         yield wrapped(f"generated: {'; '.join(statements)}", WIDTH, prefix="  ", first="")
 
 
+#: The version of a package whose file of the manufacturer has none.
+_NO_VERSION = "0.0.0"
 #: The version of a manufacturer's package in its file, whose first group precedes the number.
 _VERSION = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
 
@@ -350,13 +352,17 @@ def _files_of_manufacturer(families: Iterable[Family]) -> set[str]:
 def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
     """Yield each file with its text and the new version of the package.
 
+    A file without a version, such as one that ``codewheel new`` wrote, gets a line at its end.
+
     Raises:
-        NotRecorded: A file has no line with a version, or several such lines.
+        NotRecorded: The version of a file is not in a line of its own, or in several.
     """
     for path in map(Path, sorted(files)):
         old_text = path.read_text(encoding="utf-8")
         new_text, replacement_count = _VERSION.subn(rf'\g<1>"{package.new}"', old_text)
-        if replacement_count != 1:
+        if replacement_count == 0 and package.stated == _NO_VERSION:
+            new_text = f'{old_text.rstrip()}\nversion: "{package.new}"\n'
+        elif replacement_count != 1:
             raise NotRecorded(f'{path} has no line like version: "{package.stated}"; set it to {package.new} by hand')
         yield path, new_text
 

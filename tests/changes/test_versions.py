@@ -283,6 +283,16 @@ def test_a_version_that_cannot_be_written(
         assert not (new / "demo.changes.json").exists()
 
 
+@pytest.mark.slow
+def test_a_first_version_gets_a_line(tmp_path: Path) -> None:
+    """``codewheel new`` writes a file of the manufacturer without a version."""
+    no_version = ("\nversion: ", "\n# version: ")
+    old = write_specs(tmp_path / "old", no_version)
+    new = write_specs(tmp_path / "new", no_version, ("max_hz: 10000000", "max_hz: 5000000"))
+    main(["diff", str(old), str(new), "--record"])
+    assert (new / "manufacturer.yaml").read_text(encoding="utf-8").endswith('\nversion: "0.1.0"\n')
+
+
 def test_a_folder_is_needed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     old = write_specs(tmp_path / "old")
     assert main(["diff", str(old), str(old / "demo.yaml"), "--record"]) == 2

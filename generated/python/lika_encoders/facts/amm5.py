@@ -2728,7 +2728,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="reset_standstill",
         title="A shaft turning at 300 rpm is called stopped",
-        printed="Note on data IDs C and 7: \"while the shaft is in stop (rotational speed 300 rpm or less)\"",
+        printed="Note on data IDs C and 7: \"while the encoder shaft is in stop (rotational speed 300 rpm or less)\"",
         used="The condition is standstill, which the manual defines as 300 rpm or less.",
         why=(
             "A shaft at 300 rpm is not at a standstill. The descriptions of C and 7 have no condition at all. The "
