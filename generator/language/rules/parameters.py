@@ -193,14 +193,17 @@ def all_parameters(expression_text: object, parameters: Mapping[str, WrittenPara
 
 
 def _list_factors(expression_text: object) -> list[Factor]:
-    """Return the factors of all terms of an expression, or none if it is not valid."""
+    """Return the factors of all terms of an expression as it is written, or none if it is not valid.
+
+    ``bits + bits`` has the factor twice, although it is one term.
+    """
     if not isinstance(expression_text, (int, str)):
         return []
     try:
         terms = Expression.parse(expression_text).terms
     except ExpressionError:  # Reported by the rule on expressions.
         return []
-    return [factor for term in terms for factor in term.factors]
+    return [factor for term in terms for factor in term.factors * abs(term.multiple)]
 
 
 def check_long_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
