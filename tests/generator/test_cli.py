@@ -106,7 +106,7 @@ def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.Capture
 def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]) -> None:
     sma21 = shown_text(capsys, "SMA21-SC4-0050")
     assert "50 µm per count, 1,048,576 counts in total, maximum 1,048,575, 52,428.800 mm in total" in sma21
-    assert "configuration.select_preset_offset is 0 (preset), the register holds preset, 0 to 1,048,575:" in sma21
+    assert "configuration.select_preset_offset is 0 (preset), the register holds preset, 0 to 1,048,575." in sma21
     assert "Time-out varies with the clock, at most 16 µs" in sma21
     ssi = shown_text(capsys, "AMC3616/4096-GG")
     assert "below 400 kHz with a cable shorter than 50 m" in ssi

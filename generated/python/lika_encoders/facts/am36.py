@@ -196,7 +196,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The SSI pause of 12 µs is printed as "at least" and as ">" (open) [5.1, 5.3, amm5: 5.3]:
+# Erratum: The words and the sign for the SSI pause of 12 µs disagree (open) [5.1, 5.3, amm5: 5.3]:
 # Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs).
 # Used: The minimum is 12 µs. Use a longer pause.
 #
@@ -1199,7 +1199,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The SSI pause of 12 µs is printed as \"at least\" and as \">\"",
+        title="The words and the sign for the SSI pause of 12 µs disagree",
         printed="5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs)",
         used="The minimum is 12 µs. Use a longer pause.",
         why=(

@@ -149,7 +149,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The SSI pause of 12 µs is printed as "at least" and as ">" (open) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
+# Erratum: The words and the sign for the SSI pause of 12 µs disagree (open) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
 # Printed: Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs.
 # Used: The minimum is 12 µs. Use a longer pause.
 
@@ -1262,7 +1262,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The SSI pause of 12 µs is printed as \"at least\" and as \">\"",
+        title="The words and the sign for the SSI pause of 12 µs disagree",
         printed="Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs",
         used="The minimum is 12 µs. Use a longer pause.",
         why=(

@@ -186,7 +186,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The SSI pause of 16 µs is printed as "at least" and as ">" (open) [5.1, 5.3 p.22]:
+# Erratum: The words and the sign for the SSI pause of 16 µs disagree (open) [5.1, 5.3 p.22]:
 # Printed: Pause of at least 16 µs (Tp > 16 µs).
 # Used: The minimum is 16 µs. Use a longer pause.
 # Why: The words "at least" allow 16 µs, but the sign ">" does not.
@@ -2739,7 +2739,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The SSI pause of 16 µs is printed as \"at least\" and as \">\"",
+        title="The words and the sign for the SSI pause of 16 µs disagree",
         printed="Pause of at least 16 µs (Tp > 16 µs)",
         used="The minimum is 16 µs. Use a longer pause.",
         why="The words \"at least\" allow 16 µs, but the sign \">\" does not.",
