@@ -11,9 +11,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from codewheel.changes.rules import OUTPUTS, RULES, TITLES, Impact, Rule
-from codewheel.language.problems import listed
-from codewheel.say.markdown import code, escape, link, table
+from codewheel.changes.rules import OUTPUTS, RULES, TITLES, ChangeRule, Impact
+from codewheel.language.problems import join_words
+from codewheel.say.markdown import code_span, escape, markdown_link, table
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER, DATA = ROOT / "docs/transcribe", ROOT / "generator" / "language" / "rules.json"
@@ -80,10 +80,10 @@ def rules_pages() -> dict[str, str]:
     for first, last in _LETTERS:
         page, title = f"rules-{first}-to-{last}.md", f"Rules of check: {first.upper()} to {last.upper()}"
         rules = [rule for rule in shown_examples if first <= rule[0] <= last]
-        links = ", ".join(link(code(rule), f"{page}#{rule}") for rule in rules)
-        list_items.append(f"- {link(title, page)}: {links}")
+        links = ", ".join(markdown_link(code_span(rule), f"{page}#{rule}") for rule in rules)
+        list_items.append(f"- {markdown_link(title, page)}: {links}")
         sections = [_example_section(shown_examples[rule]) for rule in rules]
-        pages[page] = [f"# {title}", f"The {link('list of rules', 'rules.md')} explains this page.", *sections]
+        pages[page] = [f"# {title}", f"The {markdown_link('list of rules', 'rules.md')} explains this page.", *sections]
     pages["rules.md"] = ["# Rules", _INTRODUCTION, "\n".join(list_items)]
     pages["rules-of-diff.md"] = ["# Rules of diff", _INTRODUCTION_OF_DIFF, *_diff_rules()]
     return {page: "\n\n".join([_MADE_FROM, *parts]) + "\n" for page, parts in pages.items()}
@@ -98,11 +98,11 @@ def _example_section(example: Example) -> str:
 
 def _diff_rules() -> Iterator[str]:
     """Yield a heading and a table for each combination of impacts, the gravest first."""
-    rules_by_impacts: dict[tuple[Impact, ...], list[Rule]] = {}
+    rules_by_impacts: dict[tuple[Impact, ...], list[ChangeRule]] = {}
     for rule in RULES.values():
         rules_by_impacts.setdefault(rule.impacts, []).append(rule)
     for impacts in sorted(rules_by_impacts, key=lambda impacts: (max(impacts), *impacts), reverse=True):
-        rows = [(code(rule.name), escape(rule.when), escape(rule.why)) for rule in rules_by_impacts[impacts]]
+        rows = [(code_span(rule.name), escape(rule.when), escape(rule.why)) for rule in rules_by_impacts[impacts]]
         yield f"## {_impacts_in_words(impacts)}"
         yield table(["Rule", "When", "Why"], rows)
 
@@ -113,7 +113,7 @@ def _impacts_in_words(impacts: Sequence[Impact]) -> str:
     for impact, output in zip(impacts, OUTPUTS, strict=True):
         if output != "pages":
             outputs_by_impact.setdefault(impact.word, []).append(TITLES[output])
-    return " · ".join(f"{listed(outputs)}: {impact}" for impact, outputs in outputs_by_impact.items())
+    return " · ".join(f"{join_words(outputs)}: {impact}" for impact, outputs in outputs_by_impact.items())
 
 
 def _shortened(line: str) -> str:

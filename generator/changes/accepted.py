@@ -8,13 +8,13 @@ from datetime import date
 from pathlib import Path
 
 from ..language.document import Document
-from ..language.problems import Report, listed, quoted, suggestion
+from ..language.problems import ProblemReport, join_words, quoted, suggest_word
 from ..language.read import read_document
 from .rules import RULES, Change
 
 #: Name of the file next to the new specs.
 NAME = "accepted.yaml"
-_KEYS = ("family", "rule", "path", "why", "until")
+_ENTRY_KEYS = ("family", "rule", "path", "why", "until")
 
 
 class NotAccepted(ValueError):
@@ -41,7 +41,7 @@ def read_accepted(file: Path) -> list[Accepted]:
     Raises:
         NotAccepted: The file cannot be read, has another shape, or an entry lacks a key, names no rule or has no date.
     """
-    report = Report()
+    report = ProblemReport()
     document = read_document(file, report)
     # A report with problems is true.
     if document is None or report:
@@ -56,16 +56,16 @@ def _read_acceptance(document: Document, index: int, acceptance: object) -> Acce
     """Return the accepted change at this index of the file.
 
     Raises:
-        NotAccepted: The entry is not a map with exactly the keys ``_KEYS``, or its rule or date is not valid.
+        NotAccepted: The entry is not a map with exactly the keys ``_ENTRY_KEYS``, or its rule or date is not valid.
     """
     line, _ = document.position(("accepted", index))
     location = f"{document.file}:{line}"
-    if not isinstance(acceptance, dict) or set(acceptance) != set(_KEYS) or not _has_texts(acceptance):
-        raise NotAccepted(f"{location}: an accepted change has the keys {listed(_KEYS)}, each with text")
+    if not isinstance(acceptance, dict) or set(acceptance) != set(_ENTRY_KEYS) or not _has_texts(acceptance):
+        raise NotAccepted(f"{location}: an accepted change has the keys {join_words(_ENTRY_KEYS)}, each with text")
     rule = acceptance["rule"]
     until = acceptance["until"]
     if rule not in RULES:
-        raise NotAccepted(f"{location}: there is no rule {quoted(rule)}{suggestion(rule, RULES)}")
+        raise NotAccepted(f"{location}: there is no rule {quoted(rule)}{suggest_word(rule, RULES)}")
     try:
         return Accepted(**{**acceptance, "until": date.fromisoformat(until)})
     except ValueError:
@@ -110,7 +110,7 @@ def _suggest_correction(acceptance: Accepted, changes: Sequence[Change]) -> str:
     """
     families = {change.family for change in changes}
     if acceptance.family not in families:
-        return suggestion(acceptance.family, sorted(families), "families with changes")
+        return suggest_word(acceptance.family, sorted(families), "families with changes")
     family_changes = [change for change in changes if change.family == acceptance.family]
     paths_of_rule = [change.path for change in family_changes if change.rule.name == acceptance.rule]
-    return suggestion(acceptance.path, paths_of_rule, "paths of this rule")
+    return suggest_word(acceptance.path, paths_of_rule, "paths of this rule")

@@ -9,22 +9,22 @@ from typing import Any, TypeVar
 
 from ..model import Alarm, Alternative, Connector, Crc, Device, Layout
 from ..model.expressions import Expression
-from ..model.members import PARTS_BY_CLASS, WIDER, Member
+from ..model.members import PARTS_BY_CLASS, WIDER, ModelMember
 from ..order_codes.reduction import sent_crcs
 from ..say.names_and_places import register_at
 from ..say.plain_text import first_of
 from .counterparts import pair_parts, pair_section
 from .family_pair import FamilyPair
-from .pairs import Pair
-from .rules import Change, Subject
+from .pairs import OldAndNew
+from .rules import Change, ChangeSubject
 from .values import NumberDifferences, as_plain_data, differing_items, old_to_new, short_value, without_texts
 
 _Item = TypeVar("_Item")
 #: Rules whose changes are described only by their location.
 _WITHOUT_VALUES = ("words", "source")
-_SOURCE = Member("source", rule="source")
+_SOURCE_MEMBER = ModelMember("source", rule="source")
 #: Kinds of things with a section in the spec: the path of the section, and the words that precede the name of a thing.
-_SECTIONS: Mapping[str, tuple[str, str | Callable[[Pair[Any]], str]]] = MappingProxyType(
+_SECTION_BY_KIND: Mapping[str, tuple[str, str | Callable[[OldAndNew[Any]], str]]] = MappingProxyType(
     {
         "part": ("order_code.parts", "part"),
         "parameter": ("parameters", "parameter"),
@@ -51,19 +51,19 @@ _NAME_PATTERNS: Mapping[str, tuple[str, str]] = MappingProxyType(
     }
 )
 #: Compare the content of two things.
-CompareContent = Callable[[FamilyPair, Subject, Any, Any], Iterator[Change]]
+CompareContent = Callable[[FamilyPair, ChangeSubject, Any, Any], Iterator[Change]]
 
 
-def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: Any) -> Iterator[Change]:
+def compare_members(family_pair: FamilyPair, subject: ChangeSubject, old: Any, new: Any) -> Iterator[Change]:
     """Yield a change for each member of a part that differs, by the rule of the member.
 
     Members without a rule are compared elsewhere. References are compared by the new names of the things.
     """
     old = family_pair.with_new_names(old, subject.scope)
-    members_by_name = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
+    members_by_name = {"source": _SOURCE_MEMBER, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
     for attribute in fields(new):
         # An attribute that the table lacks still leads to a change, so that nothing is overlooked.
-        member = members_by_name.get(attribute.name) or Member(attribute.name, rule="unforeseen")
+        member = members_by_name.get(attribute.name) or ModelMember(attribute.name, rule="unforeseen")
         # A member without a rule is compared elsewhere, or by its order code.
         if member.rule:
             old_value, new_value = getattr(old, attribute.name), getattr(new, attribute.name)
@@ -71,7 +71,9 @@ def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: An
             yield from compare_member(family_pair, member_subject, member, old_value, new_value)
 
 
-def compare_member(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
+def compare_member(
+    family_pair: FamilyPair, subject: ChangeSubject, member: ModelMember, old: Any, new: Any
+) -> Iterator[Change]:
     """Yield a change if the member differs: in its value, else in its texts, else in its citations.
 
     Limits and expressions are compared by their numbers. For changes of texts and citations, only the member is named.
@@ -99,7 +101,9 @@ def compare_member(family_pair: FamilyPair, subject: Subject, member: Member, ol
     yield family_pair.change(rule, subject, description=description, old=old, new=new)
 
 
-def _compare_number(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
+def _compare_number(
+    family_pair: FamilyPair, subject: ChangeSubject, member: ModelMember, old: Any, new: Any
+) -> Iterator[Change]:
     """Yield a change if two numbers or expressions have different values for an order code.
 
     For a limit that allows less nowhere, the rule is the "wider" counterpart of the member's rule.
@@ -125,7 +129,7 @@ def _as_expression(number: Any) -> Any:
     return Expression(number) if isinstance(number, int) else number
 
 
-def _allows_less(member: Member, old_limit: int | None, new_limit: int | None) -> bool:
+def _allows_less(member: ModelMember, old_limit: int | None, new_limit: int | None) -> bool:
     """Return whether a new limit allows less than the old one: a lower maximum, or a higher minimum.
 
     None means that there is no limit.
@@ -163,7 +167,7 @@ def compare_parts(
     part_kind: str,
     old_parts: Sequence[_Item],
     new_parts: Sequence[_Item],
-    section_subject: Subject,
+    section_subject: ChangeSubject,
     compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
     """Yield the changes of several things: the new, removed and renamed ones, and changed members of the rest.
@@ -184,8 +188,8 @@ def compare_parts(
 def compare_pair(
     family_pair: FamilyPair,
     part_kind: str,
-    subject: Subject,
-    pair: Pair[Any],
+    subject: ChangeSubject,
+    pair: OldAndNew[Any],
     compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
     """Yield the changes of one thing: new, gone or renamed, or changes of its members and content.
@@ -206,12 +210,12 @@ def compare_pair(
 def compare_section(
     family_pair: FamilyPair, part_kind: str, compare_content: CompareContent | None = None
 ) -> Iterator[Change]:
-    """Yield the changes of all things in a section of the spec, such as ``"register"``, a key of ``_SECTIONS``.
+    """Yield the changes of all things in a section of the spec, such as ``"register"``, a key of ``_SECTION_BY_KIND``.
 
     A thing concerns its interface in the new version. Removed things, CRCs and procedures concern the interface in the
     old version.
     """
-    section_path, label = _SECTIONS[part_kind]
+    section_path, label = _SECTION_BY_KIND[part_kind]
     for pair in pair_section(family_pair, section_path):
         section_label = label if isinstance(label, str) else label(pair)
         concerns_old_interface = part_kind in _KINDS_OF_OLD_INTERFACE and pair.old is not None
@@ -219,7 +223,7 @@ def compare_section(
             interface = _only_interface_of(family_pair.old, pair.old)
         else:
             interface = _only_interface_of(family_pair.new, pair.new)
-        section_subject = Subject(path=section_path, label=section_label, interface=interface)
+        section_subject = ChangeSubject(path=section_path, label=section_label, interface=interface)
         subject = _named_in_code(family_pair, pair, section_subject)
         yield from compare_pair(family_pair, part_kind, subject, pair, compare_content)
 
@@ -258,7 +262,7 @@ def _has_group(layout: Layout, group: str) -> bool:
     return any(field.group == group for field in layout.fields)
 
 
-def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Subject) -> Subject:
+def _named_in_code(family_pair: FamilyPair, pair: OldAndNew[Any], section_subject: ChangeSubject) -> ChangeSubject:
     """Return a thing of a section as a subject, with its old names in code if it has any.
 
     A new thing has no names known to users, except a new data ID, which extends an enumeration that they already use.
@@ -266,7 +270,7 @@ def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Su
     # The last step of the path, such as ``layouts`` of ``interfaces.ssi.layouts``.
     section = section_subject.path.rpartition(".")[2]
     thing_name = pair.new_or_old.name
-    subject = Subject(
+    subject = ChangeSubject(
         path=f"{section_subject.path}.{thing_name}",
         label=f"{section_subject.label} {thing_name}",
         interface=section_subject.interface,

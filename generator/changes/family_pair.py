@@ -12,8 +12,8 @@ from typing import Any, TypeVar
 from ..model import Device, Field, Variant
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS
-from .pairs import Pair, complete_pairs
-from .rules import RULES, SAME, Change, Subject
+from .pairs import OldAndNew, complete_pairs
+from .rules import RULES, SAME, Change, ChangeSubject
 from .values import (
     ComparisonPoint,
     NumberDifferences,
@@ -91,7 +91,7 @@ class FamilyPair:
         #: The new ones among them.
         self.common_new_codes = frozenset(self.new_code_by_old.values())
 
-    def remember_renamings(self, part_kind: str, pairs: Iterable[Pair[Any]]) -> None:
+    def remember_renamings(self, part_kind: str, pairs: Iterable[OldAndNew[Any]]) -> None:
         """Remember the new names of renamed things, so that references to them do not count as changed.
 
         ``part_kind`` is as in the table of members: ``register``, or ``field mode`` for the fields of a register or
@@ -250,7 +250,13 @@ class FamilyPair:
         return tuple(codes)
 
     def change(
-        self, rule: str, subject: Subject, description: str, old: Any, new: Any, codes: Iterable[str] | None = None
+        self,
+        rule: str,
+        subject: ChangeSubject,
+        description: str,
+        old: Any,
+        new: Any,
+        codes: Iterable[str] | None = None,
     ) -> Change:
         """Return a change by a rule. Without ``codes``, it affects all order codes of the subject's interface.
 
@@ -309,7 +315,7 @@ class FamilyPair:
         return codes_text
 
     def compare_presence(
-        self, part_kind: str, subject: Subject, old: Any, new: Any, common_property: str = ""
+        self, part_kind: str, subject: ChangeSubject, old: Any, new: Any, common_property: str = ""
     ) -> Iterator[Change]:
         """Yield a change if a thing is gone, new or renamed. ``subject.label`` ends with its new or only name.
 

@@ -13,11 +13,11 @@ from ..language.files import top_keys
 from ..loading.evidence import history_beside, history_text, with_release
 from ..loading.overlays import Family
 from ..model import Release, ReleasedChange
-from ..say.markdown import code as in_code
+from ..say.markdown import code_span as in_code
 from ..say.markdown import escape as escaped
-from ..say.plain_text import WIDTH, counted, first_of, wrapped
+from ..say.plain_text import WIDTH, count_with_unit, first_of, wrap_text
 from .names import NameChange
-from .rules import OUTPUTS, TITLES, Change, Impact, Package
+from .rules import OUTPUTS, TITLES, Change, Impact, PackageVersions
 
 #: Version of the data, in the shape of ``language/diff.schema.json``.
 VERSION = 2
@@ -37,7 +37,7 @@ class DiffResult:
     """Everything that ``diff`` found. ``files`` is None if nothing could be generated."""
 
     changes: Sequence[Change]
-    packages: Sequence[Package]
+    packages: Sequence[PackageVersions]
     files: Files | None = None
     notices: Sequence[str] = field(default=())
 
@@ -85,7 +85,7 @@ def summary(changes: Sequence[Change]) -> str:
     """Return a summary such as ``5 changes: 2 breaking, 3 behaviour``."""
     counts = _counts_by_impact(changes)
     count_texts = [f"{counts[impact]} {impact.word}" for impact in reversed(Impact) if counts[impact]]
-    return f"{counted(len(changes), 'change')}: {', '.join(count_texts)}"
+    return f"{count_with_unit(len(changes), 'change')}: {', '.join(count_texts)}"
 
 
 def _counts_by_impact(changes: Sequence[Change]) -> Counter[Impact]:
@@ -93,7 +93,7 @@ def _counts_by_impact(changes: Sequence[Change]) -> Counter[Impact]:
     return Counter(change.impact for change in changes)
 
 
-def describe_versions(package: Package) -> str:
+def describe_versions(package: PackageVersions) -> str:
     """Return the old and the new version of a package: ``acme 1.2.0 → 1.3.0``.
 
     If the spec states a version that is too low for the changes, the text says so.
@@ -130,7 +130,7 @@ def _files_data(files: Files) -> dict[str, Any]:
     return {"files": files.count, "changed": list(files.changed), "names": name_changes_data}
 
 
-def _package_data(package: Package) -> dict[str, str]:
+def _package_data(package: PackageVersions) -> dict[str, str]:
     return {
         "name": package.name,
         "old": package.old,
@@ -157,7 +157,7 @@ def _change_data(change: Change) -> dict[str, Any]:
     }
 
 
-_TITLES = {
+_TITLE_BY_IMPACT = {
     Impact.BREAKING: "Breaking",
     Impact.BEHAVIOUR: "Behaviour",
     Impact.COMPATIBLE: "Compatible",
@@ -187,7 +187,7 @@ def _family_section(findings: DiffResult, family: str) -> Iterator[str]:
     """Yield the Markdown lines of a family: a heading, a list for each impact, and the names in code."""
     yield from (f"### {escaped(family)}", "")
     family_changes = [change for change in findings.changes if change.family == family]
-    for impact, title in _TITLES.items():
+    for impact, title in _TITLE_BY_IMPACT.items():
         changes_of_impact = [change for change in family_changes if change.impact is impact]
         if changes_of_impact:
             yield from (f"#### {title}", "", *map(_list_item, changes_of_impact), "")
@@ -255,8 +255,8 @@ def as_text(findings: DiffResult) -> str:
 def _change_lines(change: Change) -> Iterator[str]:
     """Yield two wrapped texts about a change: what changed, after the word of its impact, and its effect and rule."""
     indent = " " * _TEXT_COLUMN
-    yield wrapped(change.text, WIDTH, prefix=indent, first=_first_column(change.rule.word))
-    yield wrapped(f"{describe_effect(change)} [{change.rule.name}]", WIDTH, prefix=indent)
+    yield wrap_text(change.text, WIDTH, prefix=indent, first=_first_column(change.rule.word))
+    yield wrap_text(f"{describe_effect(change)} [{change.rule.name}]", WIDTH, prefix=indent)
 
 
 def _first_column(word: str) -> str:
@@ -270,7 +270,7 @@ def _documentation_lines(changes: Sequence[Change]) -> Iterator[str]:
         changes_of_rule = [change for change in changes if change.rule is rule]
         places = first_of([_place_or_text(change) for change in changes_of_rule], between="; ")
         line_beginning = _first_column(rule.word)
-        yield wrapped(f"{places} [{rule.name}]", WIDTH, prefix=" " * _TEXT_COLUMN, first=line_beginning)
+        yield wrap_text(f"{places} [{rule.name}]", WIDTH, prefix=" " * _TEXT_COLUMN, first=line_beginning)
 
 
 def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
@@ -280,7 +280,7 @@ def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
     names_text = "; ".join(name_texts[:_MOST_NAMES])
     if len(name_texts) > _MOST_NAMES:
         names_text += f"; and {len(name_texts) - _MOST_NAMES} more, all with --markdown"
-    yield wrapped(names_text, WIDTH, prefix=" " * _TEXT_COLUMN, first=_first_column("names"))
+    yield wrap_text(names_text, WIDTH, prefix=" " * _TEXT_COLUMN, first=_first_column("names"))
 
 
 def _place_or_text(change: Change) -> str:
@@ -299,16 +299,16 @@ def _result_lines(findings: DiffResult) -> Iterator[str]:
     if findings.files is not None:
         changed_count = len(findings.files.changed)
         verb = "changes" if changed_count == 1 else "change"
-        statements.append(f"{changed_count} of {counted(findings.files.count, 'file')} {verb}")
+        statements.append(f"{changed_count} of {count_with_unit(findings.files.count, 'file')} {verb}")
     statements += map(describe_versions, findings.packages)
     if statements:
-        yield wrapped(f"generated: {'; '.join(statements)}", WIDTH, prefix="  ", first="")
+        yield wrap_text(f"generated: {'; '.join(statements)}", WIDTH, prefix="  ", first="")
 
 
 #: The version of a package whose file of the manufacturer has none.
 _NO_VERSION = "0.0.0"
 #: The version of a manufacturer's package in its file, whose first group precedes the number.
-_VERSION = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
+_VERSION_LINE = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
 
 
 class NotRecorded(ValueError):
@@ -349,7 +349,7 @@ def _files_of_manufacturer(families: Iterable[Family]) -> set[str]:
     return {file for file in files if "overlay" not in (top_keys(Path(file)) or ())}
 
 
-def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
+def _files_with_new_version(package: PackageVersions, files: set[str]) -> Iterator[tuple[Path, str]]:
     """Yield each file with its text and the new version of the package.
 
     A file without a version, such as one that ``codewheel new`` wrote, gets a line at its end.
@@ -359,7 +359,7 @@ def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple
     """
     for path in map(Path, sorted(files)):
         old_text = path.read_text(encoding="utf-8")
-        new_text, replacement_count = _VERSION.subn(rf'\g<1>"{package.new}"', old_text)
+        new_text, replacement_count = _VERSION_LINE.subn(rf'\g<1>"{package.new}"', old_text)
         if replacement_count == 0 and package.stated == _NO_VERSION:
             new_text = f'{old_text.rstrip()}\nversion: "{package.new}"\n'
         elif replacement_count != 1:
@@ -367,7 +367,7 @@ def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple
         yield path, new_text
 
 
-def _release_of(families: Sequence[Family], package: Package, findings: DiffResult) -> Release:
+def _release_of(families: Sequence[Family], package: PackageVersions, findings: DiffResult) -> Release:
     """Return the release for the history of a spec, with the manual, all changes and the changed names.
 
     ``families`` are the changed families of this spec: the family and its special models. A change of several of them

@@ -44,7 +44,7 @@ TITLES = {"c": "C", "python": "Python", "xml": "XML", "pages": "pages"}
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class ChangeRule:
     """A kind of change.
 
     ``impacts`` contains one impact for each of ``OUTPUTS``. ``when`` describes the change, ``why`` justifies the
@@ -82,7 +82,7 @@ class Change:
     """
 
     family: str
-    rule: Rule
+    rule: ChangeRule
     path: str
     text: str
     old: Any
@@ -99,7 +99,7 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True)
-class Subject:
+class ChangeSubject:
     """Subject of a change: its path in the spec, its name in a sentence, and its old names in outputs.
 
     ``interface`` is empty if it concerns all order codes. ``scope`` is the frame or register in which to look up the
@@ -112,21 +112,21 @@ class Subject:
     names: Mapping[str, str] = field(default_factory=dict)
     scope: str = ""
 
-    def inside(self, path: str, label: str) -> Subject:
+    def inside(self, path: str, label: str) -> ChangeSubject:
         """Return a thing inside it."""
         return replace(self, path=f"{self.path}.{path}".removeprefix("."), label=label)
 
     @property
-    def unnamed(self) -> Subject:
+    def unnamed(self) -> ChangeSubject:
         """The same thing without its names in code, for changes that keep them."""
         return replace(self, names={})
 
 
-_VERSION = re.compile(r"(\d+)\.(\d+)\.(\d+)")
+_VERSION_NUMBER = re.compile(r"(\d+)\.(\d+)\.(\d+)")
 
 
 @dataclass(frozen=True, slots=True)
-class Package:
+class PackageVersions:
     """Versions of a manufacturer's package: ``old`` and ``stated`` are from the specs, ``due`` is from the changes."""
 
     maker: str
@@ -165,19 +165,19 @@ def due_version(version: str, impact: Impact) -> str:
     return f"{major}.{minor}.{patch + 1}"
 
 
-def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[Package]:
+def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[PackageVersions]:
     """Return the packages that both sides have, each with its old, stated and required version.
 
     The due version follows from the old one and the highest impact of the changes of the manufacturer's families.
     """
     old_maker_by_name, new_maker_by_name = _maker_by_name(old), _maker_by_name(new)
     common_names = [maker_name for maker_name in new_maker_by_name if maker_name in old_maker_by_name]
-    packages_of_makers: list[Package] = []
+    packages_of_makers: list[PackageVersions] = []
     for maker_name in common_names:
         old_maker, new_maker = old_maker_by_name[maker_name], new_maker_by_name[maker_name]
         families = {device.name for device in (*old, *new) if device.manufacturer.name == maker_name}
         impacts = [change.impact for change in changes if change.family in families]
-        package = Package(
+        package = PackageVersions(
             maker=maker_name,
             name=new_maker.python_package,
             old=old_maker.version,
@@ -194,7 +194,7 @@ def _maker_by_name(devices: Sequence[Device]) -> dict[str, Manufacturer]:
 
 def _version_numbers(version: str) -> tuple[int, ...]:
     """Return ``(1, 2, 3)`` for ``1.2.3``, or ``()`` if that is not a version."""
-    match = _VERSION.fullmatch(version)
+    match = _VERSION_NUMBER.fullmatch(version)
     return tuple(map(int, match.groups())) if match is not None else ()
 
 
@@ -365,17 +365,19 @@ _REASONS_OF_NEW = {
 }
 
 
-def _all_rules() -> Iterator[Rule]:
+def _all_rules() -> Iterator[ChangeRule]:
     """Yield the rules for things that are gone, new or renamed, by kind, such as "register-gone", then the others."""
     for kind, phrase, if_gone, if_new, if_renamed, common in _NAMED_KINDS:
-        yield Rule(name=f"{kind}-gone", impacts=_parse_impacts(if_gone), when=f"{phrase} was removed", why=_GONE)
+        yield ChangeRule(name=f"{kind}-gone", impacts=_parse_impacts(if_gone), when=f"{phrase} was removed", why=_GONE)
         why_new = _REASONS_OF_NEW.get(kind, _NEW)
-        yield Rule(name=f"{kind}-new", impacts=_parse_impacts(if_new), when=f"{phrase} was added", why=why_new)
+        yield ChangeRule(name=f"{kind}-new", impacts=_parse_impacts(if_new), when=f"{phrase} was added", why=why_new)
         if common:
             when_renamed = f"{phrase} has a different name but {common}"
-            yield Rule(name=f"{kind}-renamed", impacts=_parse_impacts(if_renamed), when=when_renamed, why=_RENAMED)
+            yield ChangeRule(
+                name=f"{kind}-renamed", impacts=_parse_impacts(if_renamed), when=when_renamed, why=_RENAMED
+            )
     for name, impacts, when, why in _CHANGES:
-        yield Rule(name=name, impacts=_parse_impacts(impacts), when=when, why=why)
+        yield ChangeRule(name=name, impacts=_parse_impacts(impacts), when=when, why=why)
 
 
 def _parse_impacts(letters: str) -> tuple[Impact, Impact, Impact, Impact]:
@@ -385,6 +387,6 @@ def _parse_impacts(letters: str) -> tuple[Impact, Impact, Impact, Impact]:
 
 
 #: Every rule by its name.
-RULES: Mapping[str, Rule] = MappingProxyType({rule.name: rule for rule in _all_rules()})
+RULES: Mapping[str, ChangeRule] = MappingProxyType({rule.name: rule for rule in _all_rules()})
 #: The property by which a renamed thing is recognised.
 SAME: Mapping[str, str] = MappingProxyType({kind: common for kind, _, _, _, _, common in _NAMED_KINDS})

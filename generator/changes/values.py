@@ -11,8 +11,8 @@ from typing import Any
 from ..model import CodedValue, Device, Scale, Supply, Variant
 from ..model.expressions import Expression, ExpressionError
 from ..order_codes.parameters import with_changed
-from ..say.plain_text import counted, first_of, formula
-from ..say.text import hertz, microseconds, volts
+from ..say.plain_text import count_with_unit, first_of, formula
+from ..say.text import hertz, time_text, volts
 
 Parameters = Mapping[str, int]
 
@@ -140,7 +140,7 @@ def describe_codes(device: Device, codes: Collection[str]) -> str:
     if not codes:
         return ""
     if len(codes) == len(variants):
-        return f"all {counted(len(variants), 'order code')}" if len(variants) > 1 else variants[0].code
+        return f"all {count_with_unit(len(variants), 'order code')}" if len(variants) > 1 else variants[0].code
     for interface in device.interfaces:
         interface_codes = [variant.code for variant in variants if variant.interface == interface.name]
         if len(interface_codes) > 1 and set(interface_codes) == set(codes):
@@ -162,15 +162,15 @@ def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
         return ""
     all_part_texts = _texts_by_part(device, device.variants)
     # Literal texts and the names of parts in turn, beginning and ending with a literal text. Parts have odd indices.
-    pieces = _PART_IN_BRACES.split(device.order_code.pattern)
-    pieces[1::2] = [_part_pattern(used_texts[name], all_part_texts[name]) for name in pieces[1::2]]
-    closed_indices = [index for index in range(1, len(pieces), 2) if pieces[index] != _ANY_TEXT]
+    bit_slices = _PART_IN_BRACES.split(device.order_code.pattern)
+    bit_slices[1::2] = [_part_pattern(used_texts[name], all_part_texts[name]) for name in bit_slices[1::2]]
+    closed_indices = [index for index in range(1, len(bit_slices), 2) if bit_slices[index] != _ANY_TEXT]
     last_closed_index = closed_indices[-1] if closed_indices else 0
-    has_open_parts_behind = last_closed_index + 2 < len(pieces)
+    has_open_parts_behind = last_closed_index + 2 < len(bit_slices)
     if not has_open_parts_behind:
-        return "".join(pieces)
+        return "".join(bit_slices)
     # If everything up to the end is open, one mark represents the rest.
-    return "".join(pieces[: last_closed_index + 1]) + _ANY_TEXT
+    return "".join(bit_slices[: last_closed_index + 1]) + _ANY_TEXT
 
 
 def _texts_by_part(device: Device, variants: Sequence[Variant]) -> dict[str, tuple[str, ...]]:
@@ -197,15 +197,15 @@ def _part_pattern(used_texts: tuple[str, ...], all_texts: tuple[str, ...]) -> st
 
 
 #: Most letters of a shown value, and members that are left out of it.
-_LONGEST = 60
+_LONGEST_SHOWN_VALUE = 60
 _TEXT_MEMBERS = ("meaning", "note", "printed")
-_FORMATS: Mapping[str, Callable[[int], str]] = {
+_FORMAT_BY_UNIT: Mapping[str, Callable[[int], str]] = {
     # In whole bytes, which have two digits each: 0Ah, 01FFh.
     "hex": lambda value: f"{value:0{2 * max(1, (value.bit_length() + 7) // 8)}X}h",
-    "bytes": lambda value: counted(value, "byte"),
+    "bytes": lambda value: count_with_unit(value, "byte"),
     "mv": volts,
-    "us": microseconds,
-    "ms": lambda value: microseconds(1000 * value),
+    "us": time_text,
+    "ms": lambda value: time_text(1000 * value),
     "hz": hertz,
 }
 
@@ -266,8 +266,8 @@ def _number_text(value: int, notation: str) -> str:
     if isinstance(value, bool):
         text_if_true, text_if_false = ("low", "high") if notation == "level" else ("yes", "no")
         return text_if_true if value else text_if_false
-    if notation in _FORMATS:
-        return _FORMATS[notation](value)
+    if notation in _FORMAT_BY_UNIT:
+        return _FORMAT_BY_UNIT[notation](value)
     return f"{value}"
 
 
@@ -285,10 +285,10 @@ def _quantity_text(value: Expression | Supply | Scale | CodedValue) -> str:
 
 
 def _shorten_text(text: str) -> str:
-    """Return a text of at most ``_LONGEST`` characters, cut with an ellipsis."""
-    if len(text) <= _LONGEST:
+    """Return a text of at most ``_LONGEST_SHOWN_VALUE`` characters, cut with an ellipsis."""
+    if len(text) <= _LONGEST_SHOWN_VALUE:
         return text
-    return f"{text[: _LONGEST - 1]}…"
+    return f"{text[: _LONGEST_SHOWN_VALUE - 1]}…"
 
 
 def without_texts(value: Any) -> Any:

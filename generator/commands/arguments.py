@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     from ..cache import Cache
 
 #: Columns of the help.
-_WIDTH = 79
+_HELP_WIDTH = 79
 #: Forms of the output of check and diff.
 FORMATS = ("text", "json", "github", "sarif")
 FORMATS_HELP = "text, json, github for comments in a pull request, or sarif (version 2.1.0) for review tools"
@@ -38,7 +38,7 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **options: Any) -> None:
         # Each argument is formatted when it is added. The terminal is asked for its width only to show the help.
-        super().__init__(formatter_class=partial(argparse.HelpFormatter, width=_WIDTH), **options)
+        super().__init__(formatter_class=partial(argparse.HelpFormatter, width=_HELP_WIDTH), **options)
 
     def format_help(self) -> str:
         help_text = super().format_help()
@@ -50,11 +50,11 @@ class Parser(argparse.ArgumentParser):
         The message contains the nearest choice, or else all.
         """
         if action.choices is not None and value not in action.choices:
-            from ..language.problems import suggestion
+            from ..language.problems import suggest_word
 
             kind = "command" if isinstance(action, argparse._SubParsersAction) else "choice"
             choices = list(map(str, action.choices))
-            hint = suggestion(str(value), choices) or f"; known: {', '.join(choices)}"
+            hint = suggest_word(str(value), choices) or f"; known: {', '.join(choices)}"
             raise argparse.ArgumentError(None, f"there is no {kind} '{value}'{hint}")
 
 
@@ -79,12 +79,12 @@ def parse(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Nam
 
 def _unexpected_message(parser: argparse.ArgumentParser, argument: str) -> str:
     """Return the message about an argument that the command does not have, with the nearest option or ``--specs``."""
-    from ..language.problems import suggestion
+    from ..language.problems import suggest_word
 
     options = sorted(name for action in parser._actions for name in action.option_strings)
     if argument.startswith("-"):
         option_name, _, _ = argument.partition("=")
-        return f"there is no option '{argument}'{suggestion(option_name, options)}"
+        return f"there is no option '{argument}'{suggest_word(option_name, options)}"
     is_spec = Path(argument).suffix in (".yaml", ".yml") or Path(argument).exists()
     if "--specs" in options and is_spec:
         return f"unexpected argument '{argument}'; give a spec as --specs {argument}"
@@ -101,9 +101,9 @@ def add_examples(parser: Parser, name: str, examples: Sequence[str]) -> None:
     needs_spec = name not in ("new", "explain", "find")
     condition = ", with the spec that codewheel new my_encoder writes" if needs_spec else ""
     example_lines = [f"examples{condition}:", *(f"  {example}" for example in examples)]
-    epilog_lines = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []
+    epilog_lines = [textwrap.fill(parser.epilog, _HELP_WIDTH), ""] if parser.epilog else []
     parser.epilog = "\n".join([*epilog_lines, *example_lines])
-    parser.description = textwrap.fill(parser.description or "", _WIDTH)
+    parser.description = textwrap.fill(parser.description or "", _HELP_WIDTH)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
 
 
@@ -169,11 +169,11 @@ def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
     Numbers may be decimal, or have a prefix. Of several pairs with one address, the last one counts.
 
     Raises:
-        Stop: A pair is malformed. The exit code is 2.
+        CommandError: A pair is malformed. The exit code is 2.
     """
     register_bytes: dict[int, int] = {}
     for pair in pairs:
-        malformed = Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
+        malformed = CommandError(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
         # With the base 0, the prefix of a number decides: 0x, 0b, or none for decimal.
         address_text, _, byte_text = pair.partition("=")
         try:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .arguments import Parser, add_specs_option
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     import argparse
@@ -31,21 +31,21 @@ def run(arguments: argparse.Namespace) -> int:
     Words that an existing sheet has filled in are kept for unchanged texts.
 
     Raises:
-        Stop: The family does not exist (exit code 2), it has problems, or its sheet cannot be read (exit code 1).
+        CommandError: The family does not exist (exit code 2), it has problems, or its sheet cannot be read (exit code 1).
     """
-    from ..language.problems import Report
+    from ..language.problems import ProblemReport
     from ..language.schema_files import word_sheet_path
     from ..readings.cloze import as_lines, open_gaps, read_sheet, sheet
     from .facts import family_named
     from .read_specs import specs_to_judge
-    from .terminal import problems
+    from .terminal import print_problems
 
     loaded_family = family_named(arguments.family, specs_to_judge(arguments.specs, "cloze FAMILY").paths)
     family = loaded_family.plain or loaded_family
-    report = Report()
+    report = ProblemReport()
     filled_sheet = read_sheet(family, report)
     if report:
-        raise problems(report)
+        raise print_problems(report)
     old_entries = filled_sheet.data["texts"] if filled_sheet is not None else {}
     sheet_data = sheet(family.document, old_entries)
     spec_path = Path(family.document.file)
@@ -54,8 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         path.write_text("\n".join(lines), encoding="utf-8")
     except OSError as error:
-        raise Stop(f"cannot write {path}: {error.strerror or error}", 1) from None
-    gaps_text = counted(open_gaps(sheet_data), "gap")
-    texts_text = counted(len(sheet_data["texts"]), "text")
+        raise CommandError(f"cannot write {path}: {error.strerror or error}", 1) from None
+    gaps_text = count_with_unit(open_gaps(sheet_data), "gap")
+    texts_text = count_with_unit(len(sheet_data["texts"]), "text")
     print(f"written    {path.as_posix()}: {gaps_text} to fill, in {texts_text}")
     return 0

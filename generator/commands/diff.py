@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..changes.rules import IMPACTS, Impact
 from .arguments import FORMATS, FORMATS_HELP, Parser, a_path, add_cache_option, cache_for
-from .terminal import Progress, Stop, print_json, refuse_missing
+from .terminal import CommandError, Progress, print_json, refuse_missing
 
 if TYPE_CHECKING:
     from ..cache import Cache
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from ..changes.rules import Change
     from ..language.document import Document
     from ..language.document import Path as SpecPath
-    from ..language.problems import Problem, Report
+    from ..language.problems import Problem, ProblemReport
     from ..loading.configuration import FamilyFilters
     from ..loading.library import Family
     from ..model import Device
-    from .review_formats import Finding
+    from .review_formats import ReviewFinding
 
 EXAMPLES = (
     "codewheel diff old/my_encoder.yaml my_encoder.yaml",
@@ -36,8 +36,8 @@ EXAMPLES = (
 #: Most problems of a side that are printed.
 _MOST_PROBLEMS = 3
 #: Levels of GitHub by impact. All others are notices.
-_LEVELS = {Impact.BREAKING: "error", Impact.BEHAVIOUR: "warning"}
-_STEPS = re.compile(r"[^.\[\]]+")
+_GITHUB_LEVEL_BY_IMPACT = {Impact.BREAKING: "error", Impact.BEHAVIOUR: "warning"}
+_PATH_STEPS = re.compile(r"[^.\[\]]+")
 
 
 def add_arguments(parser: Parser) -> None:
@@ -109,10 +109,10 @@ def run(arguments: argparse.Namespace) -> int:
     Accepted changes do not count. Without ``--fail-on``, all others do.
 
     Raises:
-        Stop: Something cannot be read, or families that must not be released would be recorded.
+        CommandError: Something cannot be read, or families that must not be released would be recorded.
     """
     if arguments.record and not Path(arguments.new).is_dir():
-        raise Stop("--record needs a folder of specs: all families of a manufacturer share a version", 2)
+        raise CommandError("--record needs a folder of specs: all families of a manufacturer share a version", 2)
     cache = cache_for(arguments)
     old, new, comparison = _compare_sides(arguments, cache)
     if arguments.record:
@@ -195,7 +195,7 @@ def _filters_for(specs: str) -> FamilyFilters:
 
 
 def _refuse_unproved(families: Sequence[Family], cache: Cache) -> None:
-    """Raise ``Stop`` if families must not be released."""
+    """Raise ``CommandError`` if families must not be released."""
     import_module(f"{__package__}.check.specs").refuse_unproved(families, "recorded", cache)
 
 
@@ -208,7 +208,7 @@ def _without_accepted(
     Without such a file, all changes count.
 
     Raises:
-        Stop: The file with accepted changes is missing or not valid. The exit code is 2.
+        CommandError: The file with accepted changes is missing or not valid. The exit code is 2.
     """
     from ..changes.accepted import NAME, NotAccepted, changes_to_accept, read_accepted
 
@@ -223,7 +223,7 @@ def _without_accepted(
     try:
         return changes_to_accept(changes, read_accepted(accepted_file), today)
     except NotAccepted as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
 
 
 def _compare_families(old_side: _Side, new_side: _Side, cache: Cache, filters: FamilyFilters) -> DiffResult:
@@ -258,19 +258,19 @@ def _write_records(comparison: DiffResult, new_side: _Side) -> DiffResult:
     If ``comparison`` already has notices, a part was not compared. Then nothing is written.
 
     Raises:
-        Stop: Part of a family could not be compared, or a file cannot be written.
+        CommandError: Part of a family could not be compared, or a file cannot be written.
     """
     from ..changes.report import NotRecorded, files_of_release
 
     if comparison.notices:
-        raise Stop(f"nothing is recorded: {comparison.notices[0]}", 1)
+        raise CommandError(f"nothing is recorded: {comparison.notices[0]}", 1)
     try:
         # Compose all texts before touching the first file.
         paths_and_texts = list(files_of_release(comparison, new_side.families))
         for path, text in paths_and_texts:
             path.write_text(text, encoding="utf-8")
     except NotRecorded as error:
-        raise Stop(str(error), 1) from None
+        raise CommandError(str(error), 1) from None
     notices = tuple(f"recorded in {path.as_posix()}" for path, _ in paths_and_texts)
     packages = [replace(package, stated=package.new) for package in comparison.packages]
     return replace(comparison, packages=packages, notices=notices)
@@ -284,17 +284,17 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
     ``old_side`` is None while the old side itself is loaded.
 
     Raises:
-        Stop: The specs do not exist, or have problems that prevent a comparison.
+        CommandError: The specs do not exist, or have problems that prevent a comparison.
     """
     from ..loading.library import sound_families
-    from ..say.plain_text import counted
+    from ..say.plain_text import count_with_unit
 
     is_old = old_side is None
     families, report, file_names = _read_side(text, cache, old_side)
     problems = [replace(problem, file=file_names.get(problem.file, problem.file)) for problem in report.problems]
     if not problems:
         return _Side(tuple(families), file_names)
-    problems_text = counted(len(problems), "problem")
+    problems_text = count_with_unit(len(problems), "problem")
     if lenient and families:
         _print_first_problems(problems)
         omission = "The faulty parts are omitted and may be listed as new"
@@ -310,7 +310,9 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
     return _Side(tuple(valid_families), file_names, notices=(notice,), excluded_names=frozenset(excluded_names))
 
 
-def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequence[Family], Report, Mapping[str, str]]:
+def _read_side(
+    text: str, cache: Cache, old_side: _Side | None
+) -> tuple[Sequence[Family], ProblemReport, Mapping[str, str]]:
     """Return the families, the report on them, and the original names of files from a git revision.
 
     ``text`` is a path, or a revision and a path such as ``v1.0:specs``. Files of a revision are read from a temporary
@@ -319,7 +321,7 @@ def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequenc
     with the old one are not built again.
 
     Raises:
-        Stop: There is no such file, folder or revision. The exit code is 2.
+        CommandError: There is no such file, folder or revision. The exit code is 2.
     """
     from tempfile import TemporaryDirectory
 
@@ -338,7 +340,7 @@ def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequenc
             try:
                 written_files = write_revision(place_in_revision, Path(folder))
             except RevisionError as error:
-                raise Stop(str(error), 2) from None
+                raise CommandError(str(error), 2) from None
             path = written_files.place
             file_names = written_files.names
         if old_side is None:
@@ -357,15 +359,15 @@ def _print_first_problems(problems: Sequence[Problem]) -> None:
         print(f"and {len(problems) - _MOST_PROBLEMS} more", file=sys.stderr)
 
 
-def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> Stop:
-    """Print the first problems of a side, and return the ``Stop`` to raise. For the old side, it suggests a remedy."""
-    from ..say.plain_text import counted
+def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> CommandError:
+    """Print the first problems of a side, and return the ``CommandError`` to raise. For the old side, it suggests a remedy."""
+    from ..say.plain_text import count_with_unit
 
     _print_first_problems(problems)
-    problems_text = counted(len(problems), "problem")
+    problems_text = count_with_unit(len(problems), "problem")
     if not is_old:
-        return Stop(f"{text} has {problems_text} and is not compared", 1)
-    return Stop(
+        return CommandError(f"{text} has {problems_text} and is not compared", 1)
+    return CommandError(
         f"{text} is not compared, because the current spec language finds {problems_text} in it. It may use an older "
         "form of the language: add --lenient, use a later revision, or run the version of codewheel from that time",
         1,
@@ -375,7 +377,7 @@ def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: boo
 # -- places in the new specs, for review tools
 
 
-def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Finding]:
+def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[ReviewFinding]:
     """Return the changes with their places in the new specs. A removed item is at the nearest remaining place.
 
     A change in a family that the new specs lack is at the beginning of their first spec.
@@ -393,20 +395,20 @@ def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Findi
     return findings
 
 
-def _review_finding(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
+def _review_finding(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> ReviewFinding:
     """Return a change in the form for review tools, at its place in the new spec."""
     from ..changes.report import describe_effect
-    from .review_formats import Finding
+    from .review_formats import ReviewFinding
 
     line_number, column = document.position(path)
     file = document.file_of(path) or document.file
-    return Finding(
+    return ReviewFinding(
         file=file_names.get(file, file),
         line=line_number,
         column=column,
         rule=change.rule.name,
         message=f"{change.text} ({change.impact.word}: {describe_effect(change)})",
-        level=_LEVELS.get(change.impact, "notice"),
+        level=_GITHUB_LEVEL_BY_IMPACT.get(change.impact, "notice"),
     )
 
 
@@ -418,7 +420,7 @@ def _place_in_spec(document: Document, text: str) -> SpecPath:
     from ..language.schema_check import value_at
 
     path: SpecPath = ()
-    for step in _STEPS.findall(text):
+    for step in _PATH_STEPS.findall(text):
         paths_to_step = list(_paths_to_step(step, value_at(document.data, path)))
         if not paths_to_step:
             break

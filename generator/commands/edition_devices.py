@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ..language.problems import Report
+from ..language.problems import ProblemReport
 from ..loading.editions import UnknownEdition, revision_for
 from ..loading.library import in_edition, load_families
 from ..loading.overlays import Family
 from ..model import Device
-from ..order_codes.labels import Match, UnknownOrderCode, edition_by_label, find_code
+from ..order_codes.labels import LabelMatch, UnknownOrderCode, edition_by_label, find_code
 from ..reference.findings import edition_by_registers, without_tests
-from .terminal import Stop, problems
+from .terminal import CommandError, print_problems
 
 #: Words that ask to infer the edition instead of naming it.
 BY_LABEL, BY_REGISTERS = "label", "registers"
@@ -21,11 +21,11 @@ BY_LABEL, BY_REGISTERS = "label", "registers"
 def in_requested_edition(
     specs: Sequence[Path],
     device: Device,
-    code_match: Match | None,
+    code_match: LabelMatch | None,
     wanted_edition: str,
     text: str,
     register_bytes: Mapping[int, int],
-) -> tuple[Device, Match | None, dict[int, int]]:
+) -> tuple[Device, LabelMatch | None, dict[int, int]]:
     """Return a family in the requested edition, the order code ``text`` in it, and the registers still to apply.
 
     Registers that served to infer the edition are omitted.
@@ -39,7 +39,7 @@ def in_requested_edition(
         register_bytes: Register bytes by address.
 
     Raises:
-        Stop: The edition does not exist, cannot be inferred, or does not have the order code. The exit code is 2.
+        CommandError: The edition does not exist, cannot be inferred, or does not have the order code. The exit code is 2.
     """
     remaining_bytes = dict(register_bytes)
     try:
@@ -50,13 +50,13 @@ def in_requested_edition(
         match_in_edition = find_code(device_in_edition, text) if code_match is not None else None
         return device_in_edition, match_in_edition, remaining_bytes
     except UnknownOrderCode as error:
-        raise Stop(f"in edition {revision} of the manual: {error}", 2) from None
+        raise CommandError(f"in edition {revision} of the manual: {error}", 2) from None
     except (UnknownEdition, ValueError) as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
 
 
 def _find_revision(
-    device: Device, code_match: Match | None, wanted_edition: str, register_bytes: Mapping[int, int]
+    device: Device, code_match: LabelMatch | None, wanted_edition: str, register_bytes: Mapping[int, int]
 ) -> str:
     """Return the revision of the requested edition: inferred from registers or the label, or found by name or date.
 
@@ -83,26 +83,26 @@ def _load_in_edition(specs: Sequence[Path], device: Device, revision: str) -> De
     """Return the device as this edition of its manual describes it. The edition of its spec needs no change.
 
     Raises:
-        Stop: The edition has problems, which are printed. The exit code is 1.
+        CommandError: The edition has problems, which are printed. The exit code is 1.
     """
     if revision == device.manual.revision:
         return device
     families, _ = load_families(specs)
     families_by_name = {family.device.name: family for family in families}
-    report = Report()
+    report = ProblemReport()
     edition_family = in_edition(families_by_name[device.name], revision, report)
     if report or edition_family is None:
-        raise problems(report)
+        raise print_problems(report)
     return edition_family.device
 
 
-def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], report: Report) -> list[Device]:
+def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], report: ProblemReport) -> list[Device]:
     """Return the devices of families in the editions given by arguments such as ``FAMILY=1.6``, each once.
 
     Editions of a family whose spec has problems are left out. Problems of an edition are added to ``report``.
 
     Raises:
-        Stop: An argument is malformed, or the family or edition does not exist. The exit code is 2.
+        CommandError: An argument is malformed, or the family or edition does not exist. The exit code is 2.
     """
     families_by_name = {family.device.name: family for family in families if not family.device.base}
     devices: dict[str, Device] = {}
@@ -112,14 +112,16 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
             first_name = next(iter(families_by_name), "FAMILY")
             example = f"{first_name}=1.0"
             known_names = ", ".join(families_by_name)
-            raise Stop(f"'{wanted_edition}' is not a family and an edition; write it like {example} ({known_names})", 2)
+            raise CommandError(
+                f"'{wanted_edition}' is not a family and an edition; write it like {example} ({known_names})", 2
+            )
         family = families_by_name[name]
         try:
             revision = revision_for(family.device, revision_or_date)
         except UnknownEdition as error:
-            raise Stop(str(error), 2) from None
+            raise CommandError(str(error), 2) from None
         if revision == family.device.manual.revision:
-            raise Stop(f"the spec of {name} is already edition {revision}", 2)
+            raise CommandError(f"the spec of {name} is already edition {revision}", 2)
         # An edition is merged into the spec as read, so the spec must conform to the schema.
         if report.faults(family.document):
             continue
@@ -129,7 +131,7 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
     return list(devices.values())
 
 
-def check_editions(families: Iterable[Family], report: Report) -> None:
+def check_editions(families: Iterable[Family], report: ProblemReport) -> None:
     """Report the problems in all editions of the families, except those that are derived, have overlays or problems."""
     for family in families:
         # With an overlay, a family may lack the parts that an edition changes. A request for the edition reports that.

@@ -7,7 +7,7 @@ import textwrap
 from typing import TYPE_CHECKING, TypedDict
 
 from .arguments import Parser
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     import argparse
@@ -27,7 +27,7 @@ _SEVERAL_FILES = {
 }
 
 
-class Example(TypedDict):
+class RuleExample(TypedDict):
     """A problem in a small spec: the message, and the lines of the spec around it."""
 
     message: str
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the description of the rule, or the list of all rules.
 
     Raises:
-        Stop: There is no such rule. The exit code is 2.
+        CommandError: There is no such rule. The exit code is 2.
     """
     print(explain(arguments.rule))
     return 0
@@ -58,10 +58,10 @@ def explain(name: str | None) -> str:
     The same name can belong to a rule of ``check`` and a rule of ``diff``. Then both are described.
 
     Raises:
-        Stop: There is no such rule. The exit code is 2.
+        CommandError: There is no such rule. The exit code is 2.
     """
     from ..changes.rules import RULES
-    from ..language.problems import suggestion
+    from ..language.problems import suggest_word
 
     examples = rules_of_check()
     if name is None:
@@ -69,12 +69,12 @@ def explain(name: str | None) -> str:
     descriptions = [*_describe_rule_of_check(name, examples), *_describe_rule_of_diff(name)]
     if not descriptions:
         names_of_rules = [*examples, *_SEVERAL_FILES, *RULES]
-        hint = suggestion(name, names_of_rules) or "; codewheel explain lists the rules"
-        raise Stop(f"there is no rule '{name}'{hint}", 2)
+        hint = suggest_word(name, names_of_rules) or "; codewheel explain lists the rules"
+        raise CommandError(f"there is no rule '{name}'{hint}", 2)
     return "\n\n".join(descriptions)
 
 
-def rules_of_check() -> dict[str, Example]:
+def rules_of_check() -> dict[str, RuleExample]:
     """Return an example of each rule of ``check``, by the name of the rule.
 
     Rules about several files have no example.
@@ -82,40 +82,40 @@ def rules_of_check() -> dict[str, Example]:
     from importlib.resources import files
 
     rules_file = files("codewheel.language").joinpath("rules.json")
-    examples: dict[str, Example] = json.loads(rules_file.read_text(encoding="utf-8"))
+    examples: dict[str, RuleExample] = json.loads(rules_file.read_text(encoding="utf-8"))
     return examples
 
 
-def _list_rules(examples: dict[str, Example]) -> str:
+def _list_rules(examples: dict[str, RuleExample]) -> str:
     """Return all rules: the rules of diff with their impacts and conditions, and the names of the rules of check.
 
     ``examples`` contains an example of each rule of check about a single file, by the name of the rule.
     """
     from ..changes.rules import RULES
-    from ..say.plain_text import WIDTH, wrapped
+    from ..say.plain_text import WIDTH, wrap_text
 
     lines = ["Rules of diff:", ""]
     for rule in RULES.values():
         # In columns as wide as the longest name and the longest impact.
         name_and_impact = f"{rule.name:<22} {rule.impact.word:<14} "
         indent = " " * len(name_and_impact)
-        lines.append(wrapped(rule.when, WIDTH, prefix=indent, first=name_and_impact))
+        lines.append(wrap_text(rule.when, WIDTH, prefix=indent, first=name_and_impact))
     rules_of_one_file, rules_of_several_files = examples.keys(), _SEVERAL_FILES.keys()
     names_of_check_rules = ", ".join(sorted([*rules_of_one_file, *rules_of_several_files]))
     lines += ["", "Rules of check:", "", textwrap.fill(names_of_check_rules, WIDTH, break_on_hyphens=False)]
     return "\n".join(lines)
 
 
-def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str]:
+def _describe_rule_of_check(name: str, examples: dict[str, RuleExample]) -> list[str]:
     """Return the description of a rule of check as one text, or an empty list if there is no such rule."""
-    from ..say.plain_text import WIDTH, wrapped
+    from ..say.plain_text import WIDTH, wrap_text
 
     if name in _SEVERAL_FILES:
-        return [wrapped(_SEVERAL_FILES[name], WIDTH, prefix="  ", first=f"{name}, a rule of check: ")]
+        return [wrap_text(_SEVERAL_FILES[name], WIDTH, prefix="  ", first=f"{name}, a rule of check: ")]
     if name not in examples:
         return []
     example = examples[name]
-    message = wrapped(f"{example['message']}.", WIDTH, prefix="  ")
+    message = wrap_text(f"{example['message']}.", WIDTH, prefix="  ")
     heading = f"{name}, a rule of check. Example message:"
     return ["\n".join([heading, message, "", "for these lines:", "", *example["lines"]])]
 
@@ -123,11 +123,11 @@ def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str
 def _describe_rule_of_diff(name: str) -> list[str]:
     """Return a rule of diff with its impact on each output and its reason, or an empty list if there is none."""
     from ..changes.rules import OUTPUTS, RULES, TITLES
-    from ..say.plain_text import WIDTH, wrapped
+    from ..say.plain_text import WIDTH, wrap_text
 
     rule = RULES.get(name)
     if rule is None:
         return []
     impacts = [f"  {TITLES[output]:<7} {impact.word}" for output, impact in zip(OUTPUTS, rule.impacts, strict=True)]
-    heading = wrapped(f"{rule.when}.", WIDTH, prefix="  ", first=f"{rule.name}: ")
-    return ["\n".join([heading, *impacts, wrapped(rule.why, WIDTH, prefix="  ")])]
+    heading = wrap_text(f"{rule.when}.", WIDTH, prefix="  ", first=f"{rule.name}: ")
+    return ["\n".join([heading, *impacts, wrap_text(rule.why, WIDTH, prefix="  ")])]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .arguments import Parser, add_specs_option
-from .terminal import Stop, print_json, problems
+from .terminal import CommandError, print_json, print_problems
 
 if TYPE_CHECKING:
     import argparse
@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     """List the facts that cite the page and the section, if both are given. The exit code is 1 if no fact cites them.
 
     Raises:
-        Stop: The family does not exist, or neither page nor section was given.
+        CommandError: The family does not exist, or neither page nor section was given.
     """
     from ..reread.facts import facts_with_citations
     from .read_specs import specs_to_judge
@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     page = arguments.page
     section = arguments.section
     if page is None and section is None:
-        raise Stop("give --page NUMBER or --section NUMBER, or both", 2)
+        raise CommandError("give --page NUMBER or --section NUMBER, or both", 2)
     facts = facts_with_citations(family_named(arguments.family, paths).document)
     if page is not None:
         facts = [fact for fact in facts if page in fact.pages]
@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         for fact in facts:
             print(fact.shown)
-        print(f"{counted(len(facts), 'fact')} from {_section_and_page(section, page)}")
+        print(f"{count_with_unit(len(facts), 'fact')} from {_section_and_page(section, page)}")
     return 0 if facts else 1
 
 
@@ -61,16 +61,16 @@ def family_named(name: str, paths: Sequence[Path]) -> Family:
     """Return the family of this name.
 
     Raises:
-        Stop: The specs have problems (exit code 1), or the family does not exist (exit code 2).
+        CommandError: The specs have problems (exit code 1), or the family does not exist (exit code 2).
     """
     from ..loading.library import load_families
 
     families, report = load_families(paths)
     if report:
-        raise problems(report)
+        raise print_problems(report)
     families_by_name = {family.device.name: family for family in families}
     if name.lower() not in families_by_name:
-        raise Stop(f"'{name}' is not a family; known: {', '.join(families_by_name)}", 2)
+        raise CommandError(f"'{name}' is not a family; known: {', '.join(families_by_name)}", 2)
     return families_by_name[name.lower()]
 
 

@@ -6,16 +6,16 @@ import shlex
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .arguments import Parser
 from .line_encoder import command_for_spec
-from .terminal import Stop, print_json
+from .terminal import CommandError, print_json
 
 if TYPE_CHECKING:
     import argparse
 
-    from ..layout_search.answers import Answer
-    from ..layout_search.frames import Recording
+    from ..layout_search.answers import PossibleLine
+    from ..layout_search.frames import RecordedFrames
 
 EXAMPLES = (
     "codewheel find biss --bits 30 0x02EFCADC 0x02FF6BCE 0x031254F2",
@@ -29,10 +29,10 @@ _ABOUT = (
     "frames are equal."
 )
 #: Bits of the longest frame, by interface. All other interfaces share the second limit.
-_LONGEST = {"rs485": 1024}
+_LONGEST_FRAME = {"rs485": 1024}
 _LONGEST_IN_BITS = 64
 #: Bits of the shortest frame, by interface. All others have at least one bit.
-_SHORTEST = {"rs485": 8, "spi": 8}
+_SHORTEST_FRAME = {"rs485": 8, "spi": 8}
 #: Greatest position that ``--positions`` accepts, either side of zero. It has more than the counts of 64 bits.
 _MOST_POSITION = 1e20
 #: Characters of an invalid text that a message shows.
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the proposals, the most likely first.
 
     Raises:
-        Stop: A frame or a position is malformed (exit code 2), or all frames are equal (exit code 1).
+        CommandError: A frame or a position is malformed (exit code 2), or all frames are equal (exit code 1).
     """
     from ..layout_search.answers import answer_with_lines
     from ..layout_search.frames import NoLayout
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         layouts = find_layouts(recording)
     except NoLayout as error:
-        raise Stop(str(error), 1) from None
+        raise CommandError(str(error), 1) from None
     proposals = [answer_with_lines(recording, layout) for layout in layouts]
     if arguments.json:
         print_json(_json_data(recording, proposals))
@@ -80,35 +80,37 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _read_recording(arguments: argparse.Namespace) -> Recording:
+def _read_recording(arguments: argparse.Namespace) -> RecordedFrames:
     """Return the frames of the arguments.
 
     Raises:
-        Stop: They are not frames of one length. The exit code is 2.
+        CommandError: They are not frames of one length. The exit code is 2.
     """
-    from ..layout_search.frames import FEWEST, Recording
+    from ..layout_search.frames import FEWEST, RecordedFrames
 
     frame_texts = _frame_texts(arguments.frame)
     if len(frame_texts) < FEWEST:
-        raise Stop("one frame does not show a layout; give at least 2, and turn the shaft between them", 2)
+        raise CommandError("one frame does not show a layout; give at least 2, and turn the shaft between them", 2)
     frames = [_read_frame(arguments.interface, frame_text, arguments.bits) for frame_text in frame_texts]
     lengths = sorted({frame.bits for frame in frames})
     if len(lengths) > 1:
         reason = f"the frames have {lengths[0]} to {lengths[-1]} bits; give frames of one length"
-        raise Stop(f"{reason}, with all leading zeros, or --bits", 2)
+        raise CommandError(f"{reason}, with all leading zeros, or --bits", 2)
     common_length = lengths[0]
     if arguments.interface == "rs485" and common_length % 8:
-        raise Stop(f"the frames have {common_length} bits; over RS-485, they are whole bytes", 2)
-    longest = _LONGEST.get(arguments.interface, _LONGEST_IN_BITS)
-    shortest = _SHORTEST.get(arguments.interface, 1)
+        raise CommandError(f"the frames have {common_length} bits; over RS-485, they are whole bytes", 2)
+    longest = _LONGEST_FRAME.get(arguments.interface, _LONGEST_IN_BITS)
+    shortest = _SHORTEST_FRAME.get(arguments.interface, 1)
     if common_length > longest:
-        raise Stop(f"the frames have {common_length} bits; a line has at most {longest}", 2)
+        raise CommandError(f"the frames have {common_length} bits; a line has at most {longest}", 2)
     if common_length < shortest:
-        raise Stop(f"the frames have {counted(common_length, 'bit')}; a line has at least {shortest}", 2)
+        raise CommandError(
+            f"the frames have {count_with_unit(common_length, 'bit')}; a line has at least {shortest}", 2
+        )
     positions: tuple[float, ...] = ()
     if arguments.positions is not None:
         positions = _read_positions(arguments.positions, len(frame_texts))
-    return Recording(
+    return RecordedFrames(
         interface=arguments.interface,
         bits=common_length,
         frames=tuple(frame.number for frame in frames),
@@ -146,7 +148,7 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
     numbers are cut to this length.
 
     Raises:
-        Stop: The text is not a frame. The exit code is 2.
+        CommandError: The text is not a frame. The exit code is 2.
     """
     import re
 
@@ -167,10 +169,12 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
             # Without a prefix, one piece could be decimal, hexadecimal or bits.
             if len(plain_text.split()) == 1:
                 start_of_text = plain_text[:_SHOWN_CHARACTERS]
-                raise Stop(f"'{start_of_text}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
+                raise CommandError(
+                    f"'{start_of_text}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2
+                )
         frame_data = frame_bytes(plain_text)
     except FrameTextError as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     return _with_stated_length(_Frame(int.from_bytes(frame_data, "big"), 8 * len(frame_data)), bits, text)
 
 
@@ -178,12 +182,12 @@ def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
     """Return a frame with the length ``bits`` that the user gives, or as written if that is None.
 
     Raises:
-        Stop: The frame has 1 bits above this length. The exit code is 2.
+        CommandError: The frame has 1 bits above this length. The exit code is 2.
     """
     if bits is None:
         return frame
     if frame.number.bit_length() > bits:
-        raise Stop(f"'{text[:_SHOWN_CHARACTERS]}' has more than {bits} bits", 2)
+        raise CommandError(f"'{text[:_SHOWN_CHARACTERS]}' has more than {bits} bits", 2)
     return _Frame(frame.number, bits)
 
 
@@ -191,7 +195,7 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
     """Return the positions in a text such as ``0,45,90``. There must be ``count`` of them, one for each frame.
 
     Raises:
-        Stop: The text contains something else, or another number of positions. The exit code is 2.
+        CommandError: The text contains something else, or another number of positions. The exit code is 2.
     """
     from math import isfinite
 
@@ -199,17 +203,22 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
         positions = tuple(float(piece) for piece in text.split(","))
     except ValueError:
         start_of_text = text[:_SHOWN_CHARACTERS]
-        raise Stop(f"'{start_of_text}' is not a list of numbers; write it like --positions 0,45,90", 2) from None
+        raise CommandError(
+            f"'{start_of_text}' is not a list of numbers; write it like --positions 0,45,90", 2
+        ) from None
     if len(positions) != count:
-        raise Stop(f"{counted(len(positions), 'position')} for {counted(count, 'frame')}; give one for each frame", 2)
+        raise CommandError(
+            f"{count_with_unit(len(positions), 'position')} for {count_with_unit(count, 'frame')}; give one for each frame",
+            2,
+        )
     if not all(map(isfinite, positions)):
-        raise Stop("a position is not a finite number; write it like --positions 0,45,90", 2)
+        raise CommandError("a position is not a finite number; write it like --positions 0,45,90", 2)
     if max(map(abs, positions)) > _MOST_POSITION:
-        raise Stop(f"a position is beyond ±{_MOST_POSITION:.0e}; give the positions in a larger unit", 2)
+        raise CommandError(f"a position is beyond ±{_MOST_POSITION:.0e}; give the positions in a larger unit", 2)
     return positions
 
 
-def _json_data(recording: Recording, proposals: Sequence[Answer]) -> dict[str, Any]:
+def _json_data(recording: RecordedFrames, proposals: Sequence[PossibleLine]) -> dict[str, Any]:
     """Return the proposals in the form that ``--json`` prints."""
     return {
         "version": JSON_VERSION,
@@ -219,7 +228,7 @@ def _json_data(recording: Recording, proposals: Sequence[Answer]) -> dict[str, A
     }
 
 
-def _proposal_data(proposal: Answer) -> dict[str, Any]:
+def _proposal_data(proposal: PossibleLine) -> dict[str, Any]:
     return {
         "line": proposal.line,
         "equal": [{"line": equal_line.line, "reason": equal_line.reason} for equal_line in proposal.equal_lines],
@@ -227,9 +236,9 @@ def _proposal_data(proposal: Answer) -> dict[str, Any]:
     }
 
 
-def _text_lines(recording: Recording, proposals: Sequence[Answer], first_frame: str) -> Iterator[str]:
+def _text_lines(recording: RecordedFrames, proposals: Sequence[PossibleLine], first_frame: str) -> Iterator[str]:
     """Yield the proposals as lines of text, and the commands to continue with the first proposal."""
-    yield f"{counted(len(recording.frames), 'frame')} of {counted(recording.bits, 'bit')}, most likely layout first"
+    yield f"{count_with_unit(len(recording.frames), 'frame')} of {count_with_unit(recording.bits, 'bit')}, most likely layout first"
     for rank, proposal in enumerate(proposals, 1):
         yield ""
         yield f"{rank}. {proposal.line}"

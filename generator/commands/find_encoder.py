@@ -9,35 +9,35 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cache import Cache
-from ..say.plain_text import counted, first_of
+from ..say.plain_text import count_with_unit, first_of
 from .arguments import bytes_by_address
 from .line_encoder import WITHOUT_SPEC, encoder_in_line, is_line, refuse_line
 from .specs_by_text import families_for, has_family, has_same_spec
-from .terminal import Stop, problems
+from .terminal import CommandError, print_problems
 
 if TYPE_CHECKING:
     import argparse
 
-    from ..language.problems import Report
+    from ..language.problems import ProblemReport
     from ..model import Device
-    from ..order_codes.labels import Match
+    from ..order_codes.labels import LabelMatch
     from .read_specs import Specs
 
 
 #: Most files in a message.
 _MOST_FILES = 8
 #: A family, the order code in it (None if the family was named), and the specs in which it was found.
-Located = tuple["Device", "Match | None", Sequence[Path]]
+FoundDevice = tuple["Device", "LabelMatch | None", Sequence[Path]]
 
 
-def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Match, Sequence[Path]]:
+def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, LabelMatch, Sequence[Path]]:
     """Return the family of an order code, its match with the variant, and the specs among which it was found.
 
     The user's specs come first. If their text does not show which families are possible, all of them are loaded. Specs
     with problems are then omitted and listed.
 
     Raises:
-        Stop: The code does not exist (exit code 2), or no valid spec has it and others have problems (exit code 1).
+        CommandError: The code does not exist (exit code 2), or no valid spec has it and others have problems (exit code 1).
     """
     device, match, paths = _find_in_groups(specs, text, cache, accepts_family=False)
     if match is None:  # Only a name is found without a match.
@@ -45,13 +45,15 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Matc
     return device, match, paths
 
 
-def find_requested(arguments: argparse.Namespace, specs: Specs, cache: Cache) -> tuple[Device, Match, dict[int, int]]:
+def find_requested(
+    arguments: argparse.Namespace, specs: Specs, cache: Cache
+) -> tuple[Device, LabelMatch, dict[int, int]]:
     """Return the family and match of ``ORDER-CODE`` in ``--edition``, and the bytes of ``--register`` by address.
 
     Registers that served to infer the edition are omitted.
 
     Raises:
-        Stop: As for ``find_order_code``, a byte is malformed, or the edition is not known. The exit code is then 2.
+        CommandError: As for ``find_order_code``, a byte is malformed, or the edition is not known. The exit code is then 2.
     """
     device, match, paths = find_order_code(specs, arguments.order_code, cache)
     register_bytes = bytes_by_address(arguments.register)
@@ -66,16 +68,16 @@ def find_requested(arguments: argparse.Namespace, specs: Specs, cache: Cache) ->
     return device, match_in_edition or match, register_bytes
 
 
-def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
+def find_family_or_code(specs: Specs, text: str, cache: Cache) -> FoundDevice:
     """Return a family named ``text`` without a match, or the result of ``find_order_code`` for the order code.
 
     Raises:
-        Stop: As for ``find_order_code``.
+        CommandError: As for ``find_order_code``.
     """
     return _find_in_groups(specs, text, cache, accepts_family=True)
 
 
-def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Located:
+def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> FoundDevice:
     """Return the family or order code from the first group of specs that contains it.
 
     A later group that also contains it is reported, unless its spec is the same.
@@ -85,7 +87,7 @@ def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bo
     if is_line(text):
         device, match_of_line = encoder_in_line(text)
         return device, match_of_line, ()
-    reports_with_problems: list[Report] = []
+    reports_with_problems: list[ProblemReport] = []
     for index, paths in enumerate(specs.groups):
         family_and_code, report = _find_in_group(paths, text, cache, accepts_family=accepts_family)
         if report is not None:
@@ -114,7 +116,7 @@ def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, *, a
 
 def _find_in_group(
     paths: Sequence[Path], text: str, cache: Cache, *, accepts_family: bool
-) -> tuple[tuple[Device, Match | None] | None, Report | None]:
+) -> tuple[tuple[Device, LabelMatch | None] | None, ProblemReport | None]:
     """Return a family with its match, or None, and the report if all specs were read and some have problems.
 
     The match is None if the text is the name of the family. The report is None if only the possible families were read,
@@ -135,19 +137,23 @@ def _find_in_group(
     return _best_match(devices, text, accepts_family=accepts_family), report or None
 
 
-def _best_match(devices: Sequence[Device], text: str, *, accepts_family: bool) -> tuple[Device, Match | None] | None:
+def _best_match(
+    devices: Sequence[Device], text: str, *, accepts_family: bool
+) -> tuple[Device, LabelMatch | None] | None:
     """Return the family with this name, else the order code that matches most of the text, else None."""
     matches = _all_matches(devices, text, accepts_family=accepts_family)
     return min(matches, key=_tail_length, default=None)
 
 
-def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
+def _tail_length(family_and_code: tuple[Device, LabelMatch | None]) -> int:
     """Return the number of characters after the order code, or 0 for the name of a family."""
     _, match = family_and_code
     return len(match.tail) if match is not None else 0
 
 
-def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) -> list[tuple[Device, Match | None]]:
+def _all_matches(
+    devices: Sequence[Device], text: str, *, accepts_family: bool
+) -> list[tuple[Device, LabelMatch | None]]:
     """Return each family that has the order code ``text``, with its match.
 
     If ``accepts_family`` allows names and a family has this name, return only this family, with None instead of a
@@ -160,33 +166,35 @@ def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) 
         family = _family_named(devices, text)
         if family is not None:
             return [(family, None)]
-    matches: list[tuple[Device, Match | None]] = []
+    matches: list[tuple[Device, LabelMatch | None]] = []
     for device in _candidate_families(devices, text):
         with suppress(UnknownOrderCode):
             matches.append((device, match_of(device, text)))
     return matches
 
 
-def _refuse_hidden(device: Device, reports_with_problems: Iterable[Report]) -> None:
+def _refuse_hidden(device: Device, reports_with_problems: Iterable[ProblemReport]) -> None:
     """Refuse a family if a file with problems has its name, such as the user's spec of a packaged family.
 
     Raises:
-        Stop: There is such a file. The exit code is 1.
+        CommandError: There is such a file. The exit code is 1.
     """
     for report in reports_with_problems:
         # A file is named after its family.
         names_of_faulty_families = {Path(file).stem for file in report.faulty_files}
         if device.name in names_of_faulty_families:
-            raise problems(report)
+            raise print_problems(report)
 
 
-def _print_skipped_files(report: Report) -> None:
+def _print_skipped_files(report: ProblemReport) -> None:
     files = list(dict.fromkeys(problem.file for problem in report.problems))
-    notice = f"skipped, with {counted(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
+    notice = (
+        f"skipped, with {count_with_unit(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
+    )
     print(f"codewheel: {notice}", file=sys.stderr)
 
 
-def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Stop:
+def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> CommandError:
     """Return the error that no group contains the text: a spec has problems, or the text is unknown."""
     from ..language.files import packaged_families
     from ..loading.library import load_sound
@@ -195,7 +203,7 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: b
     for paths in specs.groups:
         group_devices, report = load_sound(paths)
         if report:
-            return problems(report)
+            return print_problems(report)
         devices += group_devices
     packaged_match = None
     if not specs.packaged:
@@ -204,14 +212,14 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: b
     reason = _unknown_code_error(devices, text, suggests_line=not accepts_family and packaged_match is None)
     if packaged_match is None:
         return reason
-    return Stop(f"{reason}; the packaged specs have it, so leave out the names of specs", reason.code)
+    return CommandError(f"{reason}; the packaged specs have it, so leave out the names of specs", reason.code)
 
 
-def find_among(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
+def find_among(devices: Sequence[Device], text: str) -> tuple[Device, LabelMatch]:
     """Return the family and match of an order code among ``devices``: the match with the shortest tail.
 
     Raises:
-        Stop: There is no such code. The exit code is 2.
+        CommandError: There is no such code. The exit code is 2.
     """
     device, match = _best_match(devices, text, accepts_family=False) or (None, None)
     if device is None or match is None:
@@ -235,7 +243,7 @@ def _is_special_model(device: Device, code: str) -> bool:
     return any(overlay.special and code.endswith(f"/{overlay.special}") for overlay in device.overlays)
 
 
-def _unknown_code_error(devices: Sequence[Device], text: str, *, suggests_line: bool = False) -> Stop:
+def _unknown_code_error(devices: Sequence[Device], text: str, *, suggests_line: bool = False) -> CommandError:
     """Return the error for an unknown code.
 
     The message is the first of these that applies: that the text is a file, that it is the name of a family, why it is
@@ -248,22 +256,22 @@ def _unknown_code_error(devices: Sequence[Device], text: str, *, suggests_line: 
     from ..order_codes.unknown_labels import closest_reason, family_with_name
 
     if Path(text).suffix in SUFFIXES:
-        return Stop(f"'{text}' is not an order code; give a spec as --specs {text}", 2)
+        return CommandError(f"'{text}' is not an order code; give a spec as --specs {text}", 2)
     device = family_with_name(devices, text)
     if device is not None:
         example = device.variants[0].code
         message = labels.family_instead_of_code(text, example)
-        return Stop(f"{message} (codewheel show {device.name} explains them)", 2)
+        return CommandError(f"{message} (codewheel show {device.name} explains them)", 2)
     reason = closest_reason(_candidate_families(devices, text), text)
     if reason is not None:
-        return Stop(reason, 2)
+        return CommandError(reason, 2)
     similar_codes = nearest_codes(devices, text, NEAR)
     remedy = "; codewheel list shows the known patterns"
     if similar_codes:
         remedy = labels.nearest_codes_hint(", ".join(similar_codes))
     if suggests_line:
         remedy += f". {WITHOUT_SPEC}"
-    return Stop(labels.unknown_code(text) + remedy, 2)
+    return CommandError(labels.unknown_code(text) + remedy, 2)
 
 
 def _family_named(devices: Sequence[Device], text: str) -> Device | None:

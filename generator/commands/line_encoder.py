@@ -6,15 +6,15 @@ import shlex
 import sys
 from typing import TYPE_CHECKING
 
-from ..one_line.line import Line, LineError
+from ..one_line.line import EncoderLine, LineError
 from ..one_line.parse import is_line as is_line
 from ..one_line.parse import parse_line
-from ..say.plain_text import counted
-from .terminal import Stop
+from ..say.plain_text import count_with_unit
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     from ..model import Device
-    from ..order_codes.labels import Match
+    from ..order_codes.labels import LabelMatch
 
 #: Hint for an unknown order code.
 WITHOUT_SPEC = "To describe an encoder without a spec, write it in one line, such as ssi:position=25,error=low"
@@ -22,11 +22,11 @@ WITHOUT_SPEC = "To describe an encoder without a spec, write it in one line, suc
 OR_A_LINE = ", or the encoder in one line, such as biss:position=32,error,warning,crc=6:0x43"
 
 
-def encoder_in_line(text: str) -> tuple[Device, Match]:
+def encoder_in_line(text: str) -> tuple[Device, LabelMatch]:
     """Return the device that a line describes, and the line as its order code.
 
     Raises:
-        Stop: The line has problems, which are printed. The exit code is 2.
+        CommandError: The line has problems, which are printed. The exit code is 2.
     """
     from ..one_line.encoder import device_of_line
 
@@ -36,34 +36,34 @@ def encoder_in_line(text: str) -> tuple[Device, Match]:
         raise line_problems(error) from None
 
 
-def checked_line(text: str) -> Line:
+def checked_line(text: str) -> EncoderLine:
     """Return a line whose spec has no problems.
 
     Raises:
-        Stop: The line has problems, which are printed. The exit code is 2.
+        CommandError: The line has problems, which are printed. The exit code is 2.
     """
     # For its error only. The parser does not find all problems.
     encoder_in_line(text)
     return parse_line(text)
 
 
-def line_problems(error: LineError) -> Stop:
-    """Print all problems of a line to standard error, and return the ``Stop`` to raise."""
+def line_problems(error: LineError) -> CommandError:
+    """Print all problems of a line to standard error, and return the ``CommandError`` to raise."""
     from ..language.problems import excerpt, visible
 
     for column, message in error.problems:
         print(f"column {column}: {visible(message)}", *excerpt(error.text, column), sep="\n", file=sys.stderr)
-    return Stop(f"{counted(len(error.problems), 'problem')} in the line", 2)
+    return CommandError(f"{count_with_unit(len(error.problems), 'problem')} in the line", 2)
 
 
 def refuse_line(text: str, action: str) -> None:
     """Check that a text is not a line, for what needs a spec. ``action`` is the reason, such as ``has no editions``.
 
     Raises:
-        Stop: It is a line. The exit code is 2.
+        CommandError: It is a line. The exit code is 2.
     """
     if is_line(text):
-        raise Stop(f"a line {action}; to write it as a spec: {command_for_spec(text)}", 2)
+        raise CommandError(f"a line {action}; to write it as a spec: {command_for_spec(text)}", 2)
 
 
 def command_for_spec(text: str) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from .arguments import AND_PACKAGED, Parser, add_cache_option, add_specs, cache_for
-from .terminal import print_json, problems
+from .terminal import print_json, print_problems
 
 if TYPE_CHECKING:
     import argparse
@@ -27,7 +27,7 @@ class Manual(TypedDict):
     date: str | None
 
 
-class Row(TypedDict):
+class FamilyRow(TypedDict):
     """Facts about a family. Each interface has a name and a title."""
 
     family: str
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the families.
 
     Raises:
-        Stop: The specs have problems, or a path does not exist.
+        CommandError: The specs have problems, or a path does not exist.
     """
     from .read_specs import specs_to_read
     from .specs_by_text import has_same_spec
@@ -76,12 +76,12 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _rows_of_specs(paths: Sequence[Path], cache: Cache) -> list[Row]:
+def _rows_of_specs(paths: Sequence[Path], cache: Cache) -> list[FamilyRow]:
     """Return the facts about the families of specs, from an earlier run if they have not changed."""
     from .cached_result import cached_result
 
     cached_rows = cached_result(cache, "list", paths)
-    stored_rows: list[Row] | None = cached_rows.get()
+    stored_rows: list[FamilyRow] | None = cached_rows.get()
     if stored_rows is not None:
         return stored_rows
     new_rows = family_rows(_load_devices(paths))
@@ -93,22 +93,22 @@ def _load_devices(paths: Sequence[Path]) -> Sequence[Device]:
     """Return the devices of the specs.
 
     Raises:
-        Stop: There are problems, which are printed to standard error. The exit code is 1.
+        CommandError: There are problems, which are printed to standard error. The exit code is 1.
     """
     from ..loading.library import load_library
 
     devices, report = load_library(paths)
     if report:
-        raise problems(report)
+        raise print_problems(report)
     return devices
 
 
-def family_rows(devices: Sequence[Device]) -> list[Row]:
+def family_rows(devices: Sequence[Device]) -> list[FamilyRow]:
     """Return the facts about each family, as data that JSON can express."""
     return [_summarise_family(device) for device in devices]
 
 
-def _summarise_family(device: Device) -> Row:
+def _summarise_family(device: Device) -> FamilyRow:
     """Return the facts about a family."""
     manual = device.manual
     return {
@@ -124,8 +124,8 @@ def _summarise_family(device: Device) -> Row:
 
 
 def without_packaged_duplicates(
-    own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()
-) -> tuple[list[Row], list[str]]:
+    own_rows: Sequence[FamilyRow] = (), packaged: Sequence[FamilyRow] = ()
+) -> tuple[list[FamilyRow], list[str]]:
     """Return the user's families, then the packaged ones, except families whose name or order code a user's family has.
 
     The second list contains the names of these exceptions.
@@ -133,7 +133,7 @@ def without_packaged_duplicates(
     user_names = {row["family"] for row in own_rows}
     user_codes = {code for row in own_rows for code in row["order_codes"]}
     repeated_names: list[str] = []
-    other_rows: list[Row] = []
+    other_rows: list[FamilyRow] = []
     for row in packaged:
         has_code_of_user = not user_codes.isdisjoint(row["order_codes"])
         if row["family"] in user_names or has_code_of_user:
@@ -143,25 +143,25 @@ def without_packaged_duplicates(
     return [*own_rows, *other_rows], repeated_names
 
 
-def as_data(families: Sequence[Row]) -> dict[str, Any]:
+def as_data(families: Sequence[FamilyRow]) -> dict[str, Any]:
     """Return the families in the form that ``--json`` prints."""
     return {"version": 1, "families": [_with_interface_names(family) for family in families]}
 
 
-def _with_interface_names(family: Row) -> dict[str, Any]:
+def _with_interface_names(family: FamilyRow) -> dict[str, Any]:
     return {**family, "interfaces": [name for name, _ in family["interfaces"]]}
 
 
-def _pattern_or_codes(family: Row) -> str:
+def _pattern_or_codes(family: FamilyRow) -> str:
     """Return the pattern of the order codes, or the codes themselves if it is only one part, such as ``{model}``."""
     pattern = family["pattern"]
     has_text_or_parts = not pattern.startswith("{") or pattern.count("{") > 1
     return pattern if has_text_or_parts else ", ".join(family["order_codes"])
 
 
-def as_text(families: Sequence[Row]) -> str:
+def as_text(families: Sequence[FamilyRow]) -> str:
     """Return a heading and four lines of facts about each family, at most 80 columns wide."""
-    from ..say.plain_text import WIDTH, two_columns, wrapped
+    from ..say.plain_text import WIDTH, two_columns, wrap_text
 
     lines = []
     for family in families:
@@ -174,6 +174,6 @@ def as_text(families: Sequence[Row]) -> str:
             ("manual", f"{manual['title']}, revision {manual['revision']}{date}"),
             ("evidence", family["evidence"]),
         ]
-        lines.append(wrapped(heading, WIDTH, prefix=" " * 10, first=f"{family['family']:<8}  "))
+        lines.append(wrap_text(heading, WIDTH, prefix=" " * 10, first=f"{family['family']:<8}  "))
         lines += [*two_columns(facts, indent=10), ""]
     return "\n".join(lines).rstrip()

@@ -17,13 +17,13 @@ from .arguments import (
     cache_for,
 )
 from .line_encoder import OR_A_LINE
-from .terminal import Stop, print_json, problems, refuse_missing
+from .terminal import CommandError, print_json, print_problems, refuse_missing
 
 if TYPE_CHECKING:
-    from ..masters.record import Record
-    from ..masters.sheet import Master, Sheet
+    from ..masters.record import EncoderFacts
+    from ..masters.sheet import Master, SettingsSheet
     from ..model import Device
-    from ..order_codes.labels import Match
+    from ..order_codes.labels import LabelMatch
 
 EXAMPLES = ("codewheel master", "codewheel master MY-ENCODER-13-SC")
 #: Longest cable that ``--cable`` accepts, in metres. Every real cable is shorter.
@@ -76,14 +76,14 @@ def run(arguments: argparse.Namespace) -> int:
     The exit code is 1 if the named master refuses the encoder, or if no master can read it.
 
     Raises:
-        Stop: The master, order code or edition does not exist, or there are no settings for it.
+        CommandError: The master, order code or edition does not exist, or there are no settings for it.
     """
     from ..masters import sheet, text
 
     refuse_missing(arguments.masters)
     masters, report = sheet.load_masters(arguments.masters)
     if report:
-        raise problems(report)
+        raise print_problems(report)
     _refuse_incomplete_options(arguments)
     if arguments.order_code is None:
         if arguments.json:
@@ -110,35 +110,35 @@ def _refuse_incomplete_options(arguments: argparse.Namespace) -> None:
     """Check that the order code and the master are given if an option needs them.
 
     Raises:
-        Stop: One of them is missing. The exit code is 2.
+        CommandError: One of them is missing. The exit code is 2.
     """
     has_format_option = arguments.format is not None or arguments.device is not None
     if has_format_option and (arguments.master is None or arguments.order_code is None):
         option = "--format" if arguments.format is not None else "--device"
-        raise Stop(f"{option} needs an order code and --master", 2)
+        raise CommandError(f"{option} needs an order code and --master", 2)
     if arguments.order_code is None and arguments.edition is not None:
-        raise Stop("--edition needs an order code", 2)
+        raise CommandError("--edition needs an order code", 2)
 
 
 def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
     """Check that there is a master of this name, if the user named one.
 
     Raises:
-        Stop: There is none. The exit code is 2.
+        CommandError: There is none. The exit code is 2.
     """
-    from ..language.problems import suggestion
+    from ..language.problems import suggest_word
 
     known_names = [master.name for master in masters]
     if name is not None and name not in known_names:
-        hint = suggestion(name, known_names) or "; codewheel master lists them"
-        raise Stop(f"there is no master '{name}'{hint}", 2)
+        hint = suggest_word(name, known_names) or "; codewheel master lists them"
+        raise CommandError(f"there is no master '{name}'{hint}", 2)
 
 
-def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Record]:
+def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch, EncoderFacts]:
     """Return the family and match of the order code, and the record of the settings that masters need for it.
 
     Raises:
-        Stop: The order code or edition does not exist, or there are no settings for it.
+        CommandError: The order code or edition does not exist, or there are no settings for it.
     """
     from ..masters.frame_parts import NoRecord
     from ..masters.record import Undecided, record
@@ -158,24 +158,24 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Rec
         )
         return device, match, encoder_record
     except RegisterError as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     except Undecided as error:
-        raise Stop(open_questions(device, error.layout, answers, "has no settings"), 2) from None
+        raise CommandError(open_questions(device, error.layout, answers, "has no settings"), 2) from None
     except NoRecord as error:
-        raise Stop(str(error), 1) from None
+        raise CommandError(str(error), 1) from None
 
 
 def _file_for_master(
-    arguments: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_record: Record
+    arguments: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_record: EncoderFacts
 ) -> str:
     """Return the text of a file for ``--master`` in the ``--format`` that the user chose.
 
     The file is for ``--device``, or for the first device of the master that has the format.
 
     Raises:
-        Stop: There is no such format or device, or the master cannot use the encoder. The exit code is 2.
+        CommandError: There is no such format or device, or the master cannot use the encoder. The exit code is 2.
     """
-    from ..language.problems import listed
+    from ..language.problems import join_words
     from ..masters.sheet import sheet
     from ..model import member_named
     from ..targets.masters.files import file_text
@@ -184,12 +184,12 @@ def _file_for_master(
     file_format = _chosen_format(arguments, master, masters)
     master_sheet = sheet(master, encoder_record)
     if master_sheet.refusals:
-        raise Stop(_cannot_use_message(master_sheet, masters, encoder_record), 2)
+        raise CommandError(_cannot_use_message(master_sheet, masters, encoder_record), 2)
     devices_with_format = master_sheet.devices_with(file_format)
     master_device = devices_with_format[0] if arguments.device is None else arguments.device
     if master_device not in devices_with_format:
-        known_devices = listed(devices_with_format, "or")
-        raise Stop(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
+        known_devices = join_words(devices_with_format, "or")
+        raise CommandError(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
     return file_text(device, [encoder_record.code], master_sheet, file_format, master_device).rstrip("\n")
 
 
@@ -197,32 +197,32 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
     """Return the description of the file format that the user chose from ``master.files``.
 
     Raises:
-        Stop: The master has no such format, or JSON is also requested. The exit code is 2.
+        CommandError: The master has no such format, or JSON is also requested. The exit code is 2.
     """
-    from ..language.problems import listed
+    from ..language.problems import join_words
 
     formats = {file_format["format"]: file_format for file_format in master.files}
     if not formats:
-        masters_with_files = listed(other_master.name for other_master in masters if other_master.files)
-        raise Stop(f"no file format is known for {master.name}; there are formats for {masters_with_files}", 2)
+        masters_with_files = join_words(other_master.name for other_master in masters if other_master.files)
+        raise CommandError(f"no file format is known for {master.name}; there are formats for {masters_with_files}", 2)
     if arguments.format not in formats:
         problem = f"{master.name} has no format '{arguments.format}'" if arguments.format else "--device needs --format"
-        raise Stop(f"{problem}; the formats of {master.name} are {listed(formats)}", 2)
+        raise CommandError(f"{problem}; the formats of {master.name} are {join_words(formats)}", 2)
     if arguments.json:
-        raise Stop("--format prints a file; leave out --json", 2)
+        raise CommandError("--format prints a file; leave out --json", 2)
     return formats[arguments.format]
 
 
-def _cannot_use_message(master_sheet: Sheet, masters: Sequence[Master], encoder_record: Record) -> str:
+def _cannot_use_message(master_sheet: SettingsSheet, masters: Sequence[Master], encoder_record: EncoderFacts) -> str:
     """Return the message about a master that cannot use the encoder: the reason, and the masters with files that can.
 
     The master has refusals, of which the first one is given.
     """
-    from ..language.problems import listed
+    from ..language.problems import join_words
     from ..masters.sheet import sheet
 
     masters_with_files = [master for master in masters if master.files]
     usable_names = [master.name for master in masters_with_files if not sheet(master, encoder_record).refusals]
-    hint = f"; there are files for {listed(usable_names)}" if usable_names else ""
+    hint = f"; there are files for {join_words(usable_names)}" if usable_names else ""
     reason = master_sheet.refusals[0].reason.rstrip(".")
     return f"{master_sheet.master.name} cannot use {encoder_record.code}: {reason}{hint}"

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .arguments import Parser, add_specs_argument
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     import argparse
@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     decisions or, with ``--check``, changes.
 
     Raises:
-        Stop: There are no specs, or a file cannot be written.
+        CommandError: There are no specs, or a file cannot be written.
     """
     from .read_specs import specs_to_judge
 
@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     for path in _specs_and_second_readings(paths):
         change_count += _migrate_file(path, only_check=arguments.check)
     if arguments.check:
-        print(f"{counted(change_count, 'change')} to apply")
+        print(f"{count_with_unit(change_count, 'change')} to apply")
         return 1 if change_count else 0
     return _print_decisions(paths, change_count)
 
@@ -58,8 +58,8 @@ def _print_decisions(paths: Sequence[Path], changes: int) -> int:
     problems = check_specs(paths, targets_named()).report.problems
     for problem in problems:
         print(problem.format())
-    decisions = f"{counted(len(problems), 'place')} to decide by hand" if problems else "nothing to decide"
-    print(f"{counted(changes, 'change')} applied, {decisions}")
+    decisions = f"{count_with_unit(len(problems), 'place')} to decide by hand" if problems else "nothing to decide"
+    print(f"{count_with_unit(changes, 'change')} applied, {decisions}")
     return 1 if problems else 0
 
 
@@ -83,10 +83,10 @@ def _migrate_file(path: Path, *, only_check: bool) -> int:
     A file that cannot be read has no changes.
     """
     from ..language.migrate import migrate
-    from ..language.problems import Report
+    from ..language.problems import ProblemReport
     from ..language.read import read_document
 
-    document = read_document(path, Report())
+    document = read_document(path, ProblemReport())
     edits = migrate(document) if document is not None else ()
     for edit in edits:
         print(f"{path}:{edit.line}:{edit.column}: {edit.old} is now {edit.new}")
@@ -101,7 +101,7 @@ def _apply_edits(edits: Sequence[Edit], path: Path) -> None:
     The byte order mark and the mode of the file are kept.
 
     Raises:
-        Stop: It cannot be written. The exit code is 1.
+        CommandError: It cannot be written. The exit code is 1.
     """
     from ..language.migrate import edited
 
@@ -115,4 +115,4 @@ def _apply_edits(edits: Sequence[Edit], path: Path) -> None:
         shutil.copymode(real_path, new_path)
         new_path.replace(real_path)
     except OSError as error:
-        raise Stop(f"cannot write {path}: {error.strerror or error}", 1) from None
+        raise CommandError(f"cannot write {path}: {error.strerror or error}", 1) from None

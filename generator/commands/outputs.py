@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ..language.problems import Report, TemplateFault, listed, suggestion
+from ..language.problems import ProblemReport, TemplateFault, join_words, suggest_word
 from ..loading.configuration import BUILT_IN, NO_FILTERS, FamilyFilters
 from ..loading.library import load_families, sound_families
 from ..loading.overlays import Family
@@ -18,7 +18,7 @@ from ..say.plain_text import first_of
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import PackageMissing, files_of, load_target, problems_of, target_names
 from .edition_devices import edition_devices
-from .terminal import Stop
+from .terminal import CommandError
 
 #: Families named in a message. If there are more, the list ends with their number.
 _MOST_FAMILIES = 8
@@ -41,13 +41,13 @@ def devices_by_target(
     """Return the devices that each target writes: those that its filter accepts, by the name of the target.
 
     Raises:
-        Stop: A target writes no family. The exit code is 1.
+        CommandError: A target writes no family. The exit code is 1.
     """
     accepted = {target: accepted_devices(target, devices, filters) for target in targets}
     for target, target_devices in accepted.items():
         if devices and not target_devices:
             grades = [f"{device.name} ({device.evidence.grade})" for device in devices]
-            raise Stop(
+            raise CommandError(
                 f"the setting 'only.{target}' accepts no family that was read: {first_of(grades, _MOST_FAMILIES)}; "
                 "change it, or name the other targets with --target",
                 1,
@@ -56,27 +56,27 @@ def devices_by_target(
 
 
 #: Columns of the text about the targets for ``--help``.
-_WIDTH = 79
+_HELP_WIDTH = 79
 
 
 def targets_named(names: Iterable[str] | None = None, default_names: Iterable[str] = BUILT_IN) -> list[Target]:
     """Return the named targets, each once. Without names, return the default targets that do not lack their packages.
 
     Raises:
-        Stop: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
+        CommandError: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
     """
     loaded_targets = []
     for name in dict.fromkeys(names or default_names):
         try:
             loaded_targets.append(load_target(name))
         except LookupError:
-            raise Stop(_unknown_target_message(name), 2) from None
+            raise CommandError(_unknown_target_message(name), 2) from None
         except PackageMissing as error:
             if names:
-                raise Stop(str(error), 1) from None
+                raise CommandError(str(error), 1) from None
             print(f"codewheel: {error}; this target is skipped", file=sys.stderr)
         except TargetError as error:
-            raise Stop(str(error), 1) from None
+            raise CommandError(str(error), 1) from None
     return loaded_targets
 
 
@@ -94,7 +94,7 @@ def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool
 
 
 def _unknown_target_message(name: str) -> str:
-    return f"there is no target '{name}'{suggestion(name, target_names(), 'there are')}"
+    return f"there is no target '{name}'{suggest_word(name, target_names(), 'there are')}"
 
 
 def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[str, Options]:
@@ -105,7 +105,7 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
         targets: The targets to run.
 
     Raises:
-        Stop: A setting is malformed, or its target does not run. The exit code is 2.
+        CommandError: A setting is malformed, or its target does not run. The exit code is 2.
     """
     targets_by_name = {target.name: target for target in targets}
     options = {target.name: dict(target.defaults) for target in targets}
@@ -114,35 +114,39 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
         target_and_option, equals, value = setting.partition("=")
         target_name, dot, option = target_and_option.partition(".")
         if not equals or not dot:
-            raise Stop(f"'{setting}' is not a setting; write it like TARGET.OPTION=VALUE", 2)
+            raise CommandError(f"'{setting}' is not a setting; write it like TARGET.OPTION=VALUE", 2)
         if target_name not in targets_by_name:
             if target_name not in target_names():
-                raise Stop(_unknown_target_message(target_name), 2)
-            raise Stop(f"'{target_and_option}' is for a target that does not run; add --target {target_name}", 2)
+                raise CommandError(_unknown_target_message(target_name), 2)
+            raise CommandError(
+                f"'{target_and_option}' is for a target that does not run; add --target {target_name}", 2
+            )
         _refuse_setting(targets_by_name[target_name], option, value)
         options[target_name][option] = value
     return dict(options)
 
 
 def _refuse_setting(target: Target, name: str, value: str) -> None:
-    """Raise ``Stop`` if the option does not exist in the target or does not accept the value.
+    """Raise ``CommandError`` if the option does not exist in the target or does not accept the value.
 
     An option without a list of values accepts all.
     """
     options = {option.name: option for option in target.options}
     if name not in options:
-        hint = suggestion(name, options, "it has") if options else "; it has none"
-        raise Stop(f"the target '{target.name}' has no option '{name}'{hint}", 2)
+        hint = suggest_word(name, options, "it has") if options else "; it has none"
+        raise CommandError(f"the target '{target.name}' has no option '{name}'{hint}", 2)
     accepted_values = options[name].values
     if accepted_values and value not in accepted_values:
-        raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, accepted_values, 'it can be')}", 2)
+        raise CommandError(
+            f"'{target.name}.{name}' cannot be '{value}'{suggest_word(value, accepted_values, 'it can be')}", 2
+        )
 
 
-def load_for_targets(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
+def load_for_targets(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], ProblemReport]:
     """Return the devices of the specs, and a report that includes the parts that these targets cannot express.
 
     Raises:
-        Stop: A target fails. The exit code is 1.
+        CommandError: A target fails. The exit code is 1.
     """
     families, report = load_families(paths)
     return complete_devices(families, targets, editions=(), report=report), report
@@ -152,7 +156,7 @@ def complete_devices(
     families: Sequence[Family],
     targets: Iterable[Target],
     editions: Iterable[str],
-    report: Report,
+    report: ProblemReport,
     filters: FamilyFilters = NO_FILTERS,
 ) -> tuple[Device, ...]:
     """Return the devices of families and of ``editions``, by name, and report the parts that targets cannot express.
@@ -161,7 +165,7 @@ def complete_devices(
     families that each target must express.
 
     Raises:
-        Stop: A target fails. The exit code is 1.
+        CommandError: A target fails. The exit code is 1.
     """
     report_unfit_parts(families, targets, report, filters)
     devices = [*(family.device for family in families), *edition_devices(families, editions, report)]
@@ -169,14 +173,14 @@ def complete_devices(
 
 
 def report_unfit_parts(
-    families: Sequence[Family], targets: Iterable[Target], report: Report, filters: FamilyFilters = NO_FILTERS
+    families: Sequence[Family], targets: Iterable[Target], report: ProblemReport, filters: FamilyFilters = NO_FILTERS
 ) -> None:
     """Report the parts that these targets cannot express, for families whose specs have no other problems.
 
     ``filters`` are the conditions for the families that each target must express.
 
     Raises:
-        Stop: A target fails. The exit code is 1.
+        CommandError: A target fails. The exit code is 1.
     """
     valid_families = {family.device.name: family for family in sound_families(families, report)}
     devices = [family.device for family in valid_families.values()]
@@ -185,7 +189,7 @@ def report_unfit_parts(
         try:
             target_problems = problems_of(target, library)
         except TargetError as error:
-            raise Stop(str(error), 1) from None
+            raise CommandError(str(error), 1) from None
         for problem in target_problems:
             document = valid_families[problem.device.name].document
             message = problem.message
@@ -210,19 +214,19 @@ def render_targets(
         files_of: Function that returns the files of one target.
 
     Raises:
-        Stop: A target or a user's template fails (exit code 1), or the name of a template is misspelt (exit code 2).
+        CommandError: A target or a user's template fails (exit code 1), or the name of a template is misspelt (exit code 2).
     """
     try:
         files = {target.name: files_of(target, library, options[target.name]) for target in targets}
     except OptionError as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     except (TargetError, TemplateFault) as error:
-        raise Stop(str(error), 1) from None
+        raise CommandError(str(error), 1) from None
     if library.own_templates is not None:
         templates_by_target = {target.name: target.templates for target in targets}
         unused = list(unused_templates(library.own_templates, templates_by_target, target_names()))
         if unused:
-            raise Stop("\n  ".join(["nothing written: these templates have no effect:", *unused]), 2)
+            raise CommandError("\n  ".join(["nothing written: these templates have no effect:", *unused]), 2)
     return files
 
 
@@ -234,7 +238,7 @@ def targets_help() -> str:
     known_names = target_names()
     # Two spaces are in front of a name, and at least two behind it.
     indent = " " * (max(map(len, known_names)) + 4)
-    lines = [f"targets ({listed(BUILT_IN)} run by default):"]
+    lines = [f"targets ({join_words(BUILT_IN)} run by default):"]
     for name in known_names:
         name_column = f"  {name}".ljust(len(indent))
         try:
@@ -252,4 +256,4 @@ def targets_help() -> str:
 
 def _wrap_paragraph(text: str, first: str, indent: str) -> list[str]:
     """Return the lines of a paragraph, of which the first begins with ``first`` and the others with ``indent``."""
-    return textwrap.wrap(text, _WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)
+    return textwrap.wrap(text, _HELP_WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)

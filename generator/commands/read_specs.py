@@ -27,16 +27,16 @@ from ..language.files import (
     packaged_families,
 )
 from ..loading.configuration import BUILT_IN, PYPROJECT, Configuration, Faulty
-from ..say.plain_text import counted, first_of
-from .terminal import Stop, problems, refuse_missing
+from ..say.plain_text import count_with_unit, first_of
+from .terminal import CommandError, print_problems, refuse_missing
 
 if TYPE_CHECKING:
     from ..language.document import Path as Place
-    from ..language.problems import Report
+    from ..language.problems import ProblemReport
 
 
 #: Text that a pyproject.toml with the section must contain. Other files are not parsed.
-_NEEDED = b"tool.codewheel"
+_SECTION_IN_PYPROJECT = b"tool.codewheel"
 
 
 def configuration_above() -> Configuration | None:
@@ -89,7 +89,7 @@ def _has_settings(file: Path) -> bool:
     if file.name == CONFIGURATION:
         return not is_spec(file)
     try:
-        return _NEEDED in file.read_bytes()
+        return _SECTION_IN_PYPROJECT in file.read_bytes()
     except OSError:
         raise Faulty(file) from None
 
@@ -132,7 +132,7 @@ def find_specs(named: Sequence[Path]) -> Specs:
     Unless specs were named, the packaged specs are included, which only commands that write or judge discard.
 
     Raises:
-        Stop: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
+        CommandError: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
     """
     refuse_missing(named)
     settings = find_settings()
@@ -152,14 +152,14 @@ def find_settings() -> Configuration | None:
     """Return the settings for the current folder, or None.
 
     Raises:
-        Stop: There are errors in them. The exit code is 1.
+        CommandError: There are errors in them. The exit code is 1.
     """
     try:
         return configuration_above()
     except Faulty as error:
         from ..loading.configuration_file import errors_in
 
-        raise problems(errors_in(error.files)) from None
+        raise print_problems(errors_in(error.files)) from None
 
 
 #: Commands that get the folder of the specs with an option.
@@ -172,14 +172,14 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     ``command`` contains the words of the command for messages, such as ``generate`` or ``facts FAMILY``.
 
     Raises:
-        Stop: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
+        CommandError: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
     """
     specs = find_specs(named)
     folder = specs.settings.folder if specs.settings is not None else Path()
     # These commands have other arguments, so specs need an option.
     option = " --specs" if command in _COMMANDS_WITH_OPTION else ""
     if not specs.is_complete:
-        raise Stop(
+        raise CommandError(
             f"{_folder_text(folder)} has more than {MOST_NAMES:,} files and folders, so not all of its specs were "
             f"found; name the folder of the specs: codewheel {command}{option} FOLDER, or list it under "
             "[tool.codewheel]",
@@ -190,7 +190,7 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
         if command == "generate":
             example = _example_of_packaged_family()
             hint = f"; outputs for a packaged encoder: codewheel generate --packaged {example} -o out"
-        raise Stop(
+        raise CommandError(
             f"there are no specs in {_folder_text(folder)} or below it{_output_with_specs(specs)}; name them: "
             f"codewheel {command}{option} FOLDER, or list them under [tool.codewheel] in pyproject.toml{hint}",
             2,
@@ -249,7 +249,7 @@ def find_specs_to_read(named: Sequence[Path]) -> Specs:
     """Return the specs for a command that only reads, and report on standard error if some were not found.
 
     Raises:
-        Stop: As for ``find_specs``.
+        CommandError: As for ``find_specs``.
     """
     specs = find_specs(named)
     if not specs.is_complete:
@@ -324,7 +324,7 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
     """Check that the targets in the settings exist, without loading them.
 
     Raises:
-        Stop: There is no such target. The exit code is 1.
+        CommandError: There is no such target. The exit code is 1.
     """
     if settings is None or not (settings.targets or settings.only):
         return
@@ -343,28 +343,28 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
     known_names = target_names()
     unknown_targets = [(name, place) for name, place in registered_targets if name not in known_names]
     if unknown_targets:
-        raise problems(_report_unknown_targets(settings.file, unknown_targets, known_names))
+        raise print_problems(_report_unknown_targets(settings.file, unknown_targets, known_names))
 
 
 def _report_unknown_targets(
     file: Path, unknown_targets: Iterable[tuple[str, Place]], known_names: Iterable[str]
-) -> Report:
+) -> ProblemReport:
     """Return a report with an error for each target, at its place in the settings.
 
     Under ``targets``, a name is an item of the list. Under ``only``, it is a key, and the error is at that.
     """
-    from ..language.problems import Report, suggestion
+    from ..language.problems import ProblemReport, suggest_word
     from ..loading.configuration_file import add_error
 
-    report = Report()
+    report = ProblemReport()
     for name, place in unknown_targets:
-        message = f"there is no target '{name}'{suggestion(name, known_names, 'there are')}"
+        message = f"there is no target '{name}'{suggest_word(name, known_names, 'there are')}"
         is_key = place[0] == "only"
         add_error(report, file, place, "undefined-reference", message, at_key=is_key)
     return report
 
 
-def report_unknown_families(settings: Configuration | None, family_names: Iterable[str], report: Report) -> None:
+def report_unknown_families(settings: Configuration | None, family_names: Iterable[str], report: ProblemReport) -> None:
     """Report families in the settings that none of the specs describes.
 
     Args:
@@ -374,7 +374,7 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
     """
     if settings is None or not settings.only:
         return
-    from ..language.problems import suggestion
+    from ..language.problems import suggest_word
     from ..loading.configuration_file import add_error
 
     # A spec with problems may have no family yet, so its file counts as a family of this name.
@@ -383,7 +383,7 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
     for target, family_filter in settings.only.items():
         for index, name in enumerate(family_filter.families):
             if name not in known_names and name not in spec_names:
-                message = f"there is no family '{name}' among the specs{suggestion(name, known_names, 'there are')}"
+                message = f"there is no family '{name}' among the specs{suggest_word(name, known_names, 'there are')}"
                 place = ("only", target, "families", index)
                 add_error(report, settings.file, place, "undefined-reference", message)
 
@@ -398,7 +398,7 @@ def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     ``command`` contains the words of the command for messages.
 
     Raises:
-        Stop: As for ``find_specs_to_judge``, or the target does not exist.
+        CommandError: As for ``find_specs_to_judge``, or the target does not exist.
     """
     specs = find_specs_to_judge(named, command)
     refuse_unknown_targets(specs.settings)
@@ -409,7 +409,7 @@ def specs_to_read(named: Sequence[Path]) -> Specs:
     """Return the specs for a command that only reads, after a check of the targets in the settings.
 
     Raises:
-        Stop: As for ``find_specs_to_read``, or the target does not exist.
+        CommandError: As for ``find_specs_to_read``, or the target does not exist.
     """
     specs = find_specs_to_read(named)
     refuse_unknown_targets(specs.settings)
@@ -417,7 +417,7 @@ def specs_to_read(named: Sequence[Path]) -> Specs:
 
 
 def read_line(
-    families: Iterable[str], report: Report, packaged: Sequence[str] = (), packaged_files: Sequence[Path] = ()
+    families: Iterable[str], report: ProblemReport, packaged: Sequence[str] = (), packaged_files: Sequence[Path] = ()
 ) -> str:
     """Return one line that names the specs that were read, so that users notice a forgotten path.
 
@@ -428,11 +428,11 @@ def read_line(
     skipped_text = f"; skipped: {first_of(skipped_files, _MOST_FILES)}" if skipped_files else ""
     if packaged:
         return f"{_packaged_text(families, report, packaged, packaged_files)}{skipped_text}"
-    return f"read {counted(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{skipped_text}"
+    return f"read {count_with_unit(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{skipped_text}"
 
 
 def _packaged_text(
-    families: Iterable[str], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
+    families: Iterable[str], report: ProblemReport, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
     """Return text about the packaged families that were read, and about the specs of the user among the files.
 
@@ -447,4 +447,4 @@ def _packaged_text(
     user_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
     if not user_files:
         return beginning
-    return f"{beginning}, and {counted(len(user_files), 'spec')} of yours: {first_of(user_files, _MOST_FILES)}"
+    return f"{beginning}, and {count_with_unit(len(user_files), 'spec')} of yours: {first_of(user_files, _MOST_FILES)}"

@@ -8,10 +8,10 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from ..language.problems import joined_lines
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .arguments import Parser, a_path, add_specs_option
 from .facts import facts_data
-from .terminal import Progress, Stop, print_json, problems
+from .terminal import CommandError, Progress, print_json, print_problems
 
 if TYPE_CHECKING:
     import argparse
@@ -27,7 +27,7 @@ EXAMPLES = ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder"
 JSON_VERSION = 1
 #: Most facts listed for a passage (equal ones count once), and most characters shown of its text.
 _MOST_FACTS, _LONGEST = 10, 400
-_LIMITS = (
+_LIMITS_OF_REREAD = (
     "Only words and their order are compared. Changes in figures and in the arrangement of columns and tables are not "
     "found. Read these in the new edition."
 )
@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the passages in which two texts differ, with the facts that cite them. The exit code is 1 if there are any.
 
     Raises:
-        Stop: A manual cannot be read, or the family is not known.
+        CommandError: A manual cannot be read, or the family is not known.
     """
     from ..reread.facts import facts_with_citations
     from ..reread.passages import differing_passages, numbers_changed, same_language
@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         old, new = read_manual(arguments.old), read_manual(arguments.new)
     except NoText as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     family = _family_of_manual(paths, arguments.family, old)
     facts = facts_with_citations(family.document)
     # In texts of different languages, only the numbers can be compared.
@@ -97,24 +97,24 @@ def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> F
     """Return the family of this name, or else the family that the manual names on its first page.
 
     Raises:
-        Stop: There are problems in the specs (exit code 1), or the family is not known (exit code 2).
+        CommandError: There are problems in the specs (exit code 1), or the family is not known (exit code 2).
     """
     from ..loading.library import load_families
 
     families, report = load_families(specs)
     if report:
-        raise problems(report)
+        raise print_problems(report)
     families_by_name = {family.device.name: family for family in families if not family.device.base}
     known_names = ", ".join(families_by_name)
     if name is not None:
         if name.lower() not in families_by_name:
-            raise Stop(f"'{name}' is not a family; known: {known_names}", 2)
+            raise CommandError(f"'{name}' is not a family; known: {known_names}", 2)
         return families_by_name[name.lower()]
     named_families = [family for family in families_by_name.values() if _is_named_first(family, old)]
     if len(named_families) != 1:
         named_count_text = "several families" if named_families else "none of the families"
         problem = f"cannot tell which family this manual describes: its first page names {named_count_text}"
-        raise Stop(f"{problem}; add --family NAME, one of {known_names}", 2)
+        raise CommandError(f"{problem}; add --family NAME, one of {known_names}", 2)
     return named_families[0]
 
 
@@ -183,9 +183,9 @@ def _text_lines(
     cited_names = {name for changed_passage in changed_passages for name in changed_passage.section_names}
     citing_facts = [fact for fact in facts if not fact.sections.isdisjoint(cited_names)]
     yield ""
-    places = f"{counted(len(changed_passages), 'passage')} in {counted(len(sections), 'section')}"
+    places = f"{count_with_unit(len(changed_passages), 'passage')} in {count_with_unit(len(sections), 'section')}"
     yield f"{places}, cited by {len(citing_facts):,} of {len(facts):,} facts"
-    yield _LIMITS
+    yield _LIMITS_OF_REREAD
 
 
 def _passage_lines(changed_passage: _ChangedPassage, listed_paths: set[str]) -> Iterator[str]:
@@ -219,7 +219,7 @@ def _passage_lines(changed_passage: _ChangedPassage, listed_paths: set[str]) -> 
     unlisted = changed_passage.facts_of_section - len(listed_facts)
     if unlisted:
         noun = "other fact" if listed_facts else "fact"
-        yield f"  and {counted(unlisted, noun)} from this section"
+        yield f"  and {count_with_unit(unlisted, noun)} from this section"
 
 
 def _groups_of_equal_facts(facts: Sequence[Citing]) -> list[list[Citing]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from .arguments import Parser, a_path, add_choose_option, add_register_option, bytes_by_address, cache_for
 from .line_encoder import OR_A_LINE, encoder_in_line, is_line
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     import argparse
@@ -21,7 +21,7 @@ EXAMPLES = (
     "codewheel simulate ssi,gray:position=13,error=high --position ramp:100",
 )
 #: Columns of the help.
-_WIDTH = 79
+_HELP_WIDTH = 79
 _HOW_TO_USE = (
     "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
     "pseudo-terminals, open the printed URL with pyserial. For SPI, send the bytes of each word, which are answered "
@@ -76,7 +76,7 @@ def _more_help() -> str:
     from ..model import INTERFACES
     from ..virtual import FAULTS, faults_of
 
-    lines = [fill(_HOW_TO_USE, _WIDTH)]
+    lines = [fill(_HOW_TO_USE, _HELP_WIDTH)]
     # Each fault has an effect for each interface over which it can occur.
     interfaces = dict.fromkeys(
         interface for effect_by_interface in FAULTS.values() for interface in effect_by_interface
@@ -91,7 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Serve a virtual encoder until the user ends it.
 
     Raises:
-        Stop: An argument is wrong, with exit code 2, or the port cannot be opened, with exit code 1.
+        CommandError: An argument is wrong, with exit code 2, or the port cannot be opened, with exit code 1.
     """
     from ..virtual.serve import has_terminals, line_of, listen_tcp, serve, terminal
     from .find_encoder import find_order_code
@@ -106,12 +106,12 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         encoder = _virtual_encoder(arguments, paths)
     except ValueError as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     try:
         uses_tcp = arguments.tcp is not None or not has_terminals()
         port = listen_tcp(arguments.tcp or 0) if uses_tcp else terminal()
     except (OSError, OverflowError) as error:
-        raise Stop(f"cannot open a port: {getattr(error, 'strerror', None) or error}", 1) from None
+        raise CommandError(f"cannot open a port: {getattr(error, 'strerror', None) or error}", 1) from None
     print(port.name, flush=True)
     try:
         serve(encoder, line_of(encoder), port)

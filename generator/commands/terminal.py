@@ -14,14 +14,14 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from ..say.plain_text import STAND_INS, counted
+from ..say.plain_text import STAND_INS, count_with_unit
 
 if TYPE_CHECKING:
-    from ..language.problems import Report
+    from ..language.problems import ProblemReport
 
 #: Time in seconds after which work is shown, and between updates.
 _AFTER_S, _EVERY_S = 1.0, 0.25
-_CODES = {"red": 31, "green": 32, "yellow": 33, "cyan": 36, "faint": 2, "bold": 1}
+_COLOUR_CODES = {"red": 31, "green": 32, "yellow": 33, "cyan": 36, "faint": 2, "bold": 1}
 #: Colour of the first word of a line of ``diff``.
 _BY_IMPACT = {
     "breaking": "red",
@@ -31,10 +31,10 @@ _BY_IMPACT = {
     "documentation": "faint",
     "names": "bold",
 }
-_IMPACT = re.compile(rf"^(  )({'|'.join(_BY_IMPACT)})(?= )", re.MULTILINE)
+_IMPACT_IN_LINE = re.compile(rf"^(  )({'|'.join(_BY_IMPACT)})(?= )", re.MULTILINE)
 
 
-class Stop(Exception):
+class CommandError(Exception):
     """End of the command, with a message and an exit code."""
 
     def __init__(self, message: str, code: int) -> None:
@@ -122,7 +122,7 @@ class _ClosedInput(io.StringIO):
     """Stand-in for a closed standard input."""
 
     def readline(self, *_: object) -> str:  # type: ignore[override]
-        raise Stop("cannot read frames: standard input is closed", 2)
+        raise CommandError("cannot read frames: standard input is closed", 2)
 
     read = __next__ = readline  # type: ignore[assignment]
 
@@ -165,11 +165,11 @@ def refuse_missing(paths: Sequence[Path]) -> None:
     """Check that all paths exist.
 
     Raises:
-        Stop: A path does not exist. The exit code is 2.
+        CommandError: A path does not exist. The exit code is 2.
     """
     missing = [str(path) for path in paths if not _path_exists(path)]
     if missing:
-        raise Stop(f"no such file or folder: {', '.join(missing)}", 2)
+        raise CommandError(f"no such file or folder: {', '.join(missing)}", 2)
 
 
 def _path_exists(path: Path) -> bool:
@@ -184,11 +184,11 @@ def print_json(data: Any) -> None:
     print(json.dumps(data, indent=2, ensure_ascii=False))
 
 
-def problems(report: Report) -> Stop:
-    """Print all problems to standard error, and return the ``Stop`` to raise."""
+def print_problems(report: ProblemReport) -> CommandError:
+    """Print all problems to standard error, and return the ``CommandError`` to raise."""
     for problem in report.shown:
         print(problem.format(), file=sys.stderr)
-    return Stop(counted(len(report.by_cause), "problem"), 1)
+    return CommandError(count_with_unit(len(report.by_cause), "problem"), 1)
 
 
 def has_colours() -> bool:
@@ -198,12 +198,12 @@ def has_colours() -> bool:
 
 
 def in_colour(text: str, colour: str) -> str:
-    """Return a text in a colour of ``_CODES``."""
-    return f"\x1b[{_CODES[colour]}m{text}\x1b[0m"
+    """Return a text in a colour of ``_COLOUR_CODES``."""
+    return f"\x1b[{_COLOUR_CODES[colour]}m{text}\x1b[0m"
 
 
 def with_coloured_impacts(text: str) -> str:
     """Return the text of ``diff`` with the impact of each change in its colour, if the terminal has colours."""
     if not has_colours():
         return text
-    return _IMPACT.sub(lambda match: match[1] + in_colour(match[2], _BY_IMPACT[match[2]]), text)
+    return _IMPACT_IN_LINE.sub(lambda match: match[1] + in_colour(match[2], _BY_IMPACT[match[2]]), text)

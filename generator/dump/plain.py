@@ -44,9 +44,9 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
-from ..model.members import PARTS_BY_CLASS, Member
+from ..model.members import PARTS_BY_CLASS, ModelMember
 from ..model.record import dataclass
-from ..order_codes.labels import Match
+from ..order_codes.labels import LabelMatch
 from ..order_codes.reduction import for_interface, reduced_to_codes
 from ..order_codes.sent_layouts import with_sent_layouts
 from .schema import fill_members
@@ -63,7 +63,7 @@ def device_dump(device: Device) -> Item:
     return _Dump(device, variant=None).whole(device.variants, parameters=_NO_PARAMETERS, label=None)
 
 
-def variant_dump(device: Device, code_match: Match) -> Item:
+def variant_dump(device: Device, code_match: LabelMatch) -> Item:
     """Return one order code as plain data, with expressions resolved and without the other interfaces.
 
     Only facts that apply to the order code are left. ``code_match`` also says how the label differs from it.
@@ -221,7 +221,7 @@ class _Dump:
                 plain_members[member.name] = self._member_data(member, attribute, own_sources)
         return plain_members | _sources_data(own_sources) if described_part.is_sourced else plain_members
 
-    def _member_data(self, member: Member, value: Any, inherited: Sources) -> Any:
+    def _member_data(self, member: ModelMember, value: Any, inherited: Sources) -> Any:
         """Return a member as plain data. If it is a word of a list and missing, it is an empty string."""
         # The shape of such a member is ``|`` and the possible words.
         is_missing_word = value is None and member.shape.startswith("|")

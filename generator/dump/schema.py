@@ -14,12 +14,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..model.members import FAMILY, PARTS, Member, Part
+from ..model.members import FAMILY, PARTS, ModelMember, ModelPart
 from ..model.record import dataclass
 
 JsonSchema = dict[str, Any]
 
-_SIMPLE: dict[str, JsonSchema] = {
+_SIMPLE_TYPES: dict[str, JsonSchema] = {
     "string": {"type": "string"},
     "integer": {"type": "integer"},
     "number": {"type": "number"},
@@ -27,9 +27,9 @@ _SIMPLE: dict[str, JsonSchema] = {
     "hex": {"type": "integer", "x-form": "hexadecimal"},
     "scalar": {"type": ["integer", "string", "boolean"]},
 }
-_NULL: JsonSchema = {"type": "null"}
+_NULL_TYPE: JsonSchema = {"type": "null"}
 #: Types that are not parts of the model.
-_BASIC: dict[str, JsonSchema] = {
+_BASIC_TYPES: dict[str, JsonSchema] = {
     "name": {"description": "A word: a name, a key or a path.", "type": "string", "pattern": "^\\S*$"},
     "text": {"description": "Running text. Empty if there is none.", "type": "string"},
     "expression": {
@@ -43,8 +43,10 @@ _BASIC: dict[str, JsonSchema] = {
         "additionalProperties": {"$ref": "#/$defs/text"},
     },
 }
-_SOURCE = Member("source", "source?", "First source. An item without its own source inherits the source of its parent.")
-_SOURCES = Member("sources", "[source]", "All sources, if there are several.")
+_SOURCE_MEMBER = ModelMember(
+    "source", "source?", "First source. An item without its own source inherits the source of its parent."
+)
+_SOURCES_MEMBER = ModelMember("sources", "[source]", "All sources, if there are several.")
 
 
 @cache
@@ -55,11 +57,11 @@ def show_schema() -> JsonSchema:
         "$id": "urn:codewheel:show:1",
         "title": "Output of codewheel show --json, version 1",
     }
-    definitions = _BASIC | {part.name: _object_schema(part) for part in PARTS}
+    definitions = _BASIC_TYPES | {part.name: _object_schema(part) for part in PARTS}
     return identity | _object_schema(FAMILY) | {"$defs": definitions}
 
 
-def _object_schema(part: Part) -> JsonSchema:
+def _object_schema(part: ModelPart) -> JsonSchema:
     """Return the schema of an object with the members of a part. All are required except ``sources``.
 
     Members without a shape are not in the data.
@@ -68,8 +70,8 @@ def _object_schema(part: Part) -> JsonSchema:
     required_members = members
     optional_members = []
     if part.is_sourced:
-        required_members = [*members, _SOURCE]
-        optional_members = [_SOURCES]
+        required_members = [*members, _SOURCE_MEMBER]
+        optional_members = [_SOURCES_MEMBER]
     properties = {}
     for member in (*required_members, *optional_members):
         properties[member.name] = {"description": member.about} | _schema_of(member.shape)
@@ -83,7 +85,7 @@ def _object_schema(part: Part) -> JsonSchema:
 
 
 def _schema_of(notation: str) -> JsonSchema:
-    """Return the schema of a type in the notation of ``Member.shape``, such as ``=1``, ``integer?`` or ``hex=0``."""
+    """Return the schema of a type in the notation of ``ModelMember.shape``, such as ``=1``, ``integer?`` or ``hex=0``."""
     if notation.startswith("="):
         return {"const": int(notation.removeprefix("="))}
     type_notation, _, default = notation.partition("=")
@@ -105,7 +107,7 @@ def _schema_without_default(notation: str) -> JsonSchema:
         return _schema_or_null(notation.removesuffix("?"))
     if "|" in notation:
         return {"enum": notation.split("|")}
-    return _SIMPLE.get(notation) or {"$ref": f"#/$defs/{notation}"}
+    return _SIMPLE_TYPES.get(notation) or {"$ref": f"#/$defs/{notation}"}
 
 
 def _schema_or_null(notation: str) -> JsonSchema:
@@ -115,7 +117,7 @@ def _schema_or_null(notation: str) -> JsonSchema:
         return {"type": ["integer", "string", "null"]}
     shape = _schema_without_default(notation)
     if "type" not in shape:
-        return {"anyOf": [shape, _NULL]}
+        return {"anyOf": [shape, _NULL_TYPE]}
     return shape | {"type": [shape["type"], "null"]}
 
 
@@ -191,11 +193,11 @@ def fill_members(dumped: Mapping[str, Any], type_name: str) -> dict[str, Any]:
     A missing member has the value ``DataMember.empty``, which is an empty list, map or text, null, or the default.
     """
     shape = show_schema()["$defs"][type_name]
-    filled_members = {member.name: dumped.get(member.name, member.empty) for member in members(shape)}
+    filled_members = {member.name: dumped.get(member.name, member.empty) for member in schema_members(shape)}
     return filled_members | {name: dumped[name] for name in ("source", "sources") if name in dumped}
 
 
-def members(shape: Shape) -> Iterator[DataMember]:
+def schema_members(shape: Shape) -> Iterator[DataMember]:
     """Yield the members of an object in schema order, without its sources."""
     for name, inner in shape["properties"].items():
         if name not in ("source", "sources"):

@@ -24,7 +24,16 @@ from typing import Any
 
 from lxml import etree
 
-from .schema import DataMember, Kind, Shape, is_hexadecimal, json_types_of, members, resolve_reference, show_schema
+from .schema import (
+    DataMember,
+    Kind,
+    Shape,
+    is_hexadecimal,
+    json_types_of,
+    resolve_reference,
+    schema_members,
+    show_schema,
+)
 
 NAMESPACE = "urn:codewheel:device-description:1"
 XSD_NAME = "device-description.xsd"
@@ -94,7 +103,7 @@ def _write_object(
         sources = _sources_of(dumped)
         if sources != inherited_sources:
             _write_sources(element, sources)
-    for member in members(shape):
+    for member in schema_members(shape):
         value = dumped[member.name]
         if _is_omitted(member, value):
             continue
@@ -182,7 +191,7 @@ A position or limit that depends on the order code is a sum of numbers, paramete
 these, such as 48 - singleturn_bits. Each order_code gives the value of every parameter.
 A missing value has the default of this schema, is not given in the manual, or does not apply. \
 A source element cites the manual. An element without one has the sources of its parent."""
-_EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-*] (2\^)?[a-z0-9_]+)*"
+_EXPRESSION_PATTERN = r"-?(2\^)?[a-z0-9_]+( [+\-*] (2\^)?[a-z0-9_]+)*"
 
 
 @cache
@@ -219,7 +228,7 @@ def _add_word_types(root: Any) -> None:
     """Add the types of expressions, hexadecimal and other numbers, and of lists of words and of numbers."""
     expression = _add_schema_element(root, "simpleType", name="expression")
     _add_documentation(expression, show_schema()["$defs"]["expression"]["description"])
-    _restrict_to_pattern(expression, base="xs:string", pattern=_EXPRESSION)
+    _restrict_to_pattern(expression, base="xs:string", pattern=_EXPRESSION_PATTERN)
     hexadecimal = _add_schema_element(root, "simpleType", name="hexadecimal")
     _add_documentation(
         hexadecimal,
@@ -245,7 +254,7 @@ def _add_type(root: Any, name: str, shape: Shape, description: str) -> None:
     sequence = _add_schema_element(complex_type, "sequence")
     if "source" in shape["properties"]:
         _add_schema_element(sequence, "element", name="source", type="source", minOccurs="0", maxOccurs="unbounded")
-    for member in members(shape):
+    for member in schema_members(shape):
         description_of_member = shape["properties"][member.name]["description"]
         if member.kind in (Kind.ATTRIBUTE, Kind.LIST):
             _add_attribute(complex_type, member, description_of_member)

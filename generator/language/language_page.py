@@ -12,15 +12,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..say.markdown import anchor, code, escape, link, paragraph, table
-from .problems import listed
+from ..say.markdown import anchor_of, code_span, escape, markdown_link, table, wrap_markdown
+from .problems import join_words
 from .schema_files import NO_FACTS, ONLY_SECOND, PROSE, load_schema
 
 Shape = Mapping[str, Any]
 #: Largest number of entries of a list or mapping, unless its description gives another limit.
 _MOST_ENTRIES = 2000
 #: The JSON types, in the singular and in the plural.
-_NOUNS = {
+_NOUNS_OF_JSON_TYPES = {
     "integer": ("whole number", "whole numbers"),
     "number": ("number", "numbers"),
     "string": ("string", "strings"),
@@ -62,7 +62,7 @@ If a file begins with the following line, editors can complete and explain keys 
 FIRST_PAGE = "spec-language.md"
 _OTHER_FILES = "spec-language-other-files.md"
 #: The other pages on the device file: their titles and the definitions that they describe.
-_PAGES = {
+_OTHER_PAGES = {
     "spec-language-frames.md": (
         "Layouts, fields and CRCs",
         {"crc", "crc_number", "digits", "field", "field_group", "layout", "join", "combination", "names", "other_bits"}
@@ -82,13 +82,13 @@ _PAGES = {
         | {"places", "place", "edition_test"},
     ),
 }
-_PAGE_OF = {name: page for page, (_, names) in _PAGES.items() for name in names}
+_PAGE_OF = {name: page for page, (_, names) in _OTHER_PAGES.items() for name in names}
 
 _OTHER_FILES_TITLE = "Manufacturer file, overlay and second reading"
 _MADE_FROM = "<!-- Made from generator/language/*.schema.json by: make spec-page -->"
-_UP = f"Part of [the spec language]({FIRST_PAGE})."
+_LINK_TO_FIRST_PAGE = f"Part of [the spec language]({FIRST_PAGE})."
 
-_SECOND = """\
+_SECOND_READING_INTRODUCTION = """\
 `FAMILY.second.yaml`, in the same folder as the device file, is an independent transcription of the same manual by
 another reader. It uses the same language. Only `codewheel check` reads it, and reports the differences between the two
 files. It has no `manufacturer` and none of these parts, which explain or calculate: {lists}.
@@ -109,13 +109,13 @@ def spec_pages() -> dict[str, str]:
         _INTRODUCTION.format(most=_MOST_ENTRIES),
         _list_of_pages(names),
         "## The device file",
-        paragraph(escape(device["description"])),
+        wrap_markdown(escape(device["description"])),
         _format_table(device, device["$defs"]),
         *_describe_definitions(FIRST_PAGE, names, device["$defs"]),
     ]
     pages = {FIRST_PAGE: first}
-    for page, (title, _) in _PAGES.items():
-        pages[page] = [f"# {title}", _UP, *_describe_definitions(page, names, device["$defs"])]
+    for page, (title, _) in _OTHER_PAGES.items():
+        pages[page] = [f"# {title}", _LINK_TO_FIRST_PAGE, *_describe_definitions(page, names, device["$defs"])]
     pages[_OTHER_FILES] = _other_files()
     # The parts of a page are separated by empty lines.
     return {page: "\n\n".join([_MADE_FROM, *parts]).rstrip() + "\n" for page, parts in pages.items()}
@@ -124,10 +124,10 @@ def spec_pages() -> dict[str, str]:
 def _list_of_pages(names: Iterable[str]) -> str:
     """Return a list of links to the other pages, with the definitions that each describes."""
     list_items = []
-    for page, (title, own_names) in _PAGES.items():
-        keys = ", ".join(link(code(name), f"{page}#{name}") for name in names if name in own_names)
-        list_items.append(f"- {link(title, page)}: {keys}")
-    list_items.append(f"- {link(_OTHER_FILES_TITLE, _OTHER_FILES)}")
+    for page, (title, own_names) in _OTHER_PAGES.items():
+        keys = ", ".join(markdown_link(code_span(name), f"{page}#{name}") for name in names if name in own_names)
+        list_items.append(f"- {markdown_link(title, page)}: {keys}")
+    list_items.append(f"- {markdown_link(_OTHER_FILES_TITLE, _OTHER_FILES)}")
     introduction = "This page describes the device file as a whole, its manual and its order codes. The others:"
     return "\n".join([introduction, "", *list_items])
 
@@ -145,17 +145,19 @@ def _other_files() -> list[str]:
     overlay = load_schema("overlay")
     return [
         f"# {_OTHER_FILES_TITLE}",
-        _UP,
+        _LINK_TO_FIRST_PAGE,
         "## The manufacturer file",
-        paragraph(escape(manufacturer["description"])),
+        wrap_markdown(escape(manufacturer["description"])),
         "It is in the same folder as the device files and is called `manufacturer.yaml`.",
         _format_table(manufacturer, {}),
         "## The overlay",
-        paragraph(escape(overlay["description"])),
+        wrap_markdown(escape(overlay["description"])),
         "See [Overlays](how-to-revise.md#overlays-facts-from-outside-the-manual) for an example.",
         _format_table(overlay, overlay["$defs"]),
         "## The second reading",
-        _SECOND.format(prose=_as_code(PROSE), lists=_as_code(NO_FACTS), only=_keys_of_second_readings()),
+        _SECOND_READING_INTRODUCTION.format(
+            prose=_as_code(PROSE), lists=_as_code(NO_FACTS), only=_keys_of_second_readings()
+        ),
     ]
 
 
@@ -195,7 +197,7 @@ def _definitions_in_order(schema: Shape) -> list[str]:
 
 def _describe_definition(name: str, shape: Shape, definitions: Shape) -> Iterator[str]:
     """Yield the parts of the section on a definition: its meaning, and its keys or else its type and limits."""
-    yield from (anchor(name), f"### {code(name)}", paragraph(escape(shape.get("description", ""))))
+    yield from (anchor_of(name), f"### {code_span(name)}", wrap_markdown(escape(shape.get("description", ""))))
     if "properties" in shape:
         yield _format_table(shape, definitions)
     else:
@@ -228,7 +230,7 @@ def _yield_rows(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[
         definition = definitions.get(_definition_name(inner), {})
         meaning = inner.get("description") or definition.get("description", "")
         required_text = "required" if name in required_keys else ""
-        yield code(prefix + name), required_text, type_and_limits, escape(meaning)
+        yield code_span(prefix + name), required_text, type_and_limits, escape(meaning)
         is_one_or_more = "properties" in inner and "items" in inner
         if not is_one_or_more:  # Otherwise, the section of its items lists the keys.
             yield from _yield_rows(inner, definitions, f"{prefix}{name}.")
@@ -242,11 +244,11 @@ def _describe_type(shape: Shape, plural: bool = False) -> str:
     """Return the type of a value in words, in the plural for items of a list. A definition is a link to its section."""
     reference = _definition_name(shape)
     if reference:
-        return link(code(reference), f"{_PAGE_OF.get(reference, FIRST_PAGE)}#{reference}")
+        return markdown_link(code_span(reference), f"{_PAGE_OF.get(reference, FIRST_PAGE)}#{reference}")
     if "const" in shape:
-        return code(json.dumps(shape["const"]))
+        return code_span(json.dumps(shape["const"]))
     if "enum" in shape:
-        return ", ".join(code(value) for value in shape["enum"])
+        return ", ".join(code_span(value) for value in shape["enum"])
     if not shape.keys() - {"description"}:
         return "any value"
     types = shape.get("type", "string")
@@ -258,7 +260,7 @@ def _describe_type(shape: Shape, plural: bool = False) -> str:
     if isinstance(value_shape, Mapping):
         return f"{'mappings' if plural else 'mapping'} of names to {_describe_type(value_shape, plural=True)}"
     type_names = [types] if isinstance(types, str) else types
-    return listed([_NOUNS[type_name][plural] for type_name in type_names], "or")
+    return join_words([_NOUNS_OF_JSON_TYPES[type_name][plural] for type_name in type_names], "or")
 
 
 def _describe_limits(shape: Shape) -> str:
@@ -270,7 +272,7 @@ def _describe_limits(shape: Shape) -> str:
     if "minimum" in shape or "maximum" in shape:
         limit_texts.append(_range_in_words(shape.get("minimum"), shape.get("maximum")))
     if "pattern" in shape:
-        limit_texts.append(f"pattern {code(shape['pattern'])}")
+        limit_texts.append(f"pattern {code_span(shape['pattern'])}")
     if shape.get("maxLength"):
         limit_texts.append(f"at most {shape['maxLength']} characters")
     if shape.get("minItems", 0) > 0:

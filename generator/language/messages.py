@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, unsupported_hint, value_hint, word_hint
-from .problems import WORDS_ONLY, Path, listed, missing, nearest_choice, quoted, suggestion
+from .problems import WORDS_ONLY, Path, join_words, missing_keys_message, nearest_choice, quoted, suggest_word
 from .schema_files import is_only_in_device_files
 
-_TYPES = {
+_JSON_TYPES_IN_WORDS = {
     "integer": "a whole number",
     "number": "a number",
     "string": "text",
@@ -76,7 +76,7 @@ PATTERNS = {
 }
 
 #: Names for one item of a list or map, if removing the plural s does not give the singular.
-_ITEMS = {
+_NAMES_OF_ITEMS = {
     "errata": "an erratum",
     "before": "a change",
     "then": "a change",
@@ -115,7 +115,7 @@ _NO_PROSE = "; a second reading does not have this part; leave it out"
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class RuleFinding:
     """A problem with its rule, place and message.
 
     ``at_key`` is set if the key is wrong, not its value. ``alone`` is set if the parent can still be used, as with an
@@ -129,7 +129,7 @@ class Finding:
     alone: bool = False
 
 
-def explain(error: Any, file_kind: str) -> Iterator[Finding]:
+def explain(error: Any, file_kind: str) -> Iterator[RuleFinding]:
     """Yield the findings for one error of the validator.
 
     Args:
@@ -144,25 +144,25 @@ def explain(error: Any, file_kind: str) -> Iterator[Finding]:
     elif error.validator == "required":
         yield from _missing_keys(error, path, file_kind)
     else:
-        rule, message = _MESSAGES[error.validator](error, _name_subject(path))
-        yield Finding(rule, path, message)
+        rule, message = _EXPLAIN_BY_KEYWORD[error.validator](error, _name_subject(path))
+        yield RuleFinding(rule, path, message)
 
 
-def _invalid_key(error: Any, path: Path) -> Finding:
+def _invalid_key(error: Any, path: Path) -> RuleFinding:
     """Return the finding for a key that is too long or does not match the pattern of names."""
     key = error.instance
     if error.validator == "maxLength":
         message = f"the key {quoted(key)} is longer than {error.validator_value} characters"
-        return Finding("too-long", (*path, key), message, at_key=True)
+        return RuleFinding("too-long", (*path, key), message, at_key=True)
     hint = ""
     if path[-1:] == ("values",) and key.isdigit():
         hint = "; the name comes first, as in 'save: {value: 1}'"
     pattern_in_words = PATTERNS.get(error.schema.get("pattern", ""), "")
     message = f"the key {quoted(key)} is not valid: {pattern_in_words}{hint}"
-    return Finding("bad-pattern", (*path, key), message, at_key=True)
+    return RuleFinding("bad-pattern", (*path, key), message, at_key=True)
 
 
-def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
+def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFinding]:
     """Yield a finding for each key that the schema does not have.
 
     Without a hint about the key, the rest of the map can still be used, as with prose in a second reading. With any
@@ -174,7 +174,7 @@ def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
         is_absent_prose = file_kind == "second" and is_only_in_device_files(key)
         hint = _NO_PROSE if is_absent_prose else _key_hint(error, path, key)
         message = f"unknown key {quoted(key)}{hint or _suggest_key(error, key)}"
-        yield Finding("unknown-key", (*path, key), message, at_key=True, alone=hint in ("", _NO_PROSE))
+        yield RuleFinding("unknown-key", (*path, key), message, at_key=True, alone=hint in ("", _NO_PROSE))
 
 
 def _key_hint(error: Any, path: Path, key: str) -> str:
@@ -204,10 +204,10 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
 
 def _suggest_key(error: Any, unknown_key: str) -> str:
     """Return the known keys, or the most similar one, as a hint after an unknown key."""
-    return suggestion(unknown_key, error.schema["properties"], "known keys")
+    return suggest_word(unknown_key, error.schema["properties"], "known keys")
 
 
-def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
+def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFinding]:
     """Yield one finding for all missing keys, except those that an unknown key misspells.
 
     It is ``at_key`` unless the map is an item of a list or the whole file, and ``alone`` if only prose is missing.
@@ -218,10 +218,10 @@ def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
     if not missing_keys:
         return
     hints = [TO_ADD[key] for key in missing_keys if key in TO_ADD]
-    message = "; ".join([missing(missing_keys, _name_owner(error, path, file_kind)), *hints])
+    message = "; ".join([missing_keys_message(missing_keys, _name_owner(error, path, file_kind)), *hints])
     is_only_prose = not misspelt_keys and WORDS_ONLY.issuperset(missing_keys)
     is_in_named_map = bool(path) and isinstance(path[-1], str)
-    yield Finding("missing-key", path, message, at_key=is_in_named_map, alone=is_only_prose)
+    yield RuleFinding("missing-key", path, message, at_key=is_in_named_map, alone=is_only_prose)
 
 
 def _is_misspelt(error: Any, required_key: str) -> bool:
@@ -258,8 +258,8 @@ def _name_owner(error: Any, path: Path, file_kind: str) -> str:
 
 def _name_one_item(plural: str) -> str:
     """Return one item of a list or map with its article, such as ``a register`` for ``registers``."""
-    if plural in _ITEMS:
-        return _ITEMS[plural]
+    if plural in _NAMES_OF_ITEMS:
+        return _NAMES_OF_ITEMS[plural]
     singular = plural.removesuffix("s").replace("_", " ")
     article = "an" if singular[0] in "aeiou" else "a"
     return f"{article} {singular}"
@@ -282,14 +282,14 @@ class _RuleMessage(NamedTuple):
 def _explain_type(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value of the wrong type, with the likely correction.
 
-    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_MESSAGES`` work in the same
+    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_EXPLAIN_BY_KEYWORD`` work in the same
     way.
     """
     value = error.instance
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
     key = str(error.absolute_path[-1]) if error.absolute_path else ""
     number_or_text = _NUMBER_OR_TEXT.get(key) if len(types) > 1 else None
-    accepted = number_or_text or listed([_TYPES[name] for name in types], "or")
+    accepted = number_or_text or join_words([_JSON_TYPES_IN_WORDS[name] for name in types], "or")
     if value is None:
         return _RuleMessage("wrong-type", f"{subject} has no value; it must be {accepted}")
     hint = ""
@@ -320,7 +320,7 @@ def _explain_enum(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value that is not allowed, with the likely or all allowed values."""
     hint = word_hint(str(error.absolute_path[-1]), error.instance) or unsupported_hint(error.instance)
     if not hint and not isinstance(error.instance, (dict, list)):
-        hint = suggestion(str(error.instance), map(str, error.validator_value), "use one of")
+        hint = suggest_word(str(error.instance), map(str, error.validator_value), "use one of")
     if not hint:
         hint = f"; use one of {', '.join(map(str, error.validator_value))}"
     if "use one of" in hint and "fields" in error.absolute_path and error.absolute_path[-1] in _WIDTH_DECIDES:
@@ -383,7 +383,7 @@ def _too_many(error: Any, subject: str) -> _RuleMessage:
     )
 
 
-_MESSAGES: dict[str, Callable[[Any, str], _RuleMessage]] = {
+_EXPLAIN_BY_KEYWORD: dict[str, Callable[[Any, str], _RuleMessage]] = {
     "type": _explain_type,
     "enum": _explain_enum,
     "const": _explain_const,
@@ -399,4 +399,4 @@ _MESSAGES: dict[str, Callable[[Any, str], _RuleMessage]] = {
 }
 
 #: Keywords of JSON Schema that the schemas may use. Each has a message.
-KEYWORDS = frozenset(("required", "additionalProperties", "propertyNames", *_MESSAGES))
+KEYWORDS = frozenset(("required", "additionalProperties", "propertyNames", *_EXPLAIN_BY_KEYWORD))

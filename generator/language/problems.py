@@ -34,8 +34,8 @@ _MOST_LINES = 12
 #: Largest number of known words listed in a message.
 _FEW_CHOICES = 11
 #: The end of a line that introduces a text of several lines.
-_BLOCK = re.compile(r": [>|][+-]?\s*$")
-_BETWEEN = re.compile(r"[_\s-]")
+_BLOCK_TEXT_START = re.compile(r": [>|][+-]?\s*$")
+_WORD_SEPARATORS = re.compile(r"[_\s-]")
 _DIGITS = re.compile(r"[0-9]+")
 #: Units at the end of a key. Keys with different units are never typos of each other: the number would be wrong.
 UNITS = frozenset("hz khz mhz ghz ps ns us ms s nm um mm cm m mv v ma a bits bytes".split())
@@ -67,7 +67,7 @@ class Problem:
             path = self.path if len(self.path) <= _LONGEST_PATH else f"{self.path[: _LONGEST_PATH - 3]}..."
             lines.append(f"  in {visible(path)}")
         # The line above a text of several lines contains none of its words.
-        has_words = _BLOCK.search(self.text) is None
+        has_words = _BLOCK_TEXT_START.search(self.text) is None
         if has_words:
             lines += excerpt(self.text, self.column, width)
         return "\n".join(lines)
@@ -77,7 +77,7 @@ class Problem:
         return {name: getattr(self, name) for name in ("file", "line", "column", "rule", "path", "message", "text")}
 
 
-class Report:
+class ProblemReport:
     """The problems of all documents of a run.
 
     ``files`` lists the files that were read, ``passed_over`` lists files in folders that are not specs.
@@ -132,7 +132,7 @@ class Report:
         """Add a problem at a place of a file, for errors before a document exists."""
         self._problems.add(Problem(file, line, column, rule, path, message, text, cause))
 
-    def include(self, other_report: Report) -> None:
+    def include(self, other_report: ProblemReport) -> None:
         """Add the problems of another report, and the places that it marks as faulty."""
         self._problems |= other_report._problems
         for key, paths in other_report._faults.items():
@@ -227,7 +227,7 @@ def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
 class DocumentReport:
     """A report bound to one document, as passed to rules."""
 
-    def __init__(self, report: Report, document: Document) -> None:
+    def __init__(self, report: ProblemReport, document: Document) -> None:
         self._report = report
         self.document = document
         #: The data of the document that rules asked about last, and its leaves.
@@ -271,7 +271,7 @@ def quoted(shown_value: Any) -> str:
     return "a list" if isinstance(shown_value, list) else str(shown_value)
 
 
-def listed(words: Iterable[str], last: str = "and") -> str:
+def join_words(words: Iterable[str], last: str = "and") -> str:
     """Join words as ``a``, ``a and b`` or ``a, b and c``. ``last`` is the word before the last one."""
     items = list(words)
     if len(items) < 2:
@@ -279,14 +279,14 @@ def listed(words: Iterable[str], last: str = "and") -> str:
     return f"{', '.join(items[:-1])} {last} {items[-1]}"
 
 
-def missing(keys: Iterable[str], owner: str) -> str:
+def missing_keys_message(keys: Iterable[str], owner: str) -> str:
     """Return the message about missing keys, such as ``'a' and 'b' are missing; a clock needs them``."""
     quoted_keys = [quoted(key) for key in keys]
     are, them = ("is", "it") if len(quoted_keys) == 1 else ("are", "them")
-    return f"{listed(quoted_keys)} {are} missing; {owner} needs {them}"
+    return f"{join_words(quoted_keys)} {are} missing; {owner} needs {them}"
 
 
-def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") -> str:
+def suggest_word(word: str, known_words: Iterable[str], otherwise: str = "known") -> str:
     """Return the hint after an unknown word: the likely known word, a short list of all known words, or nothing.
 
     ``otherwise`` is the text before the list of all known words, which is given if there are few.
@@ -322,7 +322,7 @@ def _is_spelling(word: str, known_word: str) -> bool:
 # A name is compared with each unknown word of a spec.
 @functools.lru_cache(maxsize=10_000)
 def _keep_letters(word: str) -> str:
-    return _BETWEEN.sub("", word).lower()
+    return _WORD_SEPARATORS.sub("", word).lower()
 
 
 def _common_prefix_length(word: str, other_word: str) -> int:

@@ -18,8 +18,8 @@ from typing import Any
 import yaml
 
 from . import files
-from .document import Document, Mark, Path
-from .problems import Report, quoted
+from .document import Document, Path, SourceMark
+from .problems import ProblemReport, quoted
 from .schema_files import family_of, is_second, is_word_sheet
 from .yaml_mistakes import CorrectedEvents, explain
 
@@ -39,20 +39,20 @@ _UNSEEN = r"\u00ad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff
 FORBIDDEN = re.compile(f"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff{_UNSEEN}]")
 
 LINE_BREAK = re.compile(r"\r\n|\r|\n")
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_YAML_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
-_NULL = frozenset(("", "~", "null", "Null", "NULL"))
-_BOOLEAN = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
-_INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
-_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_NULL_WORDS = frozenset(("", "~", "null", "Null", "NULL"))
+_BOOLEAN_WORDS = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+_INTEGER_TEXT = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT_TEXT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _SPECIAL_FLOAT = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 
-_CORE = "tag:yaml.org,2002:"
+_CORE_TAG = "tag:yaml.org,2002:"
 _TAGGED_TYPES: dict[str, tuple[type, ...]] = {
-    f"{_CORE}null": (type(None),),
-    f"{_CORE}bool": (bool,),
-    f"{_CORE}int": (int,),
-    f"{_CORE}float": (int, float),
+    f"{_CORE_TAG}null": (type(None),),
+    f"{_CORE_TAG}bool": (bool,),
+    f"{_CORE_TAG}int": (int,),
+    f"{_CORE_TAG}float": (int, float),
 }
 
 
@@ -72,14 +72,14 @@ class _Value:
     """A value that was read: its data, its mark, and its count and depth for repetition by an alias."""
 
     data: Any
-    mark: Mark
+    mark: SourceMark
     count: int
     depth: int
 
 
 def parse(
     yaml_text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]
-) -> tuple[dict[str, Any], Mark]:
+) -> tuple[dict[str, Any], SourceMark]:
     """Parse a YAML text and return its data and marks.
 
     Args:
@@ -103,7 +103,7 @@ class _Parser:
     def __init__(self, text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]) -> None:
         self._complain = complain
         self._stand_in = stand_in
-        parser_events = iter(yaml.parse(text, Loader=_LOADER))
+        parser_events = iter(yaml.parse(text, Loader=_YAML_LOADER))
         self._events = iter(CorrectedEvents(parser_events, LINE_BREAK.split(text), _is_text, self._report))
         #: Values by anchor. None while the value is being read.
         self._anchors: dict[str, _Value | None] = {}
@@ -112,7 +112,7 @@ class _Parser:
     def _report(self, event: Any, rule: str, message: str, path: Path = ()) -> None:
         self._complain(_build_error(event, rule, message, path))
 
-    def document(self) -> tuple[dict[str, Any], Mark]:
+    def document(self) -> tuple[dict[str, Any], SourceMark]:
         """Return the data and marks of the only document, or raise Unreadable if it is not one map."""
         next(self._events)  # Discarded: the start of the stream.
         start = next(self._events)
@@ -150,7 +150,7 @@ class _Parser:
         if anchor is not None:
             self._anchors[anchor] = None  # Open: an alias to it from inside would never end.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
-        mark = Mark(line, column, line, column)
+        mark = SourceMark(line, column, line, column)
         if isinstance(event, yaml.ScalarEvent):
             value = _Value(self._read_scalar(event, path), mark, count=1, depth=0)
         else:
@@ -178,7 +178,7 @@ class _Parser:
             raise _build_error(event, "too-deep", message)
         # The values keep the positions where they are written. Only the item itself is located at the alias.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
-        return _Value(value.data, Mark(line, column, line, column, value.mark.children), value.count, value.depth)
+        return _Value(value.data, SourceMark(line, column, line, column, value.mark.children), value.count, value.depth)
 
     def _count_values(self, count: int, event: Any) -> None:
         """Count values, and raise Unreadable if the file has too many."""
@@ -190,7 +190,7 @@ class _Parser:
             )
             raise _build_error(event, "too-large", message)
 
-    def _read_list(self, mark: Mark, path: Path, depth: int) -> _Value:
+    def _read_list(self, mark: SourceMark, path: Path, depth: int) -> _Value:
         """Return the list whose start was read. ``depth`` is the level on which it is, counted from 1."""
         list_data: list[Any] = []
         count, depth_below = 1, 0
@@ -204,7 +204,7 @@ class _Parser:
             count += value.count
             depth_below = max(depth_below, value.depth)
 
-    def _read_map(self, mark: Mark, path: Path, depth: int) -> _Value:
+    def _read_map(self, mark: SourceMark, path: Path, depth: int) -> _Value:
         """Return the map whose start was read, without the keys that are unusable or repeated, which are reported."""
         map_data: dict[str, Any] = {}
         count, depth_below = 1, 0
@@ -237,7 +237,7 @@ class _Parser:
         if event.value == "<<" and not event.style:
             self._report(event, "merge-key", "merge keys are not part of YAML 1.2; write out the entries", path)
             return None
-        if event.value == "" or FORBIDDEN.search(event.value) or event.tag not in (None, "!", f"{_CORE}str"):
+        if event.value == "" or FORBIDDEN.search(event.value) or event.tag not in (None, "!", f"{_CORE_TAG}str"):
             self._report(event, "bad-key", "a key is one word, without a tag and without control characters", path)
             return None
         return str(event.value)
@@ -251,11 +251,11 @@ class _Parser:
         if forbidden is not None:
             message = f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape"
             return self._replace(event, path, "not-text", message)
-        if tag in ("!", f"{_CORE}str") or (tag is None and is_quoted):
+        if tag in ("!", f"{_CORE_TAG}str") or (tag is None and is_quoted):
             return text
         if tag is not None and tag not in _TAGGED_TYPES:
             return self._replace(event, path, "tag", f"the tag {quoted(_short_tag(tag))} is not supported; remove it")
-        if len(text) > MAX_DIGITS and _INTEGER.fullmatch(text):
+        if len(text) > MAX_DIGITS and _INTEGER_TEXT.fullmatch(text):
             message = f"a number of {len(text)} digits is too long; put it in quotes if it is text"
             return self._replace(event, path, "number-too-long", message)
         value = _resolve_scalar(text)
@@ -269,21 +269,21 @@ class _Parser:
 
     def _check_container_tag(self, event: Any) -> None:
         container_tag = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
-        if event.tag not in (None, "!", f"{_CORE}{container_tag}"):
+        if event.tag not in (None, "!", f"{_CORE_TAG}{container_tag}"):
             self._report(event, "tag", f"the tag {quoted(_short_tag(event.tag))} is not supported; remove it")
 
 
 def _resolve_scalar(scalar_text: str) -> str | int | float | bool | None:
     """Return the value of an unquoted scalar by the core schema of YAML 1.2."""
-    if scalar_text in _NULL:
+    if scalar_text in _NULL_WORDS:
         return None
-    if scalar_text in _BOOLEAN:
-        return _BOOLEAN[scalar_text]
-    if _INTEGER.fullmatch(scalar_text):
+    if scalar_text in _BOOLEAN_WORDS:
+        return _BOOLEAN_WORDS[scalar_text]
+    if _INTEGER_TEXT.fullmatch(scalar_text):
         if scalar_text.startswith(("0x", "0o")):
             return int(scalar_text[2:], 16 if scalar_text[1] == "x" else 8)
         return int(scalar_text)
-    if _FLOAT.fullmatch(scalar_text):
+    if _FLOAT_TEXT.fullmatch(scalar_text):
         return float(scalar_text)
     # Python writes infinities and NaN without the point.
     return float(scalar_text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(scalar_text) else scalar_text
@@ -295,14 +295,14 @@ def _is_text(scalar: str) -> bool:
 
 
 def _short_tag(tag: str) -> str:
-    return tag.replace(_CORE, "!!")
+    return tag.replace(_CORE_TAG, "!!")
 
 
 def _build_error(event: Any, rule: str, message: str, path: Path = ()) -> Unreadable:
     return Unreadable(event.start_mark.line + 1, event.start_mark.column + 1, rule, message, path)
 
 
-def read_document(path: pathlib.Path, report: Report, shown_as: str | None = None) -> Document | None:
+def read_document(path: pathlib.Path, report: ProblemReport, shown_as: str | None = None) -> Document | None:
     """Read one file and add its problems to ``report``.
 
     The result is None if nothing in the file can be used. A document may have problems. ``shown_as`` is the name to
@@ -328,13 +328,13 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
     return None
 
 
-def document_of_text(file: str, yaml_text: str, report: Report) -> Document | None:
+def document_of_text(file: str, yaml_text: str, report: ProblemReport) -> Document | None:
     """Parse a text without forbidden characters as if a file with that name contained it, like ``read_document``."""
     report.files.append(file)
     return _parsed_document(file, yaml_text, tuple(LINE_BREAK.split(yaml_text)), report)
 
 
-def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: Report) -> Document | None:
+def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: ProblemReport) -> Document | None:
     """Return the document of a text, with the places of errors, or None if nothing can be used. Report its errors."""
     errors: list[Unreadable] = []
     broken_places: list[Path] = []
@@ -353,7 +353,7 @@ def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: 
     return Document(file, lines, data, marks, broken=tuple(broken_places), doubtful=doubtful_places)
 
 
-def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
+def read_specs(paths: Iterable[pathlib.Path], report: ProblemReport) -> list[Document]:
     """Read files and whole folders, each file once.
 
     A folder represents the specs in it and below it, in sorted order, which ``find_files`` lists. A file given by name
@@ -379,7 +379,7 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
     return documents
 
 
-def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path], report: Report) -> None:
+def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path], report: ProblemReport) -> None:
     """Report a second reading or a sheet of turning words that was given by name, unless its spec was given too."""
     spec = file.with_name(f"{family_of(str(file))}{file.suffix}")
     if spec not in requested_paths:
@@ -389,7 +389,7 @@ def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path
         report.add_at(str(file), 1, 1, rule, f"this is a {kind}; give {spec.name}, the spec that it belongs to")
 
 
-def _specs_at(path: pathlib.Path, report: Report) -> Sequence[pathlib.Path]:
+def _specs_at(path: pathlib.Path, report: ProblemReport) -> Sequence[pathlib.Path]:
     """Return the specs in a folder, or the file itself. Report a folder without specs, and note its other files."""
     if not files.is_folder(path):
         return (path,)

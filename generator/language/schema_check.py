@@ -17,15 +17,15 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from .document import Document, Path
-from .messages import RENAMED, Finding, explain
-from .problems import MAX_PROBLEMS, MISSING_PROSE, TOO_MANY, WORDS_ONLY, Report
+from .messages import RENAMED, RuleFinding, explain
+from .problems import MAX_PROBLEMS, MISSING_PROSE, TOO_MANY, WORDS_ONLY, ProblemReport
 from .schema_files import is_second, load_schema
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError
 
 
-_TYPES: Mapping[str, tuple[type, ...]] = {
+_PYTHON_TYPES: Mapping[str, tuple[type, ...]] = {
     "object": (dict,),
     "array": (list,),
     "string": (str,),
@@ -38,9 +38,9 @@ _TYPES: Mapping[str, tuple[type, ...]] = {
 def follows_schema(checked_value: Any, schema: Mapping[str, Any]) -> bool:
     """Return True if a value follows a schema without references, and False if it may not.
 
-    Each keyword of the schema has a test in ``_TESTS``. A value may not follow a keyword without a test.
+    Each keyword of the schema has a test in ``_CHECKS``. A value may not follow a keyword without a test.
     """
-    return all(key in _TESTS and _TESTS[key](checked_value, expected, schema) for key, expected in schema.items())
+    return all(key in _CHECKS and _CHECKS[key](checked_value, expected, schema) for key, expected in schema.items())
 
 
 def matches(pattern: str, checked_text: str) -> bool:
@@ -54,7 +54,7 @@ def matches(pattern: str, checked_text: str) -> bool:
 def _is_of_type(checked_value: Any, expected: str | list[str], _: object) -> bool:
     """Return True if a value has one of the expected types. True is a boolean, not an integer."""
     names = [expected] if isinstance(expected, str) else expected
-    return any(type(checked_value) in _TYPES.get(name, ()) for name in names)
+    return any(type(checked_value) in _PYTHON_TYPES.get(name, ()) for name in names)
 
 
 def _is_one_of(checked_value: Any, expected: list[Any], _: object) -> bool:
@@ -83,10 +83,10 @@ def _has_additional(checked_value: Any, expected: Any, schema: Mapping[str, Any]
 
 def _only_for_type(type_name: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
     """Return a test that values of other types pass: in JSON Schema, a text cannot violate ``minItems``."""
-    return lambda value, expected, _: type(value) not in _TYPES[type_name] or test(value, expected)
+    return lambda value, expected, _: type(value) not in _PYTHON_TYPES[type_name] or test(value, expected)
 
 
-_TESTS: Mapping[str, Callable[[Any, Any, Any], bool]] = {
+_CHECKS: Mapping[str, Callable[[Any, Any, Any], bool]] = {
     **dict.fromkeys(("$schema", "$id", "title", "description"), lambda value, expected, schema: True),
     "type": _is_of_type,
     "enum": _is_one_of,
@@ -142,7 +142,7 @@ class SchemaResult:
     stand_ins: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
 
 
-def check_schema(document: Document, report: Report, file_kind: FileKind | None = None) -> SchemaResult | None:
+def check_schema(document: Document, report: ProblemReport, file_kind: FileKind | None = None) -> SchemaResult | None:
     """Check a document against the schema of its kind, report each error, and remove the broken parts.
 
     Args:
@@ -175,7 +175,7 @@ def check_schema(document: Document, report: Report, file_kind: FileKind | None 
     return _remove_broken_items(validator, document, _places_to_remove(unread_places, findings), file_kind)
 
 
-def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> set[Path]:
+def _places_to_remove(unread_places: set[Path], findings: Sequence[RuleFinding]) -> set[Path]:
     """Return the places that later checks cannot use.
 
     Missing keys of a file or an interface and missing prose are tolerated. An error that its parent survives, such as
@@ -189,7 +189,7 @@ def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> 
     return places
 
 
-def _report_findings(findings: Sequence[Finding], document: Document, report: Report) -> None:
+def _report_findings(findings: Sequence[RuleFinding], document: Document, report: ProblemReport) -> None:
     """Report each finding that no other finding explains, up to the largest number, and then that there are more."""
     for finding in findings[:MAX_PROBLEMS]:
         if not _is_explained(finding, findings, document.data):
@@ -294,7 +294,7 @@ def _stand_ins(error: Any) -> dict[str, str]:
     return stand_ins
 
 
-def _is_missing_prose(finding: Finding) -> bool:
+def _is_missing_prose(finding: RuleFinding) -> bool:
     """Return True for a finding about missing keys of which all are prose."""
     return finding.alone and finding.rule == "missing-key"
 
@@ -372,12 +372,12 @@ def _find_original_path(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -
 
 def _collect_findings(
     validator: Any, file_data: dict[str, Any], unread_places: set[Path], file_kind: str
-) -> list[Finding]:
+) -> list[RuleFinding]:
     """Return the first finding for each place, except at and below places that the reader reported.
 
     At most ``MAX_PROBLEMS`` plus one are returned, so that the caller notices that there are more.
     """
-    findings: dict[tuple[Path, bool], Finding] = {}
+    findings: dict[tuple[Path, bool], RuleFinding] = {}
     for error in validator.iter_errors(file_data):
         for finding in explain(error, file_kind):
             enclosing_paths = [finding.path[:length] for length in range(len(finding.path))]
@@ -388,7 +388,7 @@ def _collect_findings(
     return list(findings.values())
 
 
-def _is_explained(finding: Finding, findings: Sequence[Finding], file_data: dict[str, Any]) -> bool:
+def _is_explained(finding: RuleFinding, findings: Sequence[RuleFinding], file_data: dict[str, Any]) -> bool:
     """Return True if another finding explains ``finding``.
 
     That is a value under a wrong key, or the name of an interface whose key under ``interfaces`` is wrong.

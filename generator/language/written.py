@@ -26,7 +26,7 @@ Reader = Callable[[Any, Path], Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Located(Generic[Part]):
+class LocatedPart(Generic[Part]):
     """A part that is the same in specs and in the model, with its place and its data. It has no sources."""
 
     part: Part
@@ -176,7 +176,7 @@ def _find_reader(value_type: KeyType, module: str) -> Reader:
 
 
 def _word_reader(value_type: KeyType, module: str) -> Reader:
-    """Return the reader of a type that is one word: a part, the map of named values, or a type in ``_READERS``.
+    """Return the reader of a type that is one word: a part, the map of named values, or a type in ``_READERS_BY_TYPE``.
 
     Other words are texts with a certain form.
     """
@@ -184,7 +184,7 @@ def _word_reader(value_type: KeyType, module: str) -> Reader:
         return _part_reader(_class_of(value_type, module))
     if value_type.word == "Values":
         return _map_reader(_find_reader(key_type("WrittenValue"), module))
-    return _READERS.get(value_type.word, _text)
+    return _READERS_BY_TYPE.get(value_type.word, _text)
 
 
 def _part_reader(part_class: Any) -> Reader:
@@ -265,7 +265,7 @@ _text = _is_of(str)
 _number = _is_of(int)
 _number_or_text = _is_of(int, str)
 #: The words for types that are not text.
-_READERS: Mapping[str, Reader] = MappingProxyType(
+_READERS_BY_TYPE: Mapping[str, Reader] = MappingProxyType(
     {
         **dict.fromkeys(
             ("Count", "int", "Hex", "CrcNumber", "ParameterValue", "SignedNumber", "PageOfEntry", "LanguageVersion"),
@@ -293,7 +293,7 @@ def _located_reader(model_class: Any) -> Reader:
     return read_part
 
 
-def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> Located[T]:
+def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> LocatedPart[T]:
     """Return a part of the model as it is written in a spec, with its path and data.
 
     A missing key has its default or, if it is required, is empty. Parts inside it have no place, and sources are left
@@ -309,12 +309,12 @@ def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> L
         if described.name in part_data:
             read = _find_reader(value_type, model_class.__module__)
             value = read(part_data[described.name], (*path, described.name))
-            value = value.part if isinstance(value, Located) else value
+            value = value.part if isinstance(value, LocatedPart) else value
         if value is None and described.default is MISSING:
             value = _empty_value(value_type, model_class.__module__, path)
         if value is not None:
             values_by_key[described.name] = value
-    return Located(model_class(**values_by_key), path, part_data)
+    return LocatedPart(model_class(**values_by_key), path, part_data)
 
 
 def _empty_value(value_type: KeyType, module: str, path: Path) -> Any:
@@ -328,7 +328,7 @@ def _empty_value(value_type: KeyType, module: str, path: Path) -> Any:
     if value_type.part:
         written_class = _class_of(value_type, module)
         return written_class(NOTHING, path)
-    is_whole_number = _READERS.get(value_type.word) is _number
+    is_whole_number = _READERS_BY_TYPE.get(value_type.word) is _number
     return {"bool": False, "float": 0.0}.get(value_type.word, 0 if is_whole_number else "")
 
 

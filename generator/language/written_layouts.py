@@ -27,7 +27,7 @@ from ..model.part import (
     note_key,
     printed_name_key,
 )
-from .written import Located, WrittenPart, written
+from .written import LocatedPart, WrittenPart, written
 
 #: Kind of a field without any of ``KIND_KEYS``.
 NUMBER = "number"
@@ -191,7 +191,7 @@ class WrittenField(WrittenPart):
         default="",
         allowed_in=("parity_of",),
     )
-    digits: tuple[Located[Digits], ...] = key(
+    digits: tuple[LocatedPart[Digits], ...] = key(
         "Groups of decimal digits into which the number is split, most significant first.", default=()
     )
     text: Literal["", "ascii"] = key("Character code of the bytes.", default="")
@@ -220,7 +220,7 @@ class WrittenField(WrittenPart):
         "Bits in other registers that give details, each as register.field.", default=()
     )
     unit: Prose = key("For a number: unit of one count.", default="", allowed_in=(NUMBER,))
-    scale: Located[Scale] | None = key("", default=None, allowed_in=(NUMBER,))
+    scale: LocatedPart[Scale] | None = key("", default=None, allowed_in=(NUMBER,))
     default: Count | None = key("Factory default.", default=None)
     meaning: Prose = key("Meaning of the field.", default="")
     note: Prose = note_key(default="")
@@ -328,7 +328,7 @@ class WrittenLayout(WrittenPart):
     combinations: tuple[WrittenCombination, ...] = key(
         "Values of several fields that together decide the verdict on the position.", most=64, least=0, default=()
     )
-    position_range: Located[LayoutRange] | None = key("", default=None)
+    position_range: LocatedPart[LayoutRange] | None = key("", default=None)
     other_bits: OtherBits = key("", default="")
     note: Prose = note_key(default="")
     source: SourceText = key("")

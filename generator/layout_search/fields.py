@@ -11,7 +11,7 @@ from math import e, log2
 from typing import NamedTuple
 
 from ..reference.bits import gray_to_binary
-from .frames import MOST_FRAMES, Recording
+from .frames import MOST_FRAMES, RecordedFrames
 
 #: Bits that describe one more field, whose values change or not.
 _NUMBER_BITS, _CONSTANT_BITS = 8.0, 3.0
@@ -26,7 +26,7 @@ _SCALE_BITS = 4.0
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class FoundField:
     """Bits from ``start`` to before ``end``, all of which change, or none."""
 
     start: int
@@ -39,7 +39,7 @@ class Field:
 
 
 @dataclass(frozen=True, slots=True)
-class Split:
+class FrameSplit:
     """The place of the position, and the other fields in front of it and behind it.
 
     ``byte_order`` is set if the position has several bytes over RS-485. ``is_smooth`` is true if the values of the
@@ -50,8 +50,8 @@ class Split:
     end: int
     is_gray: bool
     byte_order: str
-    front: tuple[Field, ...]
-    behind: tuple[Field, ...]
+    front: tuple[FoundField, ...]
+    behind: tuple[FoundField, ...]
     cost: float
     is_smooth: bool
 
@@ -60,7 +60,7 @@ class Split:
         return self.end - self.start
 
 
-def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
+def splits_of(recording: RecordedFrames, first: int, end: int) -> Iterator[FrameSplit]:
     """Yield every split of the bits from ``first`` to before ``end`` that has a position, with its cost in bits.
 
     There is a split for each place of the position, and each code or byte order in which it may be sent. The cost is
@@ -69,7 +69,7 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
     step = 8 if recording.interface == "rs485" else 1
 
     @cache
-    def fields_and_cost(fields_start: int, fields_end: int) -> tuple[tuple[Field, ...], float]:
+    def fields_and_cost(fields_start: int, fields_end: int) -> tuple[tuple[FoundField, ...], float]:
         is_in_front = fields_start == first
         fields = tuple(_divide_by_change(recording, fields_start, fields_end, step))
         return fields, sum(_field_cost(recording, field, is_in_front=is_in_front) for field in fields)
@@ -85,7 +85,7 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
             gray_cost = _GRAY_BITS.get(recording.interface, 1.0) if reading.is_gray else 0.0
             # Of several numbers, the widest one is rather the position.
             preference = width / 8
-            yield Split(
+            yield FrameSplit(
                 start=position_start,
                 end=position_end,
                 is_gray=reading.is_gray,
@@ -97,7 +97,7 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
             )
 
 
-def _places_of_position(recording: Recording, first: int, end: int, step: int) -> Iterator[tuple[int, int]]:
+def _places_of_position(recording: RecordedFrames, first: int, end: int, step: int) -> Iterator[tuple[int, int]]:
     """Yield the start and end of each place for a position, in steps of a bit or a byte.
 
     The last step of a position changes. It begins with a step that changes, or with the first of the constant steps
@@ -124,7 +124,7 @@ class _Reading(NamedTuple):
     byte_order: str = ""
 
 
-def _read_in_each_code(recording: Recording, sent_values: Sequence[int], width: int) -> Iterator[_Reading]:
+def _read_in_each_code(recording: RecordedFrames, sent_values: Sequence[int], width: int) -> Iterator[_Reading]:
     """Yield the values read as binary and as Gray code or, over RS-485, in both byte orders.
 
     One bit is the same in both codes, and one byte in both orders.
@@ -146,7 +146,7 @@ def _with_bytes_swapped(two_bytes: int, byte_count: int) -> int:
     return int.from_bytes(two_bytes.to_bytes(byte_count, "big"), "little")
 
 
-def _constant_bits(recording: Recording, start: int) -> int:
+def _constant_bits(recording: RecordedFrames, start: int) -> int:
     """Return the number of constant bits at the beginning of a position, or 0 over RS-485.
 
     Constant bytes there are more likely other fields.
@@ -156,7 +156,9 @@ def _constant_bits(recording: Recording, start: int) -> int:
     return recording.changing[start:].index(True)
 
 
-def _position_cost(recording: Recording, values: Sequence[int], width: int, constant_bits: int) -> tuple[float, bool]:
+def _position_cost(
+    recording: RecordedFrames, values: Sequence[int], width: int, constant_bits: int
+) -> tuple[float, bool]:
     """Return the bits that describe the values of a position, and whether the values fit a moving shaft.
 
     They fit if the steps from value to value, or the user's positions, describe them with fewer bits than random
@@ -173,7 +175,7 @@ def _position_cost(recording: Recording, values: Sequence[int], width: int, cons
     return min(random_cost, moving_cost), is_smooth
 
 
-def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> Iterator[Field]:
+def _divide_by_change(recording: RecordedFrames, start: int, end: int, step: int) -> Iterator[FoundField]:
     """Yield a field for each run of bits, or of bytes, that all change or that are all constant.
 
     ``step`` is 1 for bits and 8 for bytes. A byte changes if one of its bits does.
@@ -186,10 +188,10 @@ def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> 
         # ``places`` are the starts of adjacent steps.
         first_place, *later_places = places
         last_place = later_places[-1] if later_places else first_place
-        yield Field(start=first_place, end=last_place + step, changes=changes)
+        yield FoundField(start=first_place, end=last_place + step, changes=changes)
 
 
-def _field_cost(recording: Recording, field: Field, *, is_in_front: bool) -> float:
+def _field_cost(recording: RecordedFrames, field: FoundField, *, is_in_front: bool) -> float:
     """Return the cost of a field other than the position: the bits that describe it and its values.
 
     A constant field costs its width and a few bits more, and any other also the bits of its value in each frame.
@@ -206,7 +208,7 @@ def _field_cost(recording: Recording, field: Field, *, is_in_front: bool) -> flo
     return _NUMBER_BITS + uniform_cost(field.width, len(values))
 
 
-def is_all_ones(recording: Recording, field: Field) -> bool:
+def is_all_ones(recording: RecordedFrames, field: FoundField) -> bool:
     """Return True if all bits of a constant field are 1."""
     return all(recording.level(place) for place in range(field.start, field.end))
 
@@ -233,8 +235,8 @@ def smooth_cost(values: Sequence[int], width: int) -> float:
 
     The first value, and with changes of steps also the first step, take ``width`` bits.
     """
-    steps = [signed(after - before, width) for before, after in itertools.pairwise(values)]
-    changes_of_steps = [signed(after - before, width) for before, after in itertools.pairwise(steps)]
+    steps = [as_signed(after - before, width) for before, after in itertools.pairwise(values)]
+    changes_of_steps = [as_signed(after - before, width) for before, after in itertools.pairwise(steps)]
     by_steps = width + _spread_cost(steps, width)
     if not changes_of_steps:
         return by_steps
@@ -251,7 +253,7 @@ def _spread_cost(numbers: Sequence[float], width: int) -> float:
     return len(numbers) * max(bits_each, 0.5) + _SCALE_BITS
 
 
-def signed(number: int, width: int) -> int:
+def as_signed(number: int, width: int) -> int:
     """Return a number modulo 2^width as a number from -2^(width-1) to 2^(width-1) - 1: -1 for 7 with 3 bits."""
     half = 1 << (width - 1)
     mask = (1 << width) - 1
@@ -279,7 +281,7 @@ def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[fl
     middle_position = sorted(positions)[len(positions) // 2]
     middle_value = values[list(positions).index(middle_position)]
     # Relative to the value in the middle, so that the values are as far from the wrap as possible.
-    heights = [signed(value - middle_value, width) for value in values]
+    heights = [as_signed(value - middle_value, width) for value in values]
     mean_position, mean_height = sum(positions) / len(positions), sum(heights) / len(heights)
     # The offsets from the mean, as x and y of the line.
     x_offsets = [position - mean_position for position in positions]
@@ -293,6 +295,6 @@ def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[fl
 def _residuals_of_factor(values: Sequence[int], width: int, positions: Sequence[float], factor: float) -> list[float]:
     """Return the differences of the values from the positions times a factor, across the wrap."""
     offsets = [value - round(position * factor) for value, position in zip(values, positions, strict=True)]
-    residuals = [signed(offset - offsets[0], width) for offset in offsets]
+    residuals = [as_signed(offset - offsets[0], width) for offset in offsets]
     mean = sum(residuals) / len(residuals)
     return [residual - mean for residual in residuals]

@@ -6,19 +6,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from .checks import FoundCrc, FoundParity, crcs_of, parities_of
-from .fields import Split, splits_of
-from .frames import FEWEST, MOST_FRAMES, NoLayout, Recording
+from .fields import FrameSplit, splits_of
+from .frames import FEWEST, MOST_FRAMES, NoLayout, RecordedFrames
 
 #: Number of layouts in an answer.
 MOST_LAYOUTS = 3
 #: Difference to the cost of the most likely layout in bits, above which a layout is not proposed.
 _MOST_MORE_BITS = 20.0
 #: Evidence in bits, above which a CRC cannot fit by chance, and frames without one need not be considered.
-_CERTAIN = 30
+_CERTAIN_EVIDENCE = 30
 #: Bits that describe a parity bit: in its usual place, in the other place, and in addition to a CRC.
 _PARITY_BITS, _OTHER_PLACE_BITS, _WITH_CRC_BITS = 4.0, 2.0, 4.0
 #: Difference of two costs in bits, below which the frames do not decide between Gray code and binary.
-_UNDECIDED = 3.0
+_UNDECIDED_DIFFERENCE = 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +30,12 @@ class FoundLayout:
 
     crc: FoundCrc | None
     parity: FoundParity | None
-    split: Split
+    split: FrameSplit
     cost: float
     other_code: bool = False
 
 
-def find_layouts(recording: Recording) -> list[FoundLayout]:
+def find_layouts(recording: RecordedFrames) -> list[FoundLayout]:
     """Return up to ``MOST_LAYOUTS`` layouts, the layout with the lowest cost first.
 
     Of layouts that differ only in constant bits in front of the position, only the layout with the lowest cost remains.
@@ -54,14 +54,14 @@ def find_layouts(recording: Recording) -> list[FoundLayout]:
     return [layout for layout in layouts[:MOST_LAYOUTS] if layout.cost <= highest_cost]
 
 
-def _possible_layouts(recording: Recording) -> Iterator[FoundLayout]:
+def _possible_layouts(recording: RecordedFrames) -> Iterator[FoundLayout]:
     """Yield every combination of a CRC or none, a parity bit or none, and a split of the other bits.
 
     If the frames prove a CRC, layouts without a CRC are left out.
     """
     crcs = crcs_of(recording)
     crc_candidates: list[FoundCrc | None] = list(crcs)
-    if not any(crc.evidence > _CERTAIN for crc in crcs):
+    if not any(crc.evidence > _CERTAIN_EVIDENCE for crc in crcs):
         crc_candidates.append(None)
     for crc in crc_candidates:
         # The CRC is the last bits of a frame, and the body is the rest.
@@ -83,7 +83,7 @@ def _bits_between_checks(parity: FoundParity | None, body_bits: int) -> tuple[in
     return (1, body_bits) if is_first_bit else (0, body_bits - 1)
 
 
-def _parity_cost(recording: Recording, parity: FoundParity, crc: FoundCrc | None) -> float:
+def _parity_cost(recording: RecordedFrames, parity: FoundParity, crc: FoundCrc | None) -> float:
     """Return the cost of a parity bit in bits: one for each frame that does not prove it, and its place and kind."""
     sample_count = min(len(recording.frames), MOST_FRAMES)
     unproved_bits = max(sample_count - recording.independent, 0)
@@ -97,7 +97,7 @@ def _parity_cost(recording: Recording, parity: FoundParity, crc: FoundCrc | None
     return cost
 
 
-def _group_key(recording: Recording, layout: FoundLayout) -> object:
+def _group_key(recording: RecordedFrames, layout: FoundLayout) -> object:
     """Return a key that is equal for layouts that differ only in the constant bits in front of the position."""
     split = layout.split
     first_changing_bit = recording.changing.index(True, split.start, split.end)
@@ -108,7 +108,7 @@ def _group_key(recording: Recording, layout: FoundLayout) -> object:
 def _with_undecided_codes_joined(layouts: list[FoundLayout]) -> list[FoundLayout]:
     """Return the layouts in their order, from the lowest cost to the highest.
 
-    Of two that differ only in the code, and whose costs differ by less than ``_UNDECIDED`` bits, the first remains,
+    Of two that differ only in the code, and whose costs differ by less than ``_UNDECIDED_DIFFERENCE`` bits, the first remains,
     with ``other_code``.
     """
     joined_layouts: list[FoundLayout] = []
@@ -118,7 +118,7 @@ def _with_undecided_codes_joined(layouts: list[FoundLayout]) -> list[FoundLayout
         split = layout.split
         same_but_code = layout.crc, layout.parity, split.start, split.end
         index = indexes.get((same_but_code, not split.is_gray))
-        if index is not None and layout.cost - joined_layouts[index].cost < _UNDECIDED:
+        if index is not None and layout.cost - joined_layouts[index].cost < _UNDECIDED_DIFFERENCE:
             joined_layouts[index] = replace(joined_layouts[index], other_code=True)
         else:
             indexes.setdefault((same_but_code, split.is_gray), len(joined_layouts))

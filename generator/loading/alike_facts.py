@@ -9,10 +9,10 @@ from pathlib import PurePath
 from typing import Any, NamedTuple
 
 from ..language.document import Document, Path, label_of
-from ..language.problems import Report, quoted
+from ..language.problems import ProblemReport, quoted
 from ..language.rules.connectors import signal_names
 from ..language.rules.parts import as_affected_name, has_erratum_at
-from ..language.rules.walk import items, leaves, mapping
+from ..language.rules.walk import leaves, mapping, maps_in_list
 from ..language.schema_files import PROSE
 
 #: Steps of the path to an interface, such as ``interfaces.ssi``.
@@ -20,17 +20,17 @@ _STEPS_OF_INTERFACE = 2
 #: Keys whose values are printed, or belong to one device.
 _NOT_COMPARED = PROSE | {"printed_name", "only", "erratum"}
 #: Shown for a fact that a device lacks.
-_ABSENT = "nothing"
+_ABSENT_FACT = "nothing"
 #: Facts at a place, by their relative paths: ``{(0, "below_hz"): 400000}``.
 _Facts = Mapping[Path, object]
 #: A supply or ground line, such as ``0vdc`` or ``+5vdc ±5%``, but not a battery line, ``+vb``.
-_SUPPLY = re.compile(r"(?P<ground>0\s?v(?:dc)?)|\+\s?[\d.,]*\s?v(?!b).*")
-_SHIELDS = frozenset(("shield", "screen"))
+_SUPPLY_LINE = re.compile(r"(?P<ground>0\s?v(?:dc)?)|\+\s?[\d.,]*\s?v(?!b).*")
+_SHIELD_WORDS = frozenset(("shield", "screen"))
 #: Any voltage, such as ``+vb``.
-_VOLTAGE = re.compile(r"[+-]?\s?[\d.,]*\s?v\w*")
+_ANY_VOLTAGE = re.compile(r"[+-]?\s?[\d.,]*\s?v\w*")
 
 
-def compare_facts(places: Sequence[str], documents: Sequence[Document], report: Report) -> None:
+def compare_facts(places: Sequence[str], documents: Sequence[Document], report: ProblemReport) -> None:
     """Report each device whose facts at a place such as ``interfaces.ssi.cable_lengths`` differ from most devices.
 
     All devices with the interface are compared, so one that lacks the facts is reported, too. Among equally common
@@ -78,13 +78,13 @@ def _compared_leaves(node: object) -> Iterator[tuple[Path, object]]:
 
 
 def _report_difference(
-    document: Document, common: Document, facts_by_file: Mapping[str, _Facts], place: Path, report: Report
+    document: Document, common: Document, facts_by_file: Mapping[str, _Facts], place: Path, report: ProblemReport
 ) -> None:
     """Report the first fact in which two devices differ, or nothing if they agree."""
     facts, common_facts = facts_by_file[document.file], facts_by_file[common.file]
     all_paths = dict.fromkeys((*common_facts, *facts))  # Each once, in order.
     for path in all_paths:
-        value, common_value = facts.get(path, _ABSENT), common_facts.get(path, _ABSENT)
+        value, common_value = facts.get(path, _ABSENT_FACT), common_facts.get(path, _ABSENT_FACT)
         if value == common_value:
             continue
         line, _ = common.position((*place, *path))
@@ -110,7 +110,7 @@ class _Contact(NamedTuple):
 _Line = tuple[str, str]
 
 
-def compare_connectors(maker_document: Document, documents: Sequence[Document], report: Report) -> None:
+def compare_connectors(maker_document: Document, documents: Sequence[Document], report: ProblemReport) -> None:
     """Report each line that two connectors of a group have on different contacts.
 
     The file of the manufacturer lists groups of references such as ``m100.m12_connector``. A device whose spec was not
@@ -125,7 +125,7 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
             document = documents_by_device.get(device)
             if document is None:
                 continue
-            connectors = items(document.data, "connectors")
+            connectors = maps_in_list(document.data, "connectors")
             place = next((path for path, connector in connectors if connector.get("name") == name), None)
             if place is not None:
                 _compare_connector(contacts_by_line, document, place, report)
@@ -150,14 +150,14 @@ def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
     connector = document.data["connectors"][path[-1]]
     if connector["kind"] == "cable":
         wires: set[str] = set()
-        for _, contact in items(connector, "contacts"):
-            is_shield = not _SHIELDS.isdisjoint(signal_names(str(contact["signal"])))
+        for _, contact in maps_in_list(connector, "contacts"):
+            is_shield = not _SHIELD_WORDS.isdisjoint(signal_names(str(contact["signal"])))
             if not is_shield:
                 wires.add(str(contact["contact"]).casefold())
         yield _Cable(document, path, frozenset(wires))
 
 
-def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
+def _compare_wires(cables: Sequence[_Cable], report: ProblemReport) -> None:
     """Report each cable with other wires than the first one of its group, unless an erratum affects its contacts."""
     if not cables:
         return
@@ -183,7 +183,9 @@ def _name_of_cable(cable: _Cable) -> str:
     return str(cable.document.data["connectors"][cable.path[-1]]["name"])
 
 
-def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Document, path: Path, report: Report) -> None:
+def _compare_connector(
+    contacts_by_line: dict[_Line, _Contact], document: Document, path: Path, report: ProblemReport
+) -> None:
     """Report the lines of a connector that have another contact in ``contacts_by_line``, and add the new ones."""
     connector = document.data["connectors"][path[-1]]
     reported_paths: set[Path] = set()
@@ -199,7 +201,7 @@ def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Docume
             _report_contact(line, contact, first_contact, report)
 
 
-def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: Report) -> None:
+def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: ProblemReport) -> None:
     """Report a line that is on another contact here than on the first connector of its group."""
     line_number, _ = first_contact.document.position(first_contact.path)
     _, line_name = line  # The first member is its interface.
@@ -216,7 +218,7 @@ def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_L
     """Return the contact of each line of a connector. Lines with several contacts are left out."""
     interfaces = connector.get("interfaces") or [""]  # Without a list, it is for all of them.
     contacts: list[tuple[_Line, _Contact]] = []
-    for contact_path, contact in items(connector, "contacts"):
+    for contact_path, contact in maps_in_list(connector, "contacts"):
         place = _Contact(str(contact["contact"]), str(connector["name"]), document, (*path, *contact_path))
         contacts += [(line, place) for line in _lines_of_signal(str(contact["signal"]), interfaces)]
     counts = Counter(line for line, _ in contacts)
@@ -226,12 +228,12 @@ def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_L
 def _lines_of_signal(signal: str, interfaces: Sequence[str]) -> Iterator[_Line]:
     """Yield the lines that a signal names, for each interface: ``("biss", "ma+")``, ``("", "0 V")``."""
     for name in signal_names(signal):
-        if name in _SHIELDS:  # It is on the case, whose name differs between manuals.
+        if name in _SHIELD_WORDS:  # It is on the case, whose name differs between manuals.
             continue
-        supply = _SUPPLY.fullmatch(name)
+        supply = _SUPPLY_LINE.fullmatch(name)
         if supply is not None:
             yield "", "0 V" if supply["ground"] else "+V"
-        elif _VOLTAGE.fullmatch(name):
+        elif _ANY_VOLTAGE.fullmatch(name):
             yield "", name
         else:
             yield from ((interface, name) for interface in interfaces)

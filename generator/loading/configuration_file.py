@@ -9,13 +9,13 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..language.document import Document, Mark
+from ..language.document import Document, SourceMark
 from ..language.document import Path as Place
 from ..language.files import CONFIGURATION
-from ..language.problems import Report, listed, nearest_choice, quoted, suggestion
+from ..language.problems import ProblemReport, join_words, nearest_choice, quoted, suggest_word
 from .configuration import PYPROJECT, Configuration, FamilyFilter, Faulty, exists
 
-_TOKEN = re.compile(
+_TOML_TOKEN = re.compile(
     r"""
     (?P<blank>[ \t\r]+|\#[^\n]*)
     | (?P<newline>\n)
@@ -29,7 +29,7 @@ _TOKEN = re.compile(
 _VALUE_ENDS = ("\n", ",", "]", "}")
 
 
-def places_in(toml_text: str) -> Mark:
+def places_in(toml_text: str) -> SourceMark:
     """Return the places of all keys and values in a text that is valid TOML.
 
     A table has the place of its name in the header that begins it. A key written with escapes is not found.
@@ -41,16 +41,16 @@ class _PlaceFinder:
     """Reads the tokens of a text from the first to the last, and marks the places of keys and values."""
 
     def __init__(self, text: str) -> None:
-        self._tokens = [token for token in _TOKEN.finditer(text) if token.lastgroup != "blank"]
+        self._tokens = [token for token in _TOML_TOKEN.finditer(text) if token.lastgroup != "blank"]
         self._index = 0
         self._line_starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
-    def document(self) -> Mark:
+    def document(self) -> SourceMark:
         """Return the mark of the whole text, whose children are the marks of all keys and values.
 
         ``table`` is the mark of the table in the header above the current line.
         """
-        root = Mark(line=1, column=1, key_line=1, key_column=1)
+        root = SourceMark(line=1, column=1, key_line=1, key_column=1)
         table = root
         while self._next_token():
             if self._next_token() == "\n":
@@ -75,7 +75,7 @@ class _PlaceFinder:
         while self._next_token() == "\n":
             self._index += 1
 
-    def _read_table_header(self, root: Mark) -> Mark:
+    def _read_table_header(self, root: SourceMark) -> SourceMark:
         """Read the header of a table, such as ``[tool.codewheel]``, and return the mark of the table."""
         while self._next_token() == "[":
             self._index += 1
@@ -84,7 +84,7 @@ class _PlaceFinder:
             self._index += 1
         return table
 
-    def _read_dotted_key(self, table: Mark) -> Mark:
+    def _read_dotted_key(self, table: SourceMark) -> SourceMark:
         """Read a key, which can be dotted such as ``tool.codewheel``, and return the mark of its last name.
 
         Each name has a mark below the mark of the name before it, and the first one below ``table``. An existing mark
@@ -97,11 +97,11 @@ class _PlaceFinder:
                 place = self._place_of_token()
                 is_quoted = name[0] in "\"'"
                 bare_name = name[1:-1] if is_quoted else name
-                mark = mark.children.setdefault(bare_name, Mark(*place, *place))
+                mark = mark.children.setdefault(bare_name, SourceMark(*place, *place))
             self._index += 1
         return mark
 
-    def _read_setting(self, table: Mark) -> None:
+    def _read_setting(self, table: SourceMark) -> None:
         """Read a key, the equals sign and the value. The mark of the key then gets the place of the value."""
         mark = self._read_dotted_key(table)
         self._index += 1  # The equals sign.
@@ -109,7 +109,7 @@ class _PlaceFinder:
             mark.line, mark.column = self._place_of_token()
             self._read_value(mark)
 
-    def _read_value(self, mark: Mark) -> None:
+    def _read_value(self, mark: SourceMark) -> None:
         """Read a value. ``mark`` is the mark of its key, and gets children for the members of an array or a table."""
         if self._next_token() == "[":
             self._read_array(mark)
@@ -119,18 +119,18 @@ class _PlaceFinder:
             while self._next_token() and self._next_token() not in _VALUE_ENDS:
                 self._index += 1
 
-    def _read_array(self, mark: Mark) -> None:
+    def _read_array(self, mark: SourceMark) -> None:
         """Read an array. Each value in it has a mark below ``mark``, by its index."""
         self._index += 1
         self._skip_newlines()
         while self._next_token() not in ("", "]"):
             place = self._place_of_token()
-            value_mark = mark.children.setdefault(len(mark.children), Mark(*place, *place))
+            value_mark = mark.children.setdefault(len(mark.children), SourceMark(*place, *place))
             self._read_value(value_mark)
             self._skip_separator()
         self._index += 1
 
-    def _read_inline_table(self, mark: Mark) -> None:
+    def _read_inline_table(self, mark: SourceMark) -> None:
         """Read a table such as ``{docs = "a"}``. Each key in it has a mark below ``mark``."""
         self._index += 1
         self._skip_newlines()
@@ -148,12 +148,12 @@ class _PlaceFinder:
 
 
 #: The place at the end of a message of the TOML parser.
-_WHERE = re.compile(r" \(at (?:line ([0-9]+), column ([0-9]+)|end of document)\)$")
+_PLACE_IN_MESSAGE = re.compile(r" \(at (?:line ([0-9]+), column ([0-9]+)|end of document)\)$")
 #: All settings, and the settings in the condition of a target.
-_KEYS = ("specs", "output", "targets", "only")
+_SETTING_KEYS = ("specs", "output", "targets", "only")
 _FILTER_KEYS = ("families", "grades")
 #: Values in TOML, by key.
-_EXAMPLES = {
+_EXAMPLE_VALUES = {
     "specs": '["specs"]',
     "output": '"generated"',
     "targets": '["c", "docs"]',
@@ -164,7 +164,7 @@ _EXAMPLES = {
 _EXAMPLE_OF_A_FILTER = '{families = ["my_encoder"]}'
 
 #: Messages of rules whose own messages are about specs.
-_MESSAGES = {
+_MESSAGES_OF_RULES = {
     "empty": "the file is empty; write a setting, such as specs: [specs], or remove it",
     "not-a-map": "settings are a map of keys, such as specs: [specs]",
 }
@@ -176,7 +176,7 @@ def read_configuration(file: Path) -> Configuration | None:
     Raises:
         Faulty: There are errors in the settings.
     """
-    report = Report()
+    report = ProblemReport()
     # If there is an error, errors_in reads the file again, with places.
     document = _read_settings(file, report, has_places=False)
     configuration = None if document is None else _build_configuration(file, document, report)
@@ -185,12 +185,12 @@ def read_configuration(file: Path) -> Configuration | None:
     return configuration
 
 
-def errors_in(files: tuple[Path, ...]) -> Report:
+def errors_in(files: tuple[Path, ...]) -> ProblemReport:
     """Return a report with the errors in these files, which are next to each other.
 
     If none of the files has an error, two files are an error themselves, because only one may have the settings.
     """
-    report = Report()
+    report = ProblemReport()
     for file in files:
         document = _read_settings(file, report)
         if document is not None:
@@ -202,17 +202,19 @@ def errors_in(files: tuple[Path, ...]) -> Report:
     return report
 
 
-def add_error(report: Report, file: Path, place: Place, rule: str, message: str, *, at_key: bool = False) -> None:
+def add_error(
+    report: ProblemReport, file: Path, place: Place, rule: str, message: str, *, at_key: bool = False
+) -> None:
     """Add an error in a setting that was found later, such as in the name of a target.
 
     The file is read again for the place of the setting. If that fails now, nothing is added.
     """
-    document = _read_settings(file, Report())
+    document = _read_settings(file, ProblemReport())
     if document is not None:
         report.add(rule, document, place, message, at_key=at_key)
 
 
-def _read_settings(file: Path, report: Report, *, has_places: bool = True) -> Document | None:
+def _read_settings(file: Path, report: ProblemReport, *, has_places: bool = True) -> Document | None:
     """Return the settings in a file as a document, or None if it contains none or cannot be read.
 
     Without ``has_places``, a ``pyproject.toml`` is read in half the time, and all its keys have the place 1:1.
@@ -222,20 +224,20 @@ def _read_settings(file: Path, report: Report, *, has_places: bool = True) -> Do
     )
 
 
-def _yaml_document(file: Path, report: Report) -> Document | None:
+def _yaml_document(file: Path, report: ProblemReport) -> Document | None:
     """Return a codewheel.yaml as a document. Its messages are about settings instead of specs."""
     from ..language.read import read_document  # PyYAML takes longer to import than a frame to decode.
 
-    yaml_report = Report()
+    yaml_report = ProblemReport()
     document = read_document(file, yaml_report)
     report.files += yaml_report.files
     for problem in yaml_report.problems:
-        message = _MESSAGES.get(problem.rule, problem.message)
+        message = _MESSAGES_OF_RULES.get(problem.rule, problem.message)
         report.add_at(problem.file, problem.line, problem.column, problem.rule, message, text=problem.text)
     return document
 
 
-def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Document | None:
+def _read_pyproject_table(file: Path, report: ProblemReport, has_places: bool) -> Document | None:
     """Return the table ``[tool.codewheel]`` of a pyproject.toml as a document, or None if there is none.
 
     Return None also if the file cannot be read, which is reported. If ``tool.codewheel`` is not a table, the document
@@ -259,7 +261,7 @@ def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Docum
     if section is None:
         return None
     toml_lines = tuple(toml_text.split("\n"))
-    start_of_file = Mark(line=1, column=1, key_line=1, key_column=1)
+    start_of_file = SourceMark(line=1, column=1, key_line=1, key_column=1)
     if not isinstance(section, dict):
         return Document(str(file), toml_lines, {"codewheel": section}, start_of_file)
     marks = places_in(toml_text) if has_places else start_of_file
@@ -269,7 +271,7 @@ def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Docum
     return Document(str(file), toml_lines, section, marks)
 
 
-def _parse_toml(file: Path, toml_text: str, report: Report) -> dict[str, Any]:
+def _parse_toml(file: Path, toml_text: str, report: ProblemReport) -> dict[str, Any]:
     """Return the data of a TOML file, or an empty map if it is not valid, which is reported."""
     if sys.version_info >= (3, 11):
         import tomllib
@@ -295,7 +297,7 @@ def _split_off_place(message: str, toml_text: str) -> tuple[int, int, str]:
     # The end of the text.
     line = len(lines)
     column = max(len(lines[-1]), 1)
-    place_in_message = _WHERE.search(message)
+    place_in_message = _PLACE_IN_MESSAGE.search(message)
     if place_in_message is None:
         return line, column, message
     # Otherwise the message gives the end of the document.
@@ -304,13 +306,13 @@ def _split_off_place(message: str, toml_text: str) -> tuple[int, int, str]:
     return line, column, message[: place_in_message.start()]
 
 
-def _build_configuration(file: Path, document: Document, report: Report) -> Configuration:
+def _build_configuration(file: Path, document: Document, report: ProblemReport) -> Configuration:
     """Return the settings in a document. Settings with errors are reported and left out.
 
     Paths are relative to the folder of the file. Specs that do not exist are reported but stay in the result.
     """
     settings = document.data
-    _report_unknown_keys(document, (), settings, _KEYS, report)
+    _report_unknown_keys(document, (), settings, _SETTING_KEYS, report)
     output = _text_at(document, "output", report)
     configuration = Configuration(
         file=file,
@@ -327,24 +329,24 @@ def _build_configuration(file: Path, document: Document, report: Report) -> Conf
 
 
 def _report_unknown_keys(
-    document: Document, place: Place, keys: Iterable[Any], known_keys: Iterable[str], report: Report
+    document: Document, place: Place, keys: Iterable[Any], known_keys: Iterable[str], report: ProblemReport
 ) -> None:
     """Report the keys that are not known. ``place`` is the path of the map with these keys."""
     for key in keys:
         if key not in known_keys:
-            message = f"unknown key '{key}'{suggestion(str(key), known_keys, 'known keys')}"
+            message = f"unknown key '{key}'{suggest_word(str(key), known_keys, 'known keys')}"
             report.add("unknown-key", document, (*place, key), message, at_key=True)
 
 
-def _text_at(document: Document, key: str, report: Report) -> str:
+def _text_at(document: Document, key: str, report: ProblemReport) -> str:
     """Return a text of the settings, or an empty string if it is missing. Report a value that is not a text."""
     value = document.data.get(key, "")
     if key in document.data and not _is_text(value):
-        _report_wrong_type(document, (key,), "a text", _EXAMPLES[key], report)
+        _report_wrong_type(document, (key,), "a text", _EXAMPLE_VALUES[key], report)
     return value if _is_text(value) else ""
 
 
-def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report: Report) -> tuple[str, ...]:
+def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report: ProblemReport) -> tuple[str, ...]:
     """Return a list of texts as a tuple. It is empty if the setting is missing, or has an error, which is reported.
 
     ``table`` is the map that contains the last key of ``place``.
@@ -355,7 +357,7 @@ def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report
     setting = table[key]
     if isinstance(setting, list) and setting and all(map(_is_text, setting)):
         return tuple(setting)
-    _report_wrong_type(document, place, "a list of texts", _EXAMPLES[key], report)
+    _report_wrong_type(document, place, "a list of texts", _EXAMPLE_VALUES[key], report)
     return ()
 
 
@@ -364,7 +366,7 @@ def _is_text(setting: Any) -> bool:
     return isinstance(setting, str) and bool(setting)
 
 
-def _family_filters(document: Document, report: Report) -> dict[str, FamilyFilter]:
+def _family_filters(document: Document, report: ProblemReport) -> dict[str, FamilyFilter]:
     """Return the families to which targets are restricted, by the name of the target: the setting ``only``.
 
     The result is empty if there is no such setting, or if it is not a map with targets, which is reported.
@@ -373,12 +375,12 @@ def _family_filters(document: Document, report: Report) -> dict[str, FamilyFilte
         return {}
     filters = document.data["only"]
     if not isinstance(filters, dict) or not filters:
-        _report_wrong_type(document, ("only",), "a map of targets", _EXAMPLES["only"], report)
+        _report_wrong_type(document, ("only",), "a map of targets", _EXAMPLE_VALUES["only"], report)
         return {}
     return {str(target): _family_filter(document, target, conditions, report) for target, conditions in filters.items()}
 
 
-def _family_filter(document: Document, target: str, conditions: Any, report: Report) -> FamilyFilter:
+def _family_filter(document: Document, target: str, conditions: Any, report: ProblemReport) -> FamilyFilter:
     """Return the condition of a target: the families and the grades for which it is generated.
 
     ``conditions`` is the value in the file. Without a map, or with errors, the condition lacks the values concerned.
@@ -394,7 +396,7 @@ def _family_filter(document: Document, target: str, conditions: Any, report: Rep
     return FamilyFilter(families, grades)
 
 
-def _report_unknown_grades(document: Document, place: Place, grades: Iterable[str], report: Report) -> None:
+def _report_unknown_grades(document: Document, place: Place, grades: Iterable[str], report: ProblemReport) -> None:
     """Report each grade that does not exist, with the grade that it misspells, or else all grades."""
     from ..say.evidence import GRADES  # Settings without grades need no model.
 
@@ -404,12 +406,14 @@ def _report_unknown_grades(document: Document, place: Place, grades: Iterable[st
             if nearest_grade:
                 hint = f"did you mean '{nearest_grade}'?"
             else:
-                hint = f"it can be {listed(map(quoted, GRADES), 'or')}"
+                hint = f"it can be {join_words(map(quoted, GRADES), 'or')}"
             message = f"a grade cannot be {quoted(grade)}; {hint}"
             report.add("not-allowed", document, (*place, index), message)
 
 
-def _report_wrong_type(document: Document, place: Place, expected_type: str, example: str, report: Report) -> None:
+def _report_wrong_type(
+    document: Document, place: Place, expected_type: str, example: str, report: ProblemReport
+) -> None:
     """Report a value of the wrong type, with an example in the language of the file.
 
     ``expected_type`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``. In

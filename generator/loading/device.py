@@ -36,7 +36,7 @@ from ..model import (
     Variant,
 )
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
-from ..model.registers import bounded_width, bounds, name_with_limits, numbers_that_fit
+from ..model.registers import bounded_width, name_with_limits, numbers_that_fit, value_bounds
 from ..order_codes.labels import listed_codes
 from ..reference.bits import join_value
 from .crc_rules import check_settings_of_crcs
@@ -44,20 +44,20 @@ from .editions import editions
 from .evidence import with_placeholders
 from .examples import build_examples, check_examples
 from .facts_by_code import check_facts_by_code
-from .fields import Context, Site
+from .fields import LayoutContext, LayoutSite
 from .frame_kinds import check_errata, check_frame_kinds
 from .from_mapping import (
     Raw,
+    build_part,
     build_procedures,
+    build_supply,
+    build_table,
     check_alarms,
     check_only,
     only_while,
-    record,
     records,
     set_parameters,
     sources,
-    supply,
-    table,
 )
 from .interfaces import build_interfaces, build_measurement, check_spi_registers
 from .layouts import build_layout
@@ -124,14 +124,14 @@ def _build_context(
     definitions: Mapping[str, Expression],
     variants: Sequence[Variant],
     alternatives: Sequence[Alternative],
-) -> Context:
+) -> LayoutContext:
     """Return the definitions that layouts may refer to, such as groups with their paths in the spec."""
     groups = {}
     for index, group in enumerate(raw_spec.get("field_groups", ())):
         groups[group["name"]] = (group, ("field_groups", index))
-    crcs = {crc["name"]: record(Crc, crc) for crc in raw_spec.get("crcs", ())}
+    crcs = {crc["name"]: build_part(Crc, crc) for crc in raw_spec.get("crcs", ())}
     data_ids = {kind: records(DataId, interface, "data_ids") for kind, interface in raw_spec["interfaces"].items()}
-    return Context(
+    return LayoutContext(
         report=report,
         groups=MappingProxyType(groups),
         definitions=definitions,
@@ -148,30 +148,32 @@ def _build_device_without_procedures(
     order_code: OrderCode,
     variants: tuple[Variant, ...],
     alternatives: tuple[Alternative, ...],
-    context: Context,
+    context: LayoutContext,
 ) -> Device:
     """Return the family without its procedures, which need the built device."""
     # Interfaces come before registers, which determines the order of the reported problems.
     interfaces, registers = build_interfaces(raw_spec, context), _build_registers(raw_spec, context)
     parameters = raw_spec["parameters"].items()
-    return record(
+    return build_part(
         Device,
         raw_spec,
         name=raw_spec["device"],
         manufacturer=manufacturer,
-        documents=tuple(record(Document, document, key=key) for key, document in raw_spec.get("documents", {}).items()),
+        documents=tuple(
+            build_part(Document, document, key=key) for key, document in raw_spec.get("documents", {}).items()
+        ),
         parameters=tuple(_build_parameter(name, parameter, context) for name, parameter in parameters),
         order_code=order_code,
         variants=variants,
         crcs=tuple(context.crcs.values()),
         interfaces=interfaces,
         registers=registers,
-        alarms=tuple(record(Alarm, {"implemented": True, **alarm}) for alarm in raw_spec.get("alarms", ())),
+        alarms=tuple(build_part(Alarm, {"implemented": True, **alarm}) for alarm in raw_spec.get("alarms", ())),
         procedures=(),
         examples=build_examples(raw_spec),
         measurement=build_measurement(raw_spec, context),
-        tables=tuple(map(table, raw_spec.get("tables", ()))),
-        supply=supply(raw_spec),
+        tables=tuple(map(build_table, raw_spec.get("tables", ()))),
+        supply=build_supply(raw_spec),
         alternatives=alternatives,
     )
 
@@ -193,13 +195,13 @@ def code_grammar(raw_spec: Raw) -> OrderCode:
     """Return the grammar of order codes from its checked data."""
     parts = tuple(_build_code_part(part) for part in raw_spec["parts"])
     spellings = tuple(_build_spelling(spelling) for spelling in raw_spec.get("also_written", ()))
-    return record(OrderCode, raw_spec, parts=parts, also_written=spellings)
+    return build_part(OrderCode, raw_spec, parts=parts, also_written=spellings)
 
 
 def _build_code_part(raw_part: Raw) -> CodePart:
     """Return a part of the order code with its values."""
     values = tuple(_build_code_value(text, value or {}, raw_part) for text, value in raw_part["values"].items())
-    return record(CodePart, raw_part, values=values, open_only_with=_allowed_values(raw_part, "open_only_with"))
+    return build_part(CodePart, raw_part, values=values, open_only_with=_allowed_values(raw_part, "open_only_with"))
 
 
 def _build_spelling(raw_spelling: Raw) -> Spelling:
@@ -207,7 +209,7 @@ def _build_spelling(raw_spelling: Raw) -> Spelling:
     spelled_values: list[SpelledValue] = []
     for part, values_by_text in raw_spelling.get("values", {}).items():
         spelled_values += [SpelledValue(part, text, value) for text, value in values_by_text.items()]
-    return record(Spelling, raw_spelling, values=tuple(spelled_values))
+    return build_part(Spelling, raw_spelling, values=tuple(spelled_values))
 
 
 def _build_alternative(raw_alternative: Raw) -> Alternative:
@@ -229,8 +231,12 @@ def _build_answer(name: str, raw_answer: Raw) -> Answer:
 def _build_code_value(text_in_code: str, raw_value: Raw, raw_part: Raw) -> CodeValue:
     """Return a value of a part of the order code. ``text_in_code`` is its text in a label."""
     allowed_values = _allowed_values(raw_value, "only_with")
-    return record(
-        CodeValue, raw_value, text=text_in_code, only_with=allowed_values, supply=supply(raw_value, sources(raw_part))
+    return build_part(
+        CodeValue,
+        raw_value,
+        text=text_in_code,
+        only_with=allowed_values,
+        supply=build_supply(raw_value, sources(raw_part)),
     )
 
 
@@ -256,7 +262,7 @@ def _list_variants(
     return tuple(variants)
 
 
-def _build_parameter(name: str, raw_parameter: Raw, context: Context) -> Parameter:
+def _build_parameter(name: str, raw_parameter: Raw, context: LayoutContext) -> Parameter:
     """Return a parameter with its limits, from its codes if it has any, and its largest value over all order codes."""
     codes = coded_values(raw_parameter)
     if codes:
@@ -266,27 +272,29 @@ def _build_parameter(name: str, raw_parameter: Raw, context: Context) -> Paramet
     for sets_of_interface in context.parameter_sets.values():
         all_values += [parameters.get(name, 0) for parameters in sets_of_interface]
     equals = context.definitions.get(name)
-    return record(Parameter, raw_parameter, name=name, equals=equals, largest=max(all_values, default=0), by_code=codes)
+    return build_part(
+        Parameter, raw_parameter, name=name, equals=equals, largest=max(all_values, default=0), by_code=codes
+    )
 
 
-def _build_registers(raw_spec: Raw, context: Context) -> tuple[Register, ...]:
+def _build_registers(raw_spec: Raw, context: LayoutContext) -> tuple[Register, ...]:
     """Return the registers whose layouts are valid."""
     definitions = enumerate(raw_spec.get("registers", ()))
     registers = (_build_register(definition, ("registers", index), context) for index, definition in definitions)
     return tuple(register for register in registers if register is not None)
 
 
-def _build_register(raw_register: Raw, path: Path, context: Context) -> Register | None:
+def _build_register(raw_register: Raw, path: Path, context: LayoutContext) -> Register | None:
     """Return a register, or None if its layout is not valid. A register without fields is one number."""
     interface = raw_register.get("interface", Biss.name)
     register_bits = 8 * raw_register["length"]
     only_field = {"name": raw_register["name"], "bits": register_bits}
     raw_with_fields = {"fields": [only_field], **raw_register}  # Fields of the register take precedence.
-    layout = build_layout(raw_with_fields, Site(path, context, interface), register_bits)
+    layout = build_layout(raw_with_fields, LayoutSite(path, context, interface), register_bits)
     if layout is None:
         return None
     opener = raw_register.get("opened_by", {})  # The register that must have a value before this one is written.
-    register = record(
+    register = build_part(
         Register,
         raw_register,
         interface=interface,
@@ -303,13 +311,13 @@ def _build_register(raw_register: Raw, path: Path, context: Context) -> Register
     return register
 
 
-def _build_register_meaning(raw_meaning: Raw, context: Context) -> RegisterMeaning:
-    return record(
+def _build_register_meaning(raw_meaning: Raw, context: LayoutContext) -> RegisterMeaning:
+    return build_part(
         RegisterMeaning, raw_meaning, value=raw_meaning["is"], **context.expressions(raw_meaning, ("min", "max"))
     )
 
 
-def _check_limits(register: Register, path: Path, context: Context) -> None:
+def _check_limits(register: Register, path: Path, context: LayoutContext) -> None:
     """Check that the limits fit their field, and that the default fits the limits and the named values.
 
     Only the first problem is reported, for the first order code that has it.
@@ -346,7 +354,7 @@ def _limits_for_code(register: Register, placed: PlacedLayout, parameters: Mappi
     """Return the limits of a register for one order code. If the highest number is stored as 0, it is not ``high``."""
     bounded_field = placed.find_field(name_with_limits(register))
     zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
-    low, high = bounds(register, placed, (register.min, register.max), parameters)
+    low, high = value_bounds(register, placed, (register.min, register.max), parameters)
     if zero_means and high == zero_means:
         high -= 1  # The highest number is stored as zero.
     return _Limits(low, high, zero_means)

@@ -12,18 +12,18 @@ from dataclasses import replace
 from typing import Any
 
 from ..language.document import MissingPath, Path, as_affected, resolve
-from ..language.overlay import CHANGE_KINDS, Layer, LayeredSpec, LayerKind
-from ..language.problems import DocumentReport, Report, listed, quoted
+from ..language.overlay import CHANGE_KINDS, LayeredSpec, LayerKind, OverlayLayer
+from ..language.problems import DocumentReport, ProblemReport, join_words, quoted
 from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_in_words
 from ..order_codes.reduction import for_codes
 from .change_titles import change_title
-from .from_mapping import record
+from .from_mapping import build_part
 from .overlays import Build, Family, errata_of, join_shortened, without_examples
 
 #: Largest number of editions times values. Each edition is checked like a spec. The largest manual needs 26,000.
 MOST_VALUES = 500_000
-_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
+_ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
 Raw = Mapping[str, Any]
 
 
@@ -55,7 +55,7 @@ def editions(raw_spec: Raw) -> tuple[ManualEdition, ...]:
 
 def _build_edition(definition: Raw, revision: str, date: str) -> ManualEdition:
     """Return an edition. ``definition`` is its entry in the spec, or empty if it has none."""
-    return record(ManualEdition, definition, revision=revision, date=date)
+    return build_part(ManualEdition, definition, revision=revision, date=date)
 
 
 def revision_for(device: Device, wanted: str) -> str:
@@ -68,9 +68,9 @@ def revision_for(device: Device, wanted: str) -> str:
     if wanted in revisions:
         return wanted
     # A year does not determine which edition was the latest on a given day.
-    dated_editions = [edition for edition in device.editions if _DATE.fullmatch(edition.date)]
-    if not dated_editions or not _DATE.fullmatch(wanted):
-        message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {listed(revisions, 'or')}"
+    dated_editions = [edition for edition in device.editions if _ISO_DATE.fullmatch(edition.date)]
+    if not dated_editions or not _ISO_DATE.fullmatch(wanted):
+        message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {join_words(revisions, 'or')}"
         raise UnknownEdition(f"{message}, or a date such as 2020-03-31" if dated_editions else message)
     # Dates such as 2020-03-31 are in order as texts. The editions are oldest first, so the last one was the latest.
     editions_so_far = [edition for edition in dated_editions if edition.date <= wanted]
@@ -81,7 +81,7 @@ def revision_for(device: Device, wanted: str) -> str:
     return editions_so_far[-1].revision
 
 
-def edition_of(family: Family, revision: str, build: Build, report: Report) -> Family | None:
+def edition_of(family: Family, revision: str, build: Build, report: ProblemReport) -> Family | None:
     """Return the family in the edition of this revision, or None if it cannot be built.
 
     Its problems are reported in the spec.
@@ -93,18 +93,18 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
         report: Receives changes that cannot be applied, and problems of the result.
     """
     # A change that fails may already be reported for a later edition, which has it too.
-    report_of_changes = Report()
+    report_of_changes = ProblemReport()
     layered_spec = LayeredSpec(family.document, report_of_changes)
     for index, key, name in _change_lists(family, revision):
         layered_spec.apply(
-            [Layer(document=family.document, path=("editions", index, key), kind=LayerKind.EDITION, name=name)]
+            [OverlayLayer(document=family.document, path=("editions", index, key), kind=LayerKind.EDITION, name=name)]
         )
     report.include(report_of_changes)
     # Such as ``x_24_1_4`` for edition 1.4.
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
     document = layered_spec.document(name)
     document = replace(document, data={key: value for key, value in document.data.items() if key != "editions"})
-    inner_report = Report()
+    inner_report = ProblemReport()
     device = build(document, inner_report)
     if not report_of_changes:
         _report_in_edition(inner_report, revision, report)
@@ -127,7 +127,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
     return Family(device, document, family.files)
 
 
-def _report_in_edition(inner_report: Report, revision: str, report: Report) -> None:
+def _report_in_edition(inner_report: ProblemReport, revision: str, report: ProblemReport) -> None:
     """Report the problems of an edition at their places, except those that are in the report already."""
     reported = set(report.problems)
     for problem in inner_report.problems:
@@ -202,7 +202,7 @@ def _edition_erratum(raw_spec: Raw, change: Raw, revision: str, change_number: i
     else:
         used = _value_in_words(change.get("to", change.get("value")))
     stated = {key: change[key] for key in ("why", "source", "severity") if key in change}
-    return record(
+    return build_part(
         Erratum,
         {"severity": "wrong_data", **stated},
         name=f"edition_{re.sub('[^a-z0-9]+', '_', revision.lower())}_{change_number}",
@@ -296,7 +296,7 @@ def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -
         report.add("undefined-reference", (*path, "register"), f"there is no register {quoted(test['register'])}")
     elif test["run"] not in runs_of(register):
         message = f"{quoted(test['register'])} has no field or run of digits {quoted(test['run'])}"
-        report.add("undefined-reference", (*path, "run"), f"{message}; it has {listed(runs_of(register))}")
+        report.add("undefined-reference", (*path, "run"), f"{message}; it has {join_words(runs_of(register))}")
     if test["min"] > test["max"]:
         report.add("out-of-range", (*path, "min"), f"'min' is {test['min']}; it must be at most {test['max']}")
 

@@ -9,6 +9,7 @@ from ..language.problems import DocumentReport, Path
 from ..language.rules.shapes import RESERVED
 from ..model import (
     INTERFACES,
+    BitSlice,
     Choice,
     Combination,
     Constant,
@@ -22,7 +23,6 @@ from ..model import (
     Kind,
     Number,
     Parity,
-    Piece,
     Sources,
     Text,
     Unused,
@@ -31,11 +31,11 @@ from ..model import (
 )
 from ..model.expressions import Expression, ExpressionError
 from ..model.record import dataclass
-from .from_mapping import Raw, record
+from .from_mapping import Raw, build_part
 
 
 @dataclass(frozen=True)
-class Context:
+class LayoutContext:
     """Definitions that a layout may refer to.
 
     ``groups`` has, by name, each group of fields and its path in the spec. ``definitions`` contains the expressions of
@@ -85,11 +85,11 @@ def _verdict_while_active(raw_field: Raw, interface: str) -> Verdict | None:
 
 
 @dataclass(frozen=True)
-class Site:
+class LayoutSite:
     """The site of a layout: its place in the spec, and the interface whose order codes it must support."""
 
     path: Path
-    context: Context
+    context: LayoutContext
     interface: str
 
     @property
@@ -119,7 +119,7 @@ def bit_range(bits_text: int | str) -> tuple[int, int] | None:
     return (high, low) if high >= low else None
 
 
-def expected_value(raw_field: Raw, context: Context) -> Expression | int | str | None:
+def expected_value(raw_field: Raw, context: LayoutContext) -> Expression | int | str | None:
     """Return the value of ``equals``: a text, a number, or an expression, which may depend on the order code.
 
     Return None if there is none, or an expression that is not valid.
@@ -131,7 +131,9 @@ def expected_value(raw_field: Raw, context: Context) -> Expression | int | str |
     return expected if isinstance(expected, (int, str)) else None
 
 
-def zero_field(name: str, constant: Constant, low: Expression, width: Expression, site: Site, source: Sources) -> Field:
+def zero_field(
+    name: str, constant: Constant, low: Expression, width: Expression, site: LayoutSite, source: Sources
+) -> Field:
     """Return a field whose bits are always 0, such as padding or a gap. ``constant`` says which."""
     return Field(
         name=name,
@@ -144,7 +146,7 @@ def zero_field(name: str, constant: Constant, low: Expression, width: Expression
     )
 
 
-def kind_of(raw_field: Raw, context: Context, interface: str, width: Expression) -> Kind:
+def kind_of(raw_field: Raw, context: LayoutContext, interface: str, width: Expression) -> Kind:
     """Return the kind of a field by its key. A field without such a key is a number."""
     if "constant" in raw_field:
         return Constant(raw_field["constant"])
@@ -168,7 +170,7 @@ def kind_of(raw_field: Raw, context: Context, interface: str, width: Expression)
         return Decimal(_digit_runs(raw_field["digits"]))
     if "text" in raw_field:
         return Text()
-    return record(Number, raw_field)
+    return build_part(Number, raw_field)
 
 
 def _named_values(raw_field: Raw, width: Expression) -> tuple[Value, ...]:
@@ -179,7 +181,7 @@ def _named_values(raw_field: Raw, width: Expression) -> tuple[Value, ...]:
     return values
 
 
-def _build_flag(raw_field: Raw, context: Context, interface: str) -> Flag:
+def _build_flag(raw_field: Raw, context: LayoutContext, interface: str) -> Flag:
     """Return a flag. ``makes_position_if`` has one entry, such as ``{encoder_follows_edition_2: not_usable}``.
 
     Its key is the parameter that decides, and its value the verdict if this is 1. ``only`` becomes the parameter that
@@ -191,7 +193,7 @@ def _build_flag(raw_field: Raw, context: Context, interface: str) -> Flag:
     for parameter, verdict in raw_field.get("makes_position_if", {}).items():
         verdict_parameter = parameter
         verdict_if_set = Verdict(verdict)
-    return record(
+    return build_part(
         Flag,
         raw_field,
         verdict_parameter=verdict_parameter,
@@ -205,7 +207,7 @@ def _build_flag(raw_field: Raw, context: Context, interface: str) -> Flag:
 def build_values(raw_field: Raw) -> tuple[Value, ...]:
     """Return the named values in ``raw_field['values']``, in the order of the spec."""
     values = raw_field.get("values", {}).items()
-    return tuple(record(Value, value, name=name, makes_position=_verdict_of_value(value)) for name, value in values)
+    return tuple(build_part(Value, value, name=name, makes_position=_verdict_of_value(value)) for name, value in values)
 
 
 def _verdict_of_value(raw_value: Raw) -> Verdict | None:
@@ -221,7 +223,7 @@ def build_combinations(raw_layout: Raw) -> tuple[Combination, ...]:
 def _build_combination(raw_combination: Raw) -> Combination:
     """Return a combination. Its conditions are texts such as ``warning.active``, of a field and a value."""
     conditions = tuple(f"{name}.{value}" for name, value in raw_combination["when"].items())
-    return record(
+    return build_part(
         Combination, raw_combination, when=conditions, makes_position=Verdict(raw_combination["makes_position"])
     )
 
@@ -262,12 +264,12 @@ def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
     # From the least significant run, so that the divisor grows by the digits of each.
     for run in reversed(digits):
         modulus = 10 ** run["digits"]
-        runs.append(record(Digits, run, divisor=divisor, modulus=modulus))
+        runs.append(build_part(Digits, run, divisor=divisor, modulus=modulus))
         divisor *= modulus
     return tuple(reversed(runs))
 
 
-def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
+def bit_slices_of(field: Field, length: int, low_first: bool) -> tuple[BitSlice, ...]:
     """Return the parts of a field in each byte of a frame of ``length`` bytes, or none if the order code moves them.
 
     They begin with the lowest bits of the field. Each consists of the byte, the lowest bit in that byte, a mask of as
@@ -280,7 +282,7 @@ def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
     bits_with_padding = field.container or width
     if not field.low.is_constant or not bits_with_padding:
         return ()
-    pieces = []
+    bit_slices = []
     bits_done = 0
     while bits_done < bits_with_padding:
         # Places count from the lowest bit of the frame.
@@ -289,12 +291,12 @@ def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
         bits_in_byte = min(8 - low_bit_in_byte, bits_left)
         byte = byte_above_lowest if low_first else length - 1 - byte_above_lowest
         mask = (1 << bits_in_byte) - 1
-        pieces.append(Piece(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))
+        bit_slices.append(BitSlice(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))
         bits_done += bits_in_byte
-    return tuple(pieces)
+    return tuple(bit_slices)
 
 
-def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: Site) -> list[Field]:
+def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: LayoutSite) -> list[Field]:
     """Return the fields. In parity bits that cover a join, the fields of the join replace it."""
     joins = {name: tuple(members) for name, members in raw_layout.get("join", {}).items()}
     constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
@@ -302,7 +304,7 @@ def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: Site) -> 
 
 
 def _resolve_parity(
-    field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site
+    field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: LayoutSite
 ) -> Field:
     """Return the field. If it is a parity bit, joins in it are replaced by their fields, and constants are counted.
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 
 from ..language.document import Path
-from ..language.problems import DocumentReport, listed, quoted
+from ..language.problems import DocumentReport, join_words, quoted
 from ..model import (
     Biss,
     Constant,
@@ -25,7 +25,7 @@ from ..model import (
     Verdict,
 )
 from .channel_rules import check_channels
-from .fields import Site
+from .fields import LayoutSite
 from .from_mapping import Raw
 from .valid_parts import valid_parts_so_far
 
@@ -38,7 +38,7 @@ _IN_WORDS = (
 )
 
 
-def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Site) -> Layout:
+def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: LayoutSite) -> Layout:
     """Return the layout with UNKNOWN as the verdict of reserved bits, if no flag says whether the position is usable.
 
     A warning cannot improve an unknown verdict, so ``raw_fields`` must not state that verdict.
@@ -49,7 +49,7 @@ def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Site)
     return layout.with_unknown_verdicts()
 
 
-def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: Site) -> None:
+def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: LayoutSite) -> None:
     """Report reserved bits whose stated verdict is a warning."""
     for index, field in enumerate(raw_fields):
         is_reserved = "unused" in field
@@ -71,7 +71,9 @@ def check_errata(device: Device, report: DocumentReport) -> None:
         wrong_verdicts = [verdict for verdict in _verdicts_in_text(erratum.used) if verdict not in decoder_verdicts]
         if not decoder_verdicts or not wrong_verdicts:
             continue
-        possible_verdicts = listed((quoted(verdict.value) for verdict in Verdict if verdict in decoder_verdicts), "or")
+        possible_verdicts = join_words(
+            (quoted(verdict.value) for verdict in Verdict if verdict in decoder_verdicts), "or"
+        )
         problem = f"'used' states the verdict {quoted(wrong_verdicts[0].value)}"
         message = f"{problem}, but for the affected bits, decoders give {possible_verdicts}; correct one of the two"
         report.add("erratum-verdict", ("errata", erratum.name, "used"), message)

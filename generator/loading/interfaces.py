@@ -28,34 +28,34 @@ from ..model import (
     Timeout,
 )
 from ..model.expressions import Expression
-from ..say.plain_text import counted
-from .fields import Context, Site, build_values
-from .from_mapping import Raw, record, sources
+from ..say.plain_text import count_with_unit
+from .fields import LayoutContext, LayoutSite, build_values
+from .from_mapping import Raw, build_part, sources
 from .layouts import build_layout
 from .valid_parts import valid_parts_so_far
 
 
-def build_interfaces(raw_spec: Raw, context: Context) -> tuple[Interface, ...]:
+def build_interfaces(raw_spec: Raw, context: LayoutContext) -> tuple[Interface, ...]:
     return tuple(_build_interface(name, definition, context) for name, definition in raw_spec["interfaces"].items())
 
 
-def _build_interface(name: str, raw_interface: Raw, context: Context) -> Interface:
+def _build_interface(name: str, raw_interface: Raw, context: LayoutContext) -> Interface:
     """Return an interface with its valid layouts. Others have been reported."""
     layouts: list[Layout] = []
     for index, definition in enumerate(raw_interface["layouts"]):
-        layout = build_layout(definition, Site(("interfaces", name, "layouts", index), context, name))
+        layout = build_layout(definition, LayoutSite(("interfaces", name, "layouts", index), context, name))
         if layout is not None:
             layouts.append(layout)
     if "word_bits" in raw_interface:
-        _check_words(raw_interface, layouts, Site(("interfaces", name), context, name))
+        _check_words(raw_interface, layouts, LayoutSite(("interfaces", name), context, name))
     kind: Callable[..., Interface] = INTERFACES[name]
     members_of_kind = _INTERFACES[name](raw_interface, context)
     measurement = build_measurement(raw_interface, context)
-    return record(kind, raw_interface, layouts=tuple(layouts), measurement=measurement, **members_of_kind)
+    return build_part(kind, raw_interface, layouts=tuple(layouts), measurement=measurement, **members_of_kind)
 
 
 #: Least and highest number of bits in an SPI word.
-_WORD = (8, 64)
+_SPI_WORD_BITS = (8, 64)
 
 
 class _Word(NamedTuple):
@@ -68,7 +68,7 @@ class _Word(NamedTuple):
     bits: Expression | None
 
 
-def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: Site) -> None:
+def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: LayoutSite) -> None:
     """Check that words have a possible number of bits for every order code, and that their layouts have as many.
 
     ``word_bits`` of an exchange replaces ``word_bits`` of the interface. If several layouts agree on another number
@@ -95,7 +95,7 @@ def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: Site) -> N
         _check_word_bits(layout, words_of_layout or [_Word({}, default_bits)], site)
 
 
-def _check_word_bits(layout: Layout, words: Sequence[_Word], site: Site) -> None:
+def _check_word_bits(layout: Layout, words: Sequence[_Word], site: LayoutSite) -> None:
     """Report the first exchange whose word does not have as many bits as a layout that it uses."""
     mismatches = [word for word in words if word.bits is not None and word.bits != layout.bits]
     if not mismatches:
@@ -112,12 +112,12 @@ def _check_word_bits(layout: Layout, words: Sequence[_Word], site: Site) -> None
     site.report("width-mismatch", f"{message}; {remedy}", "layouts", layout.name)
 
 
-def _checked_word_bits(raw: Raw, site: Site, *below: str | int) -> Expression | None:
+def _checked_word_bits(raw: Raw, site: LayoutSite, *below: str | int) -> Expression | None:
     """Return ``word_bits`` of an interface or exchange, and check its range for every order code.
 
     Return None for an invalid expression. ``below`` is the path of the exchange in the interface.
     """
-    low, high = _WORD
+    low, high = _SPI_WORD_BITS
     bits = site.context.expression(raw.get("word_bits", low))
     if bits is None:
         return None
@@ -129,7 +129,7 @@ def _checked_word_bits(raw: Raw, site: Site, *below: str | int) -> Expression | 
     return bits
 
 
-def build_measurement(raw_owner: Raw, context: Context) -> Measurement | None:
+def build_measurement(raw_owner: Raw, context: LayoutContext) -> Measurement | None:
     """Return the measurement of a device or of one of its interfaces."""
     if "measurement" not in raw_owner:
         return None
@@ -147,7 +147,7 @@ def _build_clock(raw_clock: Raw) -> Clock:
     """Return a clock. The clocks in use are one number or a list in the spec, and sorted here."""
     used_hz = raw_clock.get("used_hz", ())
     clocks_in_use = tuple(sorted(used_hz)) if isinstance(used_hz, Sequence) else (used_hz,)
-    return record(Clock, raw_clock, used_hz=clocks_in_use)
+    return build_part(Clock, raw_clock, used_hz=clocks_in_use)
 
 
 def _one_or_more(raw_or_list: Raw | Sequence[Raw]) -> Sequence[Raw]:
@@ -155,7 +155,7 @@ def _one_or_more(raw_or_list: Raw | Sequence[Raw]) -> Sequence[Raw]:
     return [raw_or_list] if isinstance(raw_or_list, Mapping) else raw_or_list
 
 
-def _members_of_ssi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_ssi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of an SSI interface that differ from the spec, by name. Its source is their default."""
     source = sources(raw_interface)
     output_code = None
@@ -169,17 +169,17 @@ def _members_of_ssi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
             raw_interface.get("alignment", ""), sources(raw_interface, "alignment_source") or source
         ),
         "output_code": output_code,
-        "cable_lengths": tuple(record(CableLength, row, source=sources(row) or source) for row in cable_rows),
+        "cable_lengths": tuple(build_part(CableLength, row, source=sources(row) or source) for row in cable_rows),
     }
 
 
-def _members_of_biss(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_biss(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of a BiSS interface that differ from the spec, by name."""
     control = raw_interface.get("control_data", {})
     timeouts = _one_or_more(raw_interface.get("timeout", ()))
     return {
         "clocks": _build_clocks(raw_interface),
-        "timeouts": tuple(record(Timeout, timeout) for timeout in timeouts),
+        "timeouts": tuple(build_part(Timeout, timeout) for timeout in timeouts),
         "channels": _build_channels(raw_interface, context),
         "control_data": tuple(
             _build_control_field(definition, control, context) for definition in control.get("fields", ())
@@ -188,27 +188,27 @@ def _members_of_biss(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
     }
 
 
-def _build_channels(raw_interface: Raw, context: Context) -> DataChannels | None:
+def _build_channels(raw_interface: Raw, context: LayoutContext) -> DataChannels | None:
     """Return the data channels that one frame carries, or None if the spec does not list them."""
     if "channels" not in raw_interface:
         return None
     raw_channels = raw_interface["channels"]
     source = sources(raw_channels) or sources(raw_interface)
     bits = context.expressions(raw_channels, ("compared_bits",))
-    return record(DataChannels, {"order": (), **raw_channels}, source=source, **bits)
+    return build_part(DataChannels, {"order": (), **raw_channels}, source=source, **bits)
 
 
-def _members_of_rs485(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_rs485(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of an RS-485 interface that differ from the spec, by name."""
     return {
-        "port": record(Port, {**_PORT, **raw_interface.get("port", {})}),
+        "port": build_part(Port, {**_PORT_DEFAULTS, **raw_interface.get("port", {})}),
         "exchanges": _build_exchanges(raw_interface, context),
     }
 
 
-def _members_of_spi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_spi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of an SPI interface that differ from the spec, by name."""
-    bits = context.expression(raw_interface.get("word_bits", _WORD[0]))
+    bits = context.expression(raw_interface.get("word_bits", _SPI_WORD_BITS[0]))
     return {
         "clocks": _build_clocks(raw_interface),
         "word_bits": bits,
@@ -216,26 +216,26 @@ def _members_of_spi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
     }
 
 
-def _build_exchanges(raw_interface: Raw, context: Context) -> tuple[Exchange, ...]:
+def _build_exchanges(raw_interface: Raw, context: LayoutContext) -> tuple[Exchange, ...]:
     return tuple(
         _build_exchange(exchange, raw_interface.get("source", ""), context)
         for exchange in raw_interface.get("exchanges", ())
     )
 
 
-def _build_exchange(raw_exchange: Raw, source: str, context: Context) -> Exchange:
+def _build_exchange(raw_exchange: Raw, source: str, context: LayoutContext) -> Exchange:
     """Return an exchange. ``source`` is the source of the interface, for an exchange without its own."""
     word_bits = context.expression(raw_exchange["word_bits"]) if "word_bits" in raw_exchange else None
-    return record(Exchange, {"source": source, **raw_exchange}, word_bits=word_bits)
+    return build_part(Exchange, {"source": source, **raw_exchange}, word_bits=word_bits)
 
 
 #: Settings of a port that the manual does not give.
-_PORT = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_control": "none"}
+_PORT_DEFAULTS = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_control": "none"}
 #: Functions that build the members of an interface which differ from the spec.
 _INTERFACES = {"ssi": _members_of_ssi, "biss": _members_of_biss, "rs485": _members_of_rs485, "spi": _members_of_spi}
 
 
-def _build_control_field(raw_field: Raw, parent: Raw, context: Context) -> ControlField:
+def _build_control_field(raw_field: Raw, parent: Raw, context: LayoutContext) -> ControlField:
     """Return a field of the control frame. Without ``bits``, a CRC has its own width, and another field one bit."""
     is_known_crc = raw_field.get("crc") in context.crcs
     default_bits = context.crcs[raw_field["crc"]].width if is_known_crc else 1
@@ -243,11 +243,11 @@ def _build_control_field(raw_field: Raw, parent: Raw, context: Context) -> Contr
     if not isinstance(bits, int):  # Already reported: the control frame has fixed widths.
         bits = 0
     source = sources(raw_field) or sources(parent)
-    return record(ControlField, raw_field, bits=bits, values=build_values(raw_field), source=source)
+    return build_part(ControlField, raw_field, bits=bits, values=build_values(raw_field), source=source)
 
 
 #: Field of a frame that holds the value of a register.
-_DATA = "data"
+_REGISTER_VALUE_FIELD = "data"
 
 
 def check_spi_registers(device: Device, report: DocumentReport) -> None:
@@ -263,8 +263,8 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
         for frame_name, bits in _widths_of_value(device, interface, frame_names):
             needed_bytes = (bits + 7) // 8  # rounded up
             if needed_bytes != register.length:
-                register_text = f"'{register.name}' has {counted(register.length, 'byte')}"
-                message = f"{register_text}, but '{_DATA}' in '{frame_name}' has {counted(bits, 'bit')}"
+                register_text = f"'{register.name}' has {count_with_unit(register.length, 'byte')}"
+                message = f"{register_text}, but '{_REGISTER_VALUE_FIELD}' in '{frame_name}' has {count_with_unit(bits, 'bit')}"
                 remedy = "correct 'length', or describe each part as a register"
                 report.add("width-mismatch", ("registers", register.name, "length"), f"{message}; {remedy}")
                 break
@@ -286,6 +286,6 @@ def _widths_of_value(device: Device, interface: Spi, frame_names: Collection[str
         if layout.name not in frame_names:
             continue
         for variant in device.variants_over(interface.name):
-            field = layout.place(variant.parameters).find_field(_DATA)
+            field = layout.place(variant.parameters).find_field(_REGISTER_VALUE_FIELD)
             if field is not None:
                 yield layout.name, field.width

@@ -15,20 +15,20 @@ from pathlib import Path
 
 from ..language.check import check_overlay
 from ..language.document import Document
-from ..language.overlay import SUFFIX, AppliedChange, Layer, LayeredSpec, LayerKind
-from ..language.problems import Problem, Report, quoted, suggestion
+from ..language.overlay import SUFFIX, AppliedChange, LayeredSpec, LayerKind, OverlayLayer
+from ..language.problems import Problem, ProblemReport, quoted, suggest_word
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay, layer_in_words
 from ..order_codes.reduction import for_codes
 from .change_titles import change_title
-from .from_mapping import record
+from .from_mapping import build_part
 
 #: Largest number of places named in one sentence.
 _MOST_NAMED = 8
 #: Characters of a name that the name of an erratum cannot have.
-_WORD = re.compile(r"[^a-z0-9]+")
+_NOT_IN_NAMES = re.compile(r"[^a-z0-9]+")
 
 #: Function that builds the family of a document and adds its problems to the report.
-Build = Callable[[Document, Report], Device | None]
+Build = Callable[[Document, ProblemReport], Device | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ def _is_overlay_of(path: Path, spec: Path) -> bool:
 
 
 def apply_overlays(
-    families: Sequence[Family], overlays: Sequence[Document], build: Build, report: Report
+    families: Sequence[Family], overlays: Sequence[Document], build: Build, report: ProblemReport
 ) -> list[Family]:
     """Return the families with their overlays applied, and those that overlays add, sorted by name.
 
@@ -85,7 +85,7 @@ def apply_overlays(
     families_by_name = {family.device.name: family for family in families}
     for overlay in valid_overlays:
         if overlay.data["of"] not in families_by_name:
-            hint = suggestion(overlay.data["of"], families_by_name) or "; codewheel list shows the families"
+            hint = suggest_word(overlay.data["of"], families_by_name) or "; codewheel list shows the families"
             message = f"there is no family {quoted(overlay.data['of'])} among the specs that were read{hint}"
             report.add("undefined-reference", overlay, ("of",), message)
     _refuse_same_names(valid_overlays, report)
@@ -120,7 +120,7 @@ def _is_for_special_model(family_name: str, special: str, overlay: Document) -> 
 
 
 def _special_families(
-    family: Family, overlays: Sequence[Document], corrections: Sequence[Document], build: Build, report: Report
+    family: Family, overlays: Sequence[Document], corrections: Sequence[Document], build: Build, report: ProblemReport
 ) -> Iterator[Family]:
     """Yield a family for each special model that the overlays of a family name, if it can be built.
 
@@ -136,7 +136,7 @@ def _special_families(
             yield special_family
 
 
-def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
+def _refuse_same_names(overlays: Sequence[Document], report: ProblemReport) -> None:
     """Report each overlay with the name of an earlier overlay."""
     first_overlays: dict[str, Document] = {}
     for overlay in overlays:
@@ -147,12 +147,12 @@ def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
             report.add("duplicate-name", overlay, ("overlay",), message)
 
 
-def _layer_of(overlay: Document) -> Layer:
-    return Layer(document=overlay, path=("changes",), kind=LayerKind.OVERLAY, name=overlay.data["overlay"])
+def _layer_of(overlay: Document) -> OverlayLayer:
+    return OverlayLayer(document=overlay, path=("changes",), kind=LayerKind.OVERLAY, name=overlay.data["overlay"])
 
 
 def _apply_overlays(
-    family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report
+    family: Family, overlays: Sequence[Document], special: str, build: Build, report: ProblemReport
 ) -> Family | None:
     """Return the family that results from applying overlays to another, or None if it cannot be built.
 
@@ -165,7 +165,7 @@ def _apply_overlays(
     layered_spec.apply([_layer_of(overlay) for overlay in overlays])
     name_of_special = f"{family.device.name}_{special.lower()}" if special else ""  # Such as x_24_s123.
     document = layered_spec.document(name_of_special)
-    inner_report = Report()
+    inner_report = ProblemReport()
     device = build(document, inner_report)
     # After a change that failed, problems of the result would only follow from it.
     if len(report) == problems_before:
@@ -218,10 +218,10 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
         affected_paths: list[str] = []
         for change in changes:
             affected_paths += change.affects
-        yield record(
+        yield build_part(
             Erratum,
             stated_facts,  # The schema reports the rest.
-            name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
+            name=f"{_NOT_IN_NAMES.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
             title=change_title(_layer_words(kind, name), former_texts),
             printed=join_shortened(former_texts),
             used=new_values if first_change.is_known else NOT_KNOWN,
@@ -265,7 +265,7 @@ def join_shortened(names: Sequence[str]) -> str:
     return f"{', '.join(unique_names[:_MOST_NAMED])} and {omitted} more"
 
 
-def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
+def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report: ProblemReport) -> Device:
     """Return the device with only the order codes that the overlays list under ``applies_to``.
 
     Report unknown order codes. If no known code is listed, the device keeps all of its codes.
@@ -277,12 +277,12 @@ def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report
             if code in known_codes:
                 selected_codes.add(code)
                 continue
-            message = f"{quoted(code)} is not a listed order code of the family{suggestion(code, known_codes)}"
+            message = f"{quoted(code)} is not a listed order code of the family{suggest_word(code, known_codes)}"
             report.add("undefined-reference", overlay, ("applies_to", "order_codes", index), message)
     return for_codes(device, selected_codes) if selected_codes else device
 
 
-def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, report: Report) -> None:
+def _report_in_overlay(inner_report: ProblemReport, spec: Document, overlay: Document, report: ProblemReport) -> None:
     """Report the problems of the resulting family that the spec itself does not have.
 
     Those in the spec are reported at the name of the overlay, with their place in the spec as part of the message.
@@ -306,6 +306,6 @@ def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, 
             )
 
 
-def _report_problem(problem: Problem, overlay: Document, message: str, report: Report) -> None:
+def _report_problem(problem: Problem, overlay: Document, message: str, report: ProblemReport) -> None:
     """Report a problem at the name of an overlay, under the same rule."""
     report.add(problem.rule, overlay, ("overlay",), message)

@@ -9,10 +9,10 @@ from itertools import count
 from pathlib import PurePath
 
 from ..language.document import Document, Path
-from ..language.problems import DocumentReport, Report, quoted
+from ..language.problems import DocumentReport, ProblemReport, quoted
 from ..language.rules.code_meanings import MEANING_DIFFERS
 from ..language.rules.parts import by_name, by_part_name, has_erratum_at
-from ..language.written import Located
+from ..language.written import LocatedPart
 from ..language.written_codes import WrittenRegister
 from ..language.written_layouts import WrittenField
 from ..language.written_parts import WrittenSpec
@@ -22,7 +22,7 @@ from .alike_facts import compare_connectors, compare_facts
 from .from_mapping import Raw
 
 #: Shared facts of registers and CRCs with one name, with the format of numbers in messages.
-_COMMON = {
+_SHARED_FACT_FORMS = {
     "registers": {"address": "{:#04x}", "length": "{}", "bank": "{}", "access": "{}", "byte_order": "{}"},
     "crcs": {"width": "{}", "poly": "{:#x}", "init": "{:#x}", "refin": "{}", "refout": "{}", "xorout": "{:#x}"},
 }
@@ -30,7 +30,7 @@ _COMMON = {
 _Fact = tuple[Path, str]
 
 
-def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
+def check_shared_facts(documents: Sequence[Document], report: ProblemReport) -> None:
     """Report differences between devices of a manufacturer in facts that its file lists under ``alike``."""
     device_documents = [document for document in documents if "device" in document.data and not report.faults(document)]
     for maker_document in documents:
@@ -39,7 +39,7 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
         alike_names = maker_document.data.get("alike", {})
         maker = maker_document.data.get("manufacturer")
         documents_of_maker = [device for device in device_documents if device.data.get("manufacturer") == maker]
-        for kind in _COMMON:
+        for kind in _SHARED_FACT_FORMS:
             # ``name`` is the name of a register or CRC, such as ``{"registers": ["preset"]}``.
             for name in alike_names.get(kind, ()):
                 specs_with_part = [device for device in documents_of_maker if name in _parts_by_name(kind, device)]
@@ -48,18 +48,18 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
         compare_connectors(maker_document, documents_of_maker, report)
 
 
-def _parts_by_name(section: str, document: Document) -> Mapping[str, WrittenRegister | Located[Crc]]:
+def _parts_by_name(section: str, document: Document) -> Mapping[str, WrittenRegister | LocatedPart[Crc]]:
     """Return the registers or CRCs of a spec by name."""
     spec = WrittenSpec(document.data)
     return by_name(spec.registers) if section == "registers" else by_part_name(spec.crcs)
 
 
 def _report_different_facts(
-    section: str, part_name: str, documents_with_fact: Sequence[Document], report: Report
+    section: str, part_name: str, documents_with_fact: Sequence[Document], report: ProblemReport
 ) -> None:
     """Report each device whose register or CRC differs from the most common one, fact by fact.
 
-    ``section`` is a key of ``_COMMON``. Among equally common facts, the one of the first file applies. A difference is
+    ``section`` is a key of ``_SHARED_FACT_FORMS``. Among equally common facts, the one of the first file applies. A difference is
     not reported if an erratum of either device affects it.
     """
     facts_by_key: dict[tuple[str, ...], list[tuple[Document, _Fact]]] = {}
@@ -87,14 +87,14 @@ def _report_different_facts(
 
 
 def _shared_facts(
-    section: str, register_or_crc: WrittenRegister | Located[Crc]
+    section: str, register_or_crc: WrittenRegister | LocatedPart[Crc]
 ) -> Iterator[tuple[tuple[str, ...], _Fact]]:
     """Yield the shared facts of a register or CRC, each with its place as an erratum gives it.
 
     The place contains the field's name, such as ``("warning", "at")``, and the path of the fact its index, such as
     ``("fields", 2, "at")``.
     """
-    for key, form in _COMMON[section].items():
+    for key, form in _SHARED_FACT_FORMS[section].items():
         if key in register_or_crc.data:
             yield (key,), ((key,), _fact_text(form, register_or_crc.data[key]))
     if not isinstance(register_or_crc, WrittenRegister):
@@ -119,16 +119,16 @@ def _fact_text(number_format: str, fact: object) -> str:
 
 
 #: A number of counts or revolutions in the meaning of a part of an order code, with or without commas.
-_COUNTED = re.compile(
+_COUNT_IN_MEANING = re.compile(
     r"\b([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) (?:counts|steps|positions|revolutions|turns|cpr)\b"
 )
 #: A meaning that is only a number. It is a count, or a number of revolutions.
-_ALONE = re.compile(r"([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*)")
-_BITS = re.compile(r"\b([1-9][0-9]?)[ -]bits?\b")
+_MEANING_THAT_IS_A_NUMBER = re.compile(r"([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*)")
+_BIT_COUNT_IN_TEXT = re.compile(r"\b([1-9][0-9]?)[ -]bits?\b")
 #: The addresses of the manufacturer ID over BiSS, each with the lowest bit of its byte in the ID.
 _BISS_ID = {0x7E: 8, 0x7F: 0}
 #: Smallest number in a text that is assumed to be a count.
-_LEAST = 256
+_SMALLEST_COUNT = 256
 
 
 def check_agreement(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
@@ -307,9 +307,11 @@ def _check_meanings(raw_spec: Raw, device: Device, report: DocumentReport) -> No
         for text_of_value, value in part["values"].items():
             # A value without keys is None.
             meaning = _compared_meaning(value or {})
-            count_texts = [meaning] if _ALONE.fullmatch(meaning) else _COUNTED.findall(meaning)
+            count_texts = (
+                [meaning] if _MEANING_THAT_IS_A_NUMBER.fullmatch(meaning) else _COUNT_IN_MEANING.findall(meaning)
+            )
             numbers = [int(count_text.replace(",", "")) for count_text in count_texts]
-            named_counts = {number for number in numbers if number >= _LEAST}
+            named_counts = {number for number in numbers if number >= _SMALLEST_COUNT}
             if not named_counts or not (value or {}).get("sets"):
                 continue
             variants_of_value = [variant for variant in variants if variant.parts.get(part["name"]) == text_of_value]
@@ -318,7 +320,7 @@ def _check_meanings(raw_spec: Raw, device: Device, report: DocumentReport) -> No
                 numbers_of_codes |= _numbers_of_code(device, variant)
             if variants_of_value and named_counts.isdisjoint(numbers_of_codes):
                 settings = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
-                first_count = next(number for number in numbers if number >= _LEAST)
+                first_count = next(number for number in numbers if number >= _SMALLEST_COUNT)
                 message = (
                     f"the meaning of '{text_of_value}' contains {first_count:,}, but with {settings}, its order codes"
                     f" do not have this number{MEANING_DIFFERS}"
@@ -344,7 +346,7 @@ def _check_bits_named(raw_spec: Raw, device: Device, report: DocumentReport) -> 
     built_interfaces = {interface.name for interface in device.interfaces}
     for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, value in part["values"].items():
-            numbers_in_meaning = [int(number) for number in _BITS.findall(_compared_meaning(value or {}))]
+            numbers_in_meaning = [int(number) for number in _BIT_COUNT_IN_TEXT.findall(_compared_meaning(value or {}))]
             set_values = (value or {}).get("sets", {})
             bits_by_parameter = {name: set_values[name] for name in set_values if units.get(name) in ("bit", "bits")}
             if len(numbers_in_meaning) != 1 or not bits_by_parameter:
@@ -419,7 +421,7 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
             if field is None:
                 continue  # Reported by the rule on references.
             # A field has pieces in bytes only at a fixed place.
-            if not field.pieces:
+            if not field.bit_slices:
                 report.add(
                     "selector-place",
                     path,
@@ -427,8 +429,8 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
                     " have a fixed position",
                 )
                 continue
-            first_name, first_pieces = first_by_sender.setdefault(layout.sender, (layout.name, field.pieces))
-            if first_pieces != field.pieces:
+            first_name, first_pieces = first_by_sender.setdefault(layout.sender, (layout.name, field.bit_slices))
+            if first_pieces != field.bit_slices:
                 message = (
                     f"'{layout.selector}' is not at the same position as in '{first_name}'; the same bits must"
                     " distinguish all frames of a sender"

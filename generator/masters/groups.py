@@ -8,37 +8,37 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
-from ..model import Device, Interface, Variant, choices
+from ..model import Device, Interface, Variant, answer_combinations
 from ..model.record import dataclass
 from .frame_parts import NoRecord
-from .record import Record, Undecided, record
-from .sheet import Master, Sheet, sheet
+from .record import EncoderFacts, Undecided, record
+from .sheet import Master, SettingsSheet, sheet
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class CodesWithSameSettings:
     """Order codes that have the same settings in every master."""
 
     device: Device
     codes: tuple[str, ...]
-    record: Record
+    record: EncoderFacts
 
 
-def order_code_groups(device: Device, interface: Interface) -> list[Group]:
+def order_code_groups(device: Device, interface: Interface) -> list[CodesWithSameSettings]:
     """Return the order codes of an interface in groups, each once for each choice on which its frame depends.
 
     Order codes are in one group if their records are equal apart from the code.
     """
-    records_by_facts: dict[str, list[Record]] = {}
+    records_by_facts: dict[str, list[EncoderFacts]] = {}
     for code_record in records_of(device, interface):
         facts_without_code = repr(replace(code_record, code=""))
         records_by_facts.setdefault(facts_without_code, []).append(code_record)
     return [_build_group(device, records) for records in records_by_facts.values()]
 
 
-def _build_group(device: Device, records: Sequence[Record]) -> Group:
+def _build_group(device: Device, records: Sequence[EncoderFacts]) -> CodesWithSameSettings:
     codes = tuple(code_record.code for code_record in records)
-    return Group(device, codes, record=records[0])
+    return CodesWithSameSettings(device, codes, record=records[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +46,8 @@ class GroupSheets:
     """The sheets of each master for the groups of one interface, in the order of the groups."""
 
     interface: Interface
-    groups: tuple[Group, ...]
-    sheets: tuple[tuple[Master, tuple[Sheet, ...]], ...]
+    groups: tuple[CodesWithSameSettings, ...]
+    sheets: tuple[tuple[Master, tuple[SettingsSheet, ...]], ...]
 
 
 def sheets_of(device: Device, masters: Sequence[Master]) -> tuple[GroupSheets, ...]:
@@ -87,11 +87,11 @@ def _compute_sheets(device: Device, masters: Sequence[Master]) -> Iterator[Group
             yield GroupSheets(interface, groups, master_sheets)
 
 
-def _sheets_for(master: Master, groups: Sequence[Group]) -> tuple[Sheet, ...]:
+def _sheets_for(master: Master, groups: Sequence[CodesWithSameSettings]) -> tuple[SettingsSheet, ...]:
     return tuple(sheet(master, group.record) for group in groups)
 
 
-def records_of(device: Device, interface: Interface) -> Iterator[Record]:
+def records_of(device: Device, interface: Interface) -> Iterator[EncoderFacts]:
     """Yield the records of all listed order codes of an interface, once for each choice on which the frame depends.
 
     Order codes whose position no master can read are left out.
@@ -103,7 +103,7 @@ def records_of(device: Device, interface: Interface) -> Iterator[Record]:
                     yield code_record
 
 
-def _records_by_answers(device: Device, variant: Variant) -> Iterator[Record]:
+def _records_by_answers(device: Device, variant: Variant) -> Iterator[EncoderFacts]:
     """Yield the record of an order code, once for each choice on which its frame depends.
 
     Without such a choice, there is one record.
@@ -115,7 +115,7 @@ def _records_by_answers(device: Device, variant: Variant) -> Iterator[Record]:
         yield record(device, variant)
     except Undecided as error:
         deciding_alternatives = device.alternatives_of(error.layout)
-        for answers, _ in choices(deciding_alternatives):
+        for answers, _ in answer_combinations(deciding_alternatives):
             pairs = zip(deciding_alternatives, answers, strict=True)
             chosen_answers = {alternative.name: answer.name for alternative, answer in pairs}
             yield record(device, variant, answers=chosen_answers)

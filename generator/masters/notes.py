@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 
 from ..model import Alternative, Device, Measurement, PlacedLayout, Variant
-from ..say.names_and_places import addresses
+from ..say.names_and_places import addresses_text
 from ..say.order_code import initial
-from ..say.text import counted
-from .frame_parts import CableTable, NoRecord, Part, turn_bits_of_fields
+from ..say.text import count_with_unit
+from .frame_parts import CableTable, FramePart, NoRecord, turn_bits_of_fields
 
 
 def answer_notes(alternatives: Sequence[Alternative], answer_names: Mapping[str, str]) -> Iterator[str]:
@@ -32,12 +32,16 @@ def _register_in_words(device: Device, name: str) -> str:
     """Return a register in words. A register that is only reached over another interface has no address here."""
     for register in device.registers:
         if register.name == name:
-            return f"{register.printed_name or name} ({addresses(register)})"
+            return f"{register.printed_name or name} ({addresses_text(register)})"
     return name
 
 
 def frame_notes(
-    device: Device, position_name: str, placed_layout: PlacedLayout, frame_parts: Sequence[Part], as_delivered: bool
+    device: Device,
+    position_name: str,
+    placed_layout: PlacedLayout,
+    frame_parts: Sequence[FramePart],
+    as_delivered: bool,
 ) -> Iterator[str]:
     """Yield sentences about registers that change the frame, about a signed position, and about fixed status bits.
 
@@ -77,7 +81,7 @@ def split_notes(
         for field in position_fields:
             highest_bits = turn_bits[field.name]
             if 0 < highest_bits < field.width:
-                parts = f"the revolutions in its highest {counted(highest_bits, 'bit')} and the rest below them"
+                parts = f"the revolutions in its highest {count_with_unit(highest_bits, 'bit')} and the rest below them"
                 yield f"'{field.name}' holds both parts of the position: {parts}."
 
 

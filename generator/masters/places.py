@@ -9,9 +9,9 @@ from itertools import groupby
 from typing import Any, NamedTuple
 
 from ..language.master_items import TYPES
-from ..language.problems import listed
+from ..language.problems import join_words
 from ..model.record import dataclass
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 
 Raw = Mapping[str, Any]
 
@@ -27,7 +27,7 @@ class MasterDevice:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class SettingPlace:
     """A place to which a value is written, on one channel of one device.
 
     The place is an index with a subindex, a symbol, a register or an address. Numbers that no document gives are None,
@@ -86,7 +86,7 @@ def places_of(
     devices: Sequence[MasterDevice],
     standing: str,
     fill_in: Callable[[str], str],
-) -> tuple[Place, ...]:
+) -> tuple[SettingPlace, ...]:
     """Return the places of a setting. Places that are the same for all records are computed once for each value."""
     # A symbol with an item in braces is different for each record.
     depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
@@ -102,7 +102,7 @@ def places_of(
 
 
 #: Settings and their places, which are the same for all order codes with a value.
-_SETTING_AND_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[Place, ...]]] = {}
+_SETTING_AND_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[SettingPlace, ...]]] = {}
 
 
 def _compute_places(
@@ -111,9 +111,9 @@ def _compute_places(
     devices: Sequence[MasterDevice],
     standing: str,
     fill_in: Callable[[str], str],
-) -> tuple[Place, ...]:
+) -> tuple[SettingPlace, ...]:
     """Return the places of a setting on each device that has it, one for each channel if they differ by channel."""
-    places: list[Place] = []
+    places: list[SettingPlace] = []
     for rule in setting["places"]:
         for device in devices:
             if device.name not in rule.get("on", (device.name,)):
@@ -136,7 +136,7 @@ def _place_on_channel(
     value: int | bool | str | None,
     standing: str,
     fill_in: Callable[[str], str],
-) -> Place:
+) -> SettingPlace:
     """Return the place of a value on one channel. ``fill_in`` replaces items of the record in braces."""
 
     def of_channel(key: str, default: Any = None) -> Any:
@@ -147,7 +147,7 @@ def _place_on_channel(
     high_bit, low_bit = _parse_bits(str(rule.get("at", "")))
     place_bits = type_bits if high_bit is None or low_bit is None else high_bit - low_bit + 1
     default = None if rule["default"] == NOT_GIVEN else rule["default"]
-    return Place(
+    return SettingPlace(
         device=device.name,
         channel=device.channels[channel_index] if _differs_by_channel(rule) else "",
         index=of_channel("index"),
@@ -182,7 +182,7 @@ def _parse_bits(text: str) -> tuple[int | None, int | None]:
     return int(high), int(low or high)  # A single bit is both.
 
 
-def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -> str:
+def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[SettingPlace]) -> str:
     """Return ``Bits would be 70, but it is at most 63`` for a value that does not fit, or "". Texts fit everywhere."""
     if not isinstance(value, int):
         return ""
@@ -195,7 +195,7 @@ def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequenc
     return ""
 
 
-def _highest_value(place: Place) -> int | None:
+def _highest_value(place: SettingPlace) -> int | None:
     """Return the highest value that fits the range and the bits of a location, or None without a limit."""
     limits = [] if place.maximum is None else [place.maximum]
     if place.kind == "unsigned" and place.bits is not None:
@@ -219,7 +219,7 @@ class PlaceWords:
     source: str
 
 
-def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[PlaceWords]:
+def place_words(places: Sequence[SettingPlace], value: str, devices: Sequence[MasterDevice]) -> Iterator[PlaceWords]:
     """Yield the places of a value in words, once for all devices with the same words.
 
     ``devices`` of the words is empty if these are all devices. If a value is in hexadecimal, its default is, too.
@@ -234,7 +234,7 @@ def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDev
         yield words if are_all_devices else replace(words, devices=", ".join(device_names))
 
 
-def place_lines(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[str]:
+def place_lines(places: Sequence[SettingPlace], value: str, devices: Sequence[MasterDevice]) -> Iterator[str]:
     """Yield the places of a value as lines: ``0x8000:01, UINT16, unit kHz, factory default 500 [X:p. 3]``."""
     for words in place_words(places, value, devices):
         unit = f"unit {words.unit}" if words.unit not in ("", "none") else ""
@@ -244,17 +244,17 @@ def place_lines(places: Sequence[Place], value: str, devices: Sequence[MasterDev
         texts = {"place": words.location, "data type": words.type, "unit": words.unit, "factory default": words.default}
         missing = [name for name, text in texts.items() if not text]
         if missing:
-            facts.append(f"{listed(missing)} not given")
+            facts.append(f"{join_words(missing)} not given")
         devices_prefix = f"{words.devices}: " if words.devices else ""
         yield f"{devices_prefix}{', '.join(facts)}{words.mark} [{words.source}]"
 
 
-def _words_for_device(channel_places: Sequence[Place], *, in_hex: bool) -> PlaceWords:
+def _words_for_device(channel_places: Sequence[SettingPlace], *, in_hex: bool) -> PlaceWords:
     """Return the words for the channels of one device, which differ only in their locations."""
     place = channel_places[0]
     data_type = place.type.replace("signed_n", "signed n")
     if place.type == "bits":
-        data_type = counted(place.bits or 0, "bit")
+        data_type = count_with_unit(place.bits or 0, "bit")
     default = "" if place.default is None else str(place.default)
     if isinstance(place.default, bool):
         default = default.upper()
@@ -274,7 +274,7 @@ def _words_for_device(channel_places: Sequence[Place], *, in_hex: bool) -> Place
     )
 
 
-def _location_and_channel(place: Place) -> str:
+def _location_and_channel(place: SettingPlace) -> str:
     return f"{place.location} ({place.channel})" if place.channel else place.location
 
 
@@ -285,14 +285,14 @@ def _range_in_words(lowest: int | None, highest: int | None) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Write:
+class ObjectWrite:
     """A value that an object of the master must hold. ``text`` is the value as written."""
 
     object: str
     name: str
     value: int | str
     text: str
-    places: tuple[Place, ...]
+    places: tuple[SettingPlace, ...]
 
     @property
     def title(self) -> str:
@@ -300,7 +300,7 @@ class Write:
 
 
 @dataclass(frozen=True, slots=True)
-class Effect:
+class WriteEffect:
     """Condition on which a written value takes effect: exactly one member is not empty."""
 
     in_state: str = ""
@@ -318,10 +318,10 @@ class WriteCondition:
     """
 
     of: tuple[str, ...]
-    needs: tuple[Write, ...]
+    needs: tuple[ObjectWrite, ...]
     after: tuple[str, ...]
-    then: tuple[Write, ...]
-    takes_effect: Effect | None
+    then: tuple[ObjectWrite, ...]
+    takes_effect: WriteEffect | None
     standing: str
     source: str
     text: str
@@ -356,7 +356,7 @@ def _write_condition(
     """Return a condition with its words. ``settings`` and ``after`` are the names in it that the sheet has."""
     needs = _writes_of_rule(rule, "needs", devices, standing)
     then = _writes_of_rule(rule, "then", devices, standing)
-    effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
+    effect = WriteEffect(**rule["takes_effect"]) if "takes_effect" in rule else None
     return WriteCondition(
         of=settings,
         needs=needs,
@@ -369,15 +369,15 @@ def _write_condition(
     )
 
 
-def _writes_of_rule(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str) -> tuple[Write, ...]:
+def _writes_of_rule(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str) -> tuple[ObjectWrite, ...]:
     """Return the values to write that a rule lists under ``needs`` or ``then``."""
     return tuple(_write_from_rule(raw_write, devices, standing) for raw_write in rule.get(key, ()))
 
 
-def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> Write:
+def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> ObjectWrite:
     """Return a value to write, with its text in hexadecimal if the rule says so, and its places."""
     value = rule["value"]
-    return Write(
+    return ObjectWrite(
         object=rule["object"],
         name=rule.get("name", ""),
         value=value,
@@ -419,26 +419,26 @@ def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) ->
 
 def _condition_text(
     settings: tuple[str, ...],
-    needs: tuple[Write, ...],
+    needs: tuple[ObjectWrite, ...],
     after: tuple[str, ...],
-    then: tuple[Write, ...],
-    effect: Effect | None,
+    then: tuple[ObjectWrite, ...],
+    effect: WriteEffect | None,
 ) -> str:
     """Return a condition as one sentence: on values before or after the settings, an order, or an effect."""
     if needs:
-        values_text = listed(f"{write.title} must be {write.text}" for write in needs)
-        return f"Before writing {listed(settings) or 'any setting'}, {values_text}."
+        values_text = join_words(f"{write.title} must be {write.text}" for write in needs)
+        return f"Before writing {join_words(settings) or 'any setting'}, {values_text}."
     if after:
-        return f"Write {listed(settings)} after {listed(after)}."
+        return f"Write {join_words(settings)} after {join_words(after)}."
     if then:
-        values_text = listed(f"{write.title} to {write.text}" for write in then)
-        return f"After writing {listed(settings) or 'all settings'}, set {values_text}."
+        values_text = join_words(f"{write.title} to {write.text}" for write in then)
+        return f"After writing {join_words(settings) or 'all settings'}, set {values_text}."
     assert effect is not None
     verb = "takes" if len(settings) == 1 else "take"
-    return f"{listed(settings) or 'All settings'} {verb} effect {_when_effective(effect)}."
+    return f"{join_words(settings) or 'All settings'} {verb} effect {_when_effective(effect)}."
 
 
-def _when_effective(effect: Effect) -> str:
+def _when_effective(effect: WriteEffect) -> str:
     """Return the end of the sentence that says when a written value takes effect."""
     if effect.in_state:
         return f"only in the {effect.in_state} state"

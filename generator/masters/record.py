@@ -28,14 +28,14 @@ from ..model import (
 )
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
-from ..say.evidence import Subject, document, reference_to_mention
+from ..say.evidence import Topic, reference_to_mention, word_for_document
 from ..say.text import hertz, timeout_words
 from .channels import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
 from .frame_parts import (
     CableRow,
     CableTable,
+    FramePart,
     NoRecord,
-    Part,
     bit_counts,
     cable_table,
     frame_parts,
@@ -57,7 +57,7 @@ class Undecided(NoRecord):
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Record:
+class EncoderFacts:
     """Facts about one order code. ``parts`` are in the order sent, ``notes`` are whole sentences.
 
     ``answers`` are the user's answers to questions that the manual leaves open, by the names of the alternatives.
@@ -73,12 +73,12 @@ class Record:
     family: str
     words: Mapping[str, str]
     numbers: Mapping[str, int | None]
-    parts: tuple[Part, ...]
+    parts: tuple[FramePart, ...]
     timeout: str
     cables: CableTable
     notes: tuple[str, ...]
     answers: Mapping[str, str]
-    mentioned: Mapping[Subject, str]
+    mentioned: Mapping[Topic, str]
     cable_m: int | None = None
     cable_row: CableRow | None = None
     step: Fraction | None = None
@@ -115,7 +115,7 @@ def record(
     as_delivered: bool = True,
     cable_m: int | None = None,
     answers: Mapping[str, str] = _NO_ANSWERS,
-) -> Record:
+) -> EncoderFacts:
     """Return the record of one order code.
 
     Args:
@@ -172,7 +172,7 @@ def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]
     )
 
 
-def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[Part, ...], str]:
+def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[FramePart, ...], str]:
     """Return the parts of the frame, and the reason why no master can take them, or an empty string if they can.
 
     With a reason, the parts are only rough.
@@ -209,12 +209,12 @@ def _is_common_form(device: Device, crc: Crc) -> bool:
 
 def _build_record(
     frame: _PositionFrame,
-    frame_parts: tuple[Part, ...],
+    frame_parts: tuple[FramePart, ...],
     numbers: Mapping[str, int | None],
     cables: CableTable,
     notes: tuple[str, ...],
     answers: Mapping[str, str],
-) -> Record:
+) -> EncoderFacts:
     """Return the record for any cable length, without the reasons why masters cannot use it.
 
     ``used_hz`` is empty if the highest clock is known.
@@ -222,7 +222,7 @@ def _build_record(
     device, interface = frame.device, frame.interface
     timeout = interface.timeout_of(frame.variant.code) if isinstance(interface, Biss) else None
     clock = interface.clock_of(frame.variant.code)
-    return Record(
+    return EncoderFacts(
         code=frame.variant.code,
         family=device.name,
         words=_words_by_name(frame, frame_parts, numbers),
@@ -233,15 +233,15 @@ def _build_record(
         notes=notes,
         answers=answers,
         step=frame.measurement.micrometres(frame.variant.parameters),
-        document=document(device),
+        document=word_for_document(device),
         channels=frame_channels(interface, frame.placed_layout),
         layout=frame.placed_layout.name,
-        mentioned={subject: reference_to_mention(device, interface, subject) for subject in Subject},
+        mentioned={subject: reference_to_mention(device, interface, subject) for subject in Topic},
         used_hz=clock.used_hz if numbers["clock_max_hz"] is None else (),
     )
 
 
-def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[Part]) -> dict[str, int | None]:
+def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[FramePart]) -> dict[str, int | None]:
     """Return the numbers of a record by name, in the order of ``NUMBERS``: ``{"position_bits": 24, …}``.
 
     A number that the spec does not give is None.
@@ -260,7 +260,7 @@ def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[Part]) -> dict
 
 
 def _words_by_name(
-    frame: _PositionFrame, frame_parts: Sequence[Part], numbers: Mapping[str, int | None]
+    frame: _PositionFrame, frame_parts: Sequence[FramePart], numbers: Mapping[str, int | None]
 ) -> dict[str, str]:
     """Return the facts of a record that are words, by name: ``{"coding": "gray", "parity": "none", ...}``."""
     movement = frame.device.movement
@@ -274,7 +274,7 @@ def _words_by_name(
     }
 
 
-def _status_active(frame_parts: Sequence[Part]) -> str:
+def _status_active(frame_parts: Sequence[FramePart]) -> str:
     """Return the level at which the status bits are active, ``mixed`` if they differ, or ``none``."""
     # A bit that is always 1 has no level. It is an active-low bit that is never active.
     levels = {part.active or "low" for part in frame_parts if part.role == "status"}
@@ -284,7 +284,7 @@ def _status_active(frame_parts: Sequence[Part]) -> str:
     return levels.pop() if have_same_level else "mixed"
 
 
-def _limit_to_cable(unlimited: Record, metres: int) -> Record:
+def _limit_to_cable(unlimited: EncoderFacts, metres: int) -> EncoderFacts:
     """Return the record with the highest clock for this cable length: the table's clock or, if lower, the encoder's.
 
     If the encoder's clock is not known, the record contains the clocks in use that the table allows. ``cable_row`` is
@@ -308,7 +308,7 @@ def _limit_to_cable(unlimited: Record, metres: int) -> Record:
     return replace(unlimited, numbers=numbers, cable_m=metres, cable_row=limiting_row)
 
 
-def _cable_row(unlimited: Record, metres: int) -> CableRow:
+def _cable_row(unlimited: EncoderFacts, metres: int) -> CableRow:
     """Return the row of the table for this cable length.
 
     Raises:

@@ -15,15 +15,15 @@ from typing import Any
 from ..language.check import check_document
 from ..language.files import packaged_masters
 from ..language.master_items import NUMBERS
-from ..language.problems import Report, listed
+from ..language.problems import ProblemReport, join_words
 from ..language.read import read_specs
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..say.order_code import clocks_in_use
-from .frame_parts import Part
-from .places import MasterDevice, Place, WriteCondition, devices_of, places_of, reason_for_misfit, writing_of
-from .record import Record
+from .frame_parts import FramePart
+from .places import MasterDevice, SettingPlace, WriteCondition, devices_of, places_of, reason_for_misfit, writing_of
+from .record import EncoderFacts
 from .setting_values import (
     START_WITH,
     Raw,
@@ -78,7 +78,7 @@ class Setting:
     standing: str
     source: str
     note: str
-    places: tuple[Place, ...]
+    places: tuple[SettingPlace, ...]
 
     @property
     def is_default(self) -> bool:
@@ -87,7 +87,7 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
+class MasterRefusal:
     """Reason why a master cannot use an order code. ``source`` is empty if the master lacks the interface."""
 
     reason: str
@@ -96,7 +96,7 @@ class Refusal:
 
 
 @dataclass(frozen=True, slots=True)
-class Sheet:
+class SettingsSheet:
     """Settings of one master for one order code, empty if there are refusals.
 
     ``writing`` are the conditions for writing the settings.
@@ -106,13 +106,13 @@ class Sheet:
     """
 
     master: Master
-    refusals: tuple[Refusal, ...]
+    refusals: tuple[MasterRefusal, ...]
     settings: tuple[Setting, ...]
     notes: tuple[str, ...]
     writing: tuple[WriteCondition, ...] = ()
     is_described: bool = True
     unusable_devices: frozenset[str] = frozenset()
-    gaps: tuple[Refusal, ...] = ()
+    gaps: tuple[MasterRefusal, ...] = ()
 
     def devices_with(self, file: Raw) -> list[str]:
         """Return the names of the usable devices to which a file of the master applies: ``on``, or all."""
@@ -129,7 +129,7 @@ class Sheet:
         return tuple(rule for rule in self.writing if len(rule.of) != 1)
 
 
-def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report]:
+def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], ProblemReport]:
     """Return the shipped masters and the masters at ``paths``, by title.
 
     A master with the same name replaces a shipped one.
@@ -137,7 +137,7 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
     Returns:
         The masters, valid only if the report is empty, and the report.
     """
-    report = Report()
+    report = ProblemReport()
     masters: dict[str, Master] = {}
     # The user's masters come second, so they replace shipped ones. Within a group, each name may occur once.
     for group in ([packaged_masters()], paths):
@@ -184,13 +184,13 @@ def _master_from_spec(master_data: Raw) -> Master:
     )
 
 
-def sheet(master: Master, record: Record) -> Sheet:
+def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     """Return the master's settings for the order code of ``record``, or the reasons why it cannot use it."""
     interface = record.words["interface"]
     if interface not in master.takes:
         return replace(_refusing_sheet(master, _interface_refusal(master, record)), is_described=False)
     if record.obstacle:
-        return _refusing_sheet(master, Refusal(reason=record.obstacle, standing="inferred", source=""))
+        return _refusing_sheet(master, MasterRefusal(reason=record.obstacle, standing="inferred", source=""))
     # Names of parts of the frame as one text, which is empty if the description covers all of them.
     uncovered = _uncovered_parts(master, record)
     settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
@@ -201,7 +201,7 @@ def sheet(master: Master, record: Record) -> Sheet:
     refusals += _refusals_of_crc(master, record)
     channel_refusal = "" if master.several_channels else record.channels.refusal(record.layout)
     if channel_refusal:
-        refusals.append(Refusal(reason=channel_refusal, standing="inferred", source=""))
+        refusals.append(MasterRefusal(reason=channel_refusal, standing="inferred", source=""))
     # What only some devices cannot express is a note. If no device is left, the master refuses.
     if len(unusable_devices) == len(master.devices):
         refusals += [refusal for refusal, _ in device_refusals]
@@ -209,16 +209,16 @@ def sheet(master: Master, record: Record) -> Sheet:
         refusals = list(_refusals_of_values(settings))
     if refusals:
         return _refusing_sheet(master, *refusals)
-    device_notes = [f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
+    device_notes = [f"Not for {join_words(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
     notes = [fill_template(note["text"], record) for note in master.notes if rule_applies(note, record)]
     gaps = [_refusal_of_gap(uncovered)] if uncovered else []
     if record.channels and master.several_channels:
         notes.insert(0, master.several_channels)
     elif record.channels:
-        gaps.append(Refusal(reason=record.channels.gap, standing="inferred", source=""))
+        gaps.append(MasterRefusal(reason=record.channels.gap, standing="inferred", source=""))
     writing_rules = [_with_setting_names(rule, record) for rule in master.writing if rule_applies(rule, record)]
     setting_names = [setting.name for setting in settings]
-    return Sheet(
+    return SettingsSheet(
         master=master,
         refusals=(),
         settings=tuple(settings),
@@ -229,28 +229,28 @@ def sheet(master: Master, record: Record) -> Sheet:
     )
 
 
-def _refusing_sheet(master: Master, *refusals: Refusal) -> Sheet:
+def _refusing_sheet(master: Master, *refusals: MasterRefusal) -> SettingsSheet:
     """Return the sheet of a master that cannot use an order code."""
-    return Sheet(master=master, refusals=refusals, settings=(), notes=())
+    return SettingsSheet(master=master, refusals=refusals, settings=(), notes=())
 
 
-def _interface_refusal(master: Master, record: Record) -> Refusal:
-    described_interfaces = listed(INTERFACES[name].title for name in master.takes)
+def _interface_refusal(master: Master, record: EncoderFacts) -> MasterRefusal:
+    described_interfaces = join_words(INTERFACES[name].title for name in master.takes)
     encoder_interface = INTERFACES[record.words["interface"]].title
     reason = f"This master is described for {described_interfaces} only, but {record.code} has {encoder_interface}."
-    return Refusal(reason=reason, standing=master.standing, source="")
+    return MasterRefusal(reason=reason, standing=master.standing, source="")
 
 
 def _settings_and_device_refusals(
-    master: Master, record: Record, uncovered: str
-) -> tuple[list[Setting], list[tuple[Refusal, set[str]]]]:
+    master: Master, record: EncoderFacts, uncovered: str
+) -> tuple[list[Setting], list[tuple[MasterRefusal, set[str]]]]:
     """Return the settings, and the refusals of settings that some devices cannot express, with these devices.
 
     ``uncovered`` names the parts of the frame that the description does not mention. If it names any, settings that
     depend on the whole frame are unknown.
     """
     settings: list[Setting] = []
-    device_refusals: list[tuple[Refusal, set[str]]] = []
+    device_refusals: list[tuple[MasterRefusal, set[str]]] = []
     for rule in master.settings:
         if not rule_applies(rule, record):
             continue
@@ -258,34 +258,34 @@ def _settings_and_device_refusals(
             unknown_parts = uncovered if _depends_on_whole_frame(rule) else ""
             settings.append(_setting_of_rule(rule, master, record, unknown_parts))
         except UnsupportedFeature as reason:
-            refusal = Refusal(
+            refusal = MasterRefusal(
                 reason=f"{reason}.", standing=rule.get("standing", master.standing), source=rule["source"]
             )
             device_refusals.append((refusal, _devices_with_setting(rule, master)))
     return settings, device_refusals
 
 
-def _limit_refusal(rule: Raw, master: Master, record: Record) -> Refusal:
+def _limit_refusal(rule: Raw, master: Master, record: EncoderFacts) -> MasterRefusal:
     reason = f"{rule['reason']} {encoder_has(rule['item'], record)}"
-    return Refusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
+    return MasterRefusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
 
 
-def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[Refusal]:
+def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[MasterRefusal]:
     """Yield a refusal for each setting whose value does not fit its location."""
     for setting in settings:
         reason = reason_for_misfit(setting.name, setting.value, setting.places)
         if reason:
-            yield Refusal(reason=f"{reason}.", standing=setting.standing, source=setting.source)
+            yield MasterRefusal(reason=f"{reason}.", standing=setting.standing, source=setting.source)
 
 
-def _refusals_of_crc(master: Master, record: Record) -> Iterator[Refusal]:
+def _refusals_of_crc(master: Master, record: EncoderFacts) -> Iterator[MasterRefusal]:
     """Yield a refusal if no master can check the CRC, and ``master`` does, since its rules depend on the CRC.
 
     ``crc_obstacle`` is the reason why none can, or an empty string.
     """
     checks_crc = bool(_CRC_ITEMS & _mentioned_items((master.limits, master.settings)))
     if record.crc_obstacle and checks_crc:
-        yield Refusal(reason=record.crc_obstacle, standing="inferred", source="")
+        yield MasterRefusal(reason=record.crc_obstacle, standing="inferred", source="")
 
 
 #: Items about the computation of the CRC, such as ``crc_polynomial``.
@@ -311,7 +311,7 @@ def _depends_on_whole_frame(rule: Raw) -> bool:
     return has_several_items or not frame_items <= _ITEMS_OF_ANY_FRAME
 
 
-def _uncovered_parts(master: Master, record: Record) -> str:
+def _uncovered_parts(master: Master, record: EncoderFacts) -> str:
     """Return the names of the uncommon parts of the frame that the master's description does not mention.
 
     They are one text, such as ``'parity' and 'reserved'``, which is empty if there are none. Uncommon parts are parity
@@ -327,15 +327,15 @@ def _uncovered_parts(master: Master, record: Record) -> str:
     if "parity" in mentioned_items:
         mentioned_items.add("parity_bits")
     uncovered_names = [name for name, item in item_by_uncommon_part.items() if item not in mentioned_items]
-    return listed(f"'{name}'" for name in uncovered_names)
+    return join_words(f"'{name}'" for name in uncovered_names)
 
 
-def _refusal_of_gap(uncovered: str) -> Refusal:
+def _refusal_of_gap(uncovered: str) -> MasterRefusal:
     reason = f"The description of this master does not say how it handles {uncovered} in the frame."
-    return Refusal(reason=reason, standing="inferred", source="")
+    return MasterRefusal(reason=reason, standing="inferred", source="")
 
 
-def _items_of_parts(frame_parts: Sequence[Part]) -> Iterator[str]:
+def _items_of_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:
     """Yield, for each part, the item that counts its bits, such as ``parity_bits``.
 
     For the parts of the common frame, which every master has, yield an empty string.
@@ -377,7 +377,7 @@ def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
     return names_with_setting
 
 
-def _with_setting_names(rule: Raw, record: Record) -> Raw:
+def _with_setting_names(rule: Raw, record: EncoderFacts) -> Raw:
     """Return a condition for writing, with the names of settings as on the sheet, without braces."""
     named_rule = dict(rule)
     for key in ("of", "after"):
@@ -386,7 +386,7 @@ def _with_setting_names(rule: Raw, record: Record) -> Raw:
     return named_rule
 
 
-def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: str) -> Setting:
+def _setting_of_rule(rule: Raw, master: Master, record: EncoderFacts, unknown_parts: str) -> Setting:
     """Return a setting. Its value is None if the record lacks it, or if it depends on ``unknown_parts`` of the frame.
 
     ``unknown_parts`` are names in a text, such as ``'parity' and 'reserved'``, which is empty if there are none.
@@ -416,14 +416,14 @@ def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: s
     )
 
 
-def _start_note(bound: str, record: Record) -> str:
+def _start_note(bound: str, record: EncoderFacts) -> str:
     """Return why a clock is only a value to start with, or an empty string if it is a limit."""
     if bound != START_WITH:
         return ""
     return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
 
 
-def _cable_note(rule: Raw, value: int | bool | str | None, record: Record) -> str:
+def _cable_note(rule: Raw, value: int | bool | str | None, record: EncoderFacts) -> str:
     """Return a sentence about the cables that allow the clock of a setting.
 
     Return an empty string if the setting has no clock, or if the user gave a cable length.

@@ -8,21 +8,21 @@ from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
 
-from ..language.problems import listed
+from ..language.problems import join_words
 from ..model import INTERFACES, Biss, Device
 from ..model.kinds import DIGIT_CODES
-from ..order_codes.labels import Match
-from ..say.evidence import Subject, grade_below_manual, origin
+from ..order_codes.labels import LabelMatch
+from ..say.evidence import Topic, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
-from ..say.plain_text import WIDTH, two_columns, wrapped
-from ..say.text import PLAIN_STYLE, counted, hertz, microseconds, volts
+from ..say.plain_text import WIDTH, two_columns, wrap_text
+from ..say.text import PLAIN_STYLE, count_with_unit, hertz, time_text, volts
 from .places import WriteCondition, place_lines, write_order
-from .record import Record
-from .sheet import Master, Refusal, Setting, Sheet
+from .record import EncoderFacts
+from .sheet import Master, MasterRefusal, Setting, SettingsSheet
 
 VERSION = 1
 
-_CODINGS = {
+_CODINGS_IN_WORDS = {
     "binary": "binary",
     "gray": "Gray",
     "gray_excess": "Gray excess",
@@ -32,10 +32,10 @@ _CODINGS = {
 }
 #: Widths of the columns with the names and the values of settings. Longer ones move the next column.
 _WIDEST_NAME, _WIDEST_VALUE = 40, 18
-_MARKS = {"documented": "", "inferred": " *", "tried": " +"}
+_MARK_BY_STANDING = {"documented": "", "inferred": " *", "tried": " +"}
 
 
-def record_facts(record: Record) -> Iterator[tuple[str, str]]:
+def record_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
     """Yield the record in words, one fact per row."""
     yield "Interface", INTERFACES[record.words["interface"]].title
     yield from _frame_facts(record)
@@ -43,24 +43,24 @@ def record_facts(record: Record) -> Iterator[tuple[str, str]]:
     if record.cables.rows:
         yield "Clock by cable", _cable_table_text(record)
     if INTERFACES[record.words["interface"]] is Biss:
-        yield "Time-out", record.timeout or _not_stated_text(record, Subject.TIMEOUT)
+        yield "Time-out", record.timeout or _not_stated_text(record, Topic.TIMEOUT)
         # 40 µs is the longest in the protocol description, p. 18.
-        allowed_busy_time = f"{_not_stated_text(record, Subject.REPLY_TIME)}, but BiSS C allows 40 µs"
+        allowed_busy_time = f"{_not_stated_text(record, Topic.REPLY_TIME)}, but BiSS C allows 40 µs"
         yield "Busy time", _time_limit_text(record.numbers["busy_us"], "at most") or allowed_busy_time
     else:
         pause_text = _time_limit_text(record.numbers["pause_us"], "at least")
-        yield "Pause", pause_text or _not_stated_text(record, Subject.PAUSE)
-    yield "Supply", _supply_text(record) or _not_stated_text(record, Subject.SUPPLY)
+        yield "Pause", pause_text or _not_stated_text(record, Topic.PAUSE)
+    yield "Supply", _supply_text(record) or _not_stated_text(record, Topic.SUPPLY)
 
 
-def _frame_facts(record: Record) -> Iterator[tuple[str, str]]:
+def _frame_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
     """Yield the facts about the bits of the frame."""
     numbers = record.numbers
     position_text = str(numbers["position_bits"])
     if numbers["multiturn_bits"]:
         position_text += f": {numbers['multiturn_bits']} multiturn, {numbers['singleturn_bits']} singleturn"
     yield "Position bits", position_text
-    padding_before = counted(numbers["padding_left"] or 0, "zero bit")
+    padding_before = count_with_unit(numbers["padding_left"] or 0, "zero bit")
     yield "Padding", f"{padding_before} before the position, {numbers['padding_right']} after it"
     yield "Status bits", _status_bits_text(record)
     other_parts = [part.name for part in record.parts if part.role == "other"]
@@ -69,13 +69,13 @@ def _frame_facts(record: Record) -> Iterator[tuple[str, str]]:
     yield "Data bits", _data_bits_text(record)
     parts_text = ", ".join(f"{part.name} {part.bits}" for part in record.parts)
     yield "Order", f"{parts_text}, most significant bit first"
-    yield "Code", _CODINGS[record.words["coding"]]
+    yield "Code", _CODINGS_IN_WORDS[record.words["coding"]]
     yield "CRC", _crc_text(record)
     if record.words["parity"] != "none":
         yield "Parity", f"{record.words['parity']}, last bit"
 
 
-def _clock_limits_text(record: Record) -> str:
+def _clock_limits_text(record: EncoderFacts) -> str:
     """Return the clock limits, or the clocks in use if there are none: ``at least 80 kHz, below 5 MHz``.
 
     The cable limits the clock if the record has a row of the cable table.
@@ -96,13 +96,13 @@ def _clock_limits_text(record: Record) -> str:
     return _not_stated_text(record)
 
 
-def _not_stated_text(record: Record, subject: Subject | None = None) -> str:
+def _not_stated_text(record: EncoderFacts, subject: Topic | None = None) -> str:
     """Return the words for a fact without a value, or a reference to the text of the manual that mentions it."""
     reference = record.mentioned[subject] if subject is not None else ""
     return reference or f"the {record.document} does not say"
 
 
-def _cable_table_text(record: Record) -> str:
+def _cable_table_text(record: EncoderFacts) -> str:
     """Return the clocks by cable length with their source and errata, and the requested length if there is one."""
     table = record.cables
     rows_text = ", ".join(row.text for row in table.rows)
@@ -113,7 +113,7 @@ def _cable_table_text(record: Record) -> str:
     return f"{text}. Clocks chosen for a cable of {record.cable_m} m"
 
 
-def _supply_text(record: Record) -> str:
+def _supply_text(record: EncoderFacts) -> str:
     lowest_mv, highest_mv = record.numbers["supply_min_mv"], record.numbers["supply_max_mv"]
     if lowest_mv is None or highest_mv is None:
         return ""
@@ -121,10 +121,10 @@ def _supply_text(record: Record) -> str:
 
 
 def _time_limit_text(time_us: int | None, bound: str) -> str:
-    return f"{bound} {microseconds(time_us)}" if time_us is not None else ""
+    return f"{bound} {time_text(time_us)}" if time_us is not None else ""
 
 
-def _status_bits_text(record: Record) -> str:
+def _status_bits_text(record: EncoderFacts) -> str:
     """Return the status bits with their active levels: ``error (active low), warning (always 1)``, or ``none``."""
     level_words = {"low": "active low", "high": "active high", "": "always 1"}
     status_parts = [part for part in record.parts if part.role == "status"]
@@ -132,7 +132,7 @@ def _status_bits_text(record: Record) -> str:
     return ", ".join(texts) or "none"
 
 
-def _data_bits_text(record: Record) -> str:
+def _data_bits_text(record: EncoderFacts) -> str:
     """Return the number of data bits, and the totals that include other bits: ``24, 26 with the status bits, ...``."""
     numbers = record.known_numbers
     sizes = [str(numbers["data_bits"])]
@@ -147,7 +147,7 @@ def _data_bits_text(record: Record) -> str:
     return ", ".join(sizes)
 
 
-def _crc_text(record: Record) -> str:
+def _crc_text(record: EncoderFacts) -> str:
     """Return the CRC in words, with its polynomial in three notations, or ``none`` without a CRC."""
     numbers = record.known_numbers
     if not numbers["crc_bits"]:
@@ -164,7 +164,7 @@ def _crc_text(record: Record) -> str:
     return f"{numbers['crc_bits']} bits, polynomial {notations}, start value {numbers['crc_start']}, {form_text}"
 
 
-def legend_of_marks(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
+def legend_of_marks(masters: Sequence[Master], sheets: Sequence[SettingsSheet], with_places: bool) -> str:
     """Return a sentence on each mark that ``standing_mark`` adds to a rule, and on tests on hardware.
 
     ``with_places`` is true if the places of settings are shown, which also have marks.
@@ -172,7 +172,7 @@ def legend_of_marks(masters: Sequence[Master], sheets: Sequence[Sheet], with_pla
     standings = {master.standing for master in masters}
     for sheet in sheets:
         refusals = (*sheet.refusals, *sheet.gaps)
-        rules: tuple[Setting | WriteCondition | Refusal, ...] = (*sheet.settings, *sheet.writing, *refusals)
+        rules: tuple[Setting | WriteCondition | MasterRefusal, ...] = (*sheet.settings, *sheet.writing, *refusals)
         standings |= {rule.standing for rule in rules}
         if with_places:
             for setting in sheet.settings:
@@ -184,7 +184,7 @@ def legend_of_marks(masters: Sequence[Master], sheets: Sequence[Sheet], with_pla
     return f"Settings from the documentation of each master.{inferred} {tried}"
 
 
-def refusal_text(reason: Refusal) -> str:
+def refusal_text(reason: MasterRefusal) -> str:
     """Return a refusal with its mark and source."""
     source = f" [{cited(reason.source)}]" if reason.source else ""
     return f"{reason.reason}{standing_mark(reason)}{source}"
@@ -198,9 +198,9 @@ def bound_in_words(setting: Setting) -> str:
     return f"{bound_words} "
 
 
-def standing_mark(rule: Setting | Refusal | WriteCondition) -> str:
+def standing_mark(rule: Setting | MasterRefusal | WriteCondition) -> str:
     """Return the mark that the legend explains, after a space so that the value can be copied."""
-    return _MARKS[rule.standing]
+    return _MARK_BY_STANDING[rule.standing]
 
 
 @lru_cache(4096)
@@ -215,7 +215,7 @@ def condition_text(rule: WriteCondition) -> str:
     return f"{rule.text}{standing_mark(rule)} [{cited(rule.source)}]"
 
 
-def condition_texts(setting: Setting, sheet: Sheet) -> Iterator[str]:
+def condition_texts(setting: Setting, sheet: SettingsSheet) -> Iterator[str]:
     """Yield the conditions only for this setting, after the advice to leave a protected factory default unchanged."""
     writing_rules = sheet.writing_of(setting)
     if setting.is_default and any(rule.needs for rule in writing_rules):
@@ -228,7 +228,7 @@ def _lines_of_needed_values(rule: WriteCondition, master: Master, indent: str) -
     lines: list[str] = []
     for write in (*rule.needs, *rule.then):
         places = place_lines(write.places, write.text, master.devices)
-        lines += (wrapped(f"{write.title}: {place}", WIDTH, prefix=f"{indent}  ", first=indent) for place in places)
+        lines += (wrap_text(f"{write.title}: {place}", WIDTH, prefix=f"{indent}  ", first=indent) for place in places)
     return lines
 
 
@@ -236,7 +236,7 @@ def _setting_text(setting: Setting) -> str:
     return f"{bound_in_words(setting)}{setting.text}{standing_mark(setting)}"
 
 
-def sheet_text(device: Device, code_match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
+def sheet_text(device: Device, code_match: LabelMatch, record: EncoderFacts, sheets: Sequence[SettingsSheet]) -> str:
     """Return the record and each master's settings or refusals as text, at most 80 columns wide.
 
     With a single master, places and documents follow. If no master can take the position, only the record is returned.
@@ -246,51 +246,51 @@ def sheet_text(device: Device, code_match: Match, record: Record, sheets: Sequen
         return "\n".join(lines)
     is_single_master = len(sheets) == 1
     legend = legend_of_marks([sheet.master for sheet in sheets], sheets, with_places=is_single_master)
-    lines += ["", wrapped(legend, WIDTH)]
+    lines += ["", wrap_text(legend, WIDTH)]
     usable_sheets = [sheet for sheet in sheets if not sheet.refusals]
     for sheet in usable_sheets:
         lines += ["", *_sheet_lines(sheet, with_documents=is_single_master)]
     # Masters that are not described for the interface are only listed.
     refusing_sheets = [sheet for sheet in sheets if sheet.refusals and sheet.is_described]
     if refusing_sheets:
-        lines += ["", wrapped(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
+        lines += ["", wrap_text(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
     for sheet in refusing_sheets:
-        lines.append(wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="    ", first="  "))
-        lines += [wrapped(refusal_text(reason), WIDTH, prefix="      ", first="    ") for reason in sheet.refusals]
+        lines.append(wrap_text(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="    ", first="  "))
+        lines += [wrap_text(refusal_text(reason), WIDTH, prefix="      ", first="    ") for reason in sheet.refusals]
     undescribed_titles = [sheet.master.title for sheet in sheets if not sheet.is_described]
     if undescribed_titles:
         title = INTERFACES[record.words["interface"]].title
         sentence = f"These masters are not described for {title}: {'; '.join(undescribed_titles)}."
-        lines += ["", wrapped(sentence, WIDTH, prefix="  ", first="")]
+        lines += ["", wrap_text(sentence, WIDTH, prefix="  ", first="")]
     if usable_sheets and len(sheets) > 1:
         example = usable_sheets[0].master.name
         lines += ["", f"--master NAME shows one of them with its documents, such as {example}."]
     return "\n".join(lines)
 
 
-def _record_lines(device: Device, code_match: Match, record: Record) -> list[str]:
+def _record_lines(device: Device, code_match: LabelMatch, record: EncoderFacts) -> list[str]:
     """Return the order code, notes about how its label is written, and the record."""
-    lines = [wrapped(f"{code_match.variant.code}: {device.title}", WIDTH, prefix="  ", first="")]
+    lines = [wrap_text(f"{code_match.variant.code}: {device.title}", WIDTH, prefix="  ", first="")]
     if code_match.written_as_in:
-        lines.append(wrapped(f"the label is written as in {code_match.written_as_in}", WIDTH, prefix="  "))
+        lines.append(wrap_text(f"the label is written as in {code_match.written_as_in}", WIDTH, prefix="  "))
     if code_match.unlisted:
         lines.append(
-            wrapped(
+            wrap_text(
                 f"accepted, although not listed in the manual: {', '.join(code_match.unlisted)}", WIDTH, prefix="  "
             )
         )
     statements = (*grade_below_manual(device), *origin(device))
-    lines += [wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ") for statement in statements]
+    lines += [wrap_text(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ") for statement in statements]
     if code_match.special:
-        lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, prefix="  "))
+        lines.append(wrap_text("A code that ends in /Sxxx may differ from the manual.", WIDTH, prefix="  "))
     lines += two_columns(record_facts(record), indent=2)
-    lines += [wrapped(note, WIDTH, prefix="  ") for note in record.notes]
+    lines += [wrap_text(note, WIDTH, prefix="  ") for note in record.notes]
     return lines
 
 
-def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
+def _sheet_lines(sheet: SettingsSheet, with_documents: bool) -> list[str]:
     """Return the settings of a master, with the places of settings, files and documents if ``with_documents``."""
-    lines = [wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="  ", first="")]
+    lines = [wrap_text(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="  ", first="")]
     longest_name = max((len(setting.name) for setting in sheet.settings), default=0)
     longest_value = max((len(_setting_text(setting)) for setting in sheet.settings), default=0)
     name_width, value_width = min(longest_name, _WIDEST_NAME), min(longest_value, _WIDEST_VALUE)
@@ -298,17 +298,17 @@ def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
         lines += _setting_lines(setting, sheet, name_width, value_width)
         if with_documents:
             lines += _lines_of_places(setting, sheet)
-    lines += [wrapped(refusal_text(gap), WIDTH, prefix="    ", first="  - ") for gap in sheet.gaps]
+    lines += [wrap_text(refusal_text(gap), WIDTH, prefix="    ", first="  - ") for gap in sheet.gaps]
     for rule in sheet.shared_writing:
-        lines.append(wrapped(condition_text(rule), WIDTH, prefix="    ", first="  - "))
+        lines.append(wrap_text(condition_text(rule), WIDTH, prefix="    ", first="  - "))
         lines += _lines_of_needed_values(rule, sheet.master, "    ") if with_documents else []
-    lines += [wrapped(note, WIDTH, prefix="    ", first="  - ") for note in sheet.notes]
+    lines += [wrap_text(note, WIDTH, prefix="    ", first="  - ") for note in sheet.notes]
     if with_documents:
         lines += _lines_of_files_and_documents(sheet.master)
     return lines
 
 
-def _setting_lines(setting: Setting, sheet: Sheet, name_width: int, value_width: int) -> list[str]:
+def _setting_lines(setting: Setting, sheet: SettingsSheet, name_width: int, value_width: int) -> list[str]:
     """Return a setting in one row, or in two if it is too long, then its note and conditions."""
     name_cell = setting.name.ljust(name_width)
     value_cell = _setting_text(setting).ljust(value_width)
@@ -317,19 +317,19 @@ def _setting_lines(setting: Setting, sheet: Sheet, name_width: int, value_width:
     if len(row) > WIDTH:
         name_and_place = f"{setting.name}, {setting.at}" if setting.at else setting.name
         lines = [
-            wrapped(name_and_place, WIDTH, prefix="      ", first="  "),
-            wrapped(_setting_text(setting), WIDTH, prefix="      "),
+            wrap_text(name_and_place, WIDTH, prefix="      ", first="  "),
+            wrap_text(_setting_text(setting), WIDTH, prefix="      "),
         ]
     if setting.note:
-        lines.append(wrapped(setting.note, WIDTH, prefix="      "))
-    lines += [wrapped(sentence, WIDTH, prefix="      ") for sentence in condition_texts(setting, sheet)]
+        lines.append(wrap_text(setting.note, WIDTH, prefix="      "))
+    lines += [wrap_text(sentence, WIDTH, prefix="      ") for sentence in condition_texts(setting, sheet)]
     return lines
 
 
-def _lines_of_places(setting: Setting, sheet: Sheet) -> list[str]:
+def _lines_of_places(setting: Setting, sheet: SettingsSheet) -> list[str]:
     """Return the places of a setting, and of the values that its conditions need."""
     places = place_lines(setting.places, setting.text, sheet.master.devices)
-    lines = [wrapped(line, WIDTH, prefix="        ", first="      ") for line in places]
+    lines = [wrap_text(line, WIDTH, prefix="        ", first="      ") for line in places]
     for rule in sheet.writing_of(setting):
         lines += _lines_of_needed_values(rule, sheet.master, "      ")
     return lines
@@ -339,11 +339,11 @@ def _lines_of_files_and_documents(master: Master) -> list[str]:
     """Return the formats of files that codewheel can write for a master, and each document with its key."""
     lines = []
     if master.files:
-        formats = listed((file["format"] for file in master.files), "or")
-        lines.append(wrapped(f"file: --format {formats}", WIDTH, prefix="      ", first="  "))
+        formats = join_words((file["format"] for file in master.files), "or")
+        lines.append(wrap_text(f"file: --format {formats}", WIDTH, prefix="      ", first="  "))
     for document in master.documents:
         title = f"{document.title}, {document.url}" if document.url else document.title
-        lines.append(wrapped(title, WIDTH, prefix="      ", first=f"  {document.key}: "))
+        lines.append(wrap_text(title, WIDTH, prefix="      ", first=f"  {document.key}: "))
     return lines
 
 
@@ -364,7 +364,9 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
     }
 
 
-def sheet_data(device: Device, code_match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
+def sheet_data(
+    device: Device, code_match: LabelMatch, record: EncoderFacts, sheets: Sequence[SettingsSheet]
+) -> dict[str, Any]:
     """Return the record and the settings as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {
         "version": VERSION,
@@ -385,7 +387,7 @@ def sheet_data(device: Device, code_match: Match, record: Record, sheets: Sequen
     }
 
 
-def _record_data(record: Record) -> dict[str, Any]:
+def _record_data(record: EncoderFacts) -> dict[str, Any]:
     """Return the record as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {
         **record.words,
@@ -401,7 +403,7 @@ def _record_data(record: Record) -> dict[str, Any]:
     }
 
 
-def _sheet_data(sheet: Sheet) -> dict[str, Any]:
+def _sheet_data(sheet: SettingsSheet) -> dict[str, Any]:
     """Return the settings of one master as plain data. It has no files if it cannot take the position."""
     names = [setting.name for setting in sheet.settings]
     files = () if sheet.refusals else sheet.master.files

@@ -52,7 +52,7 @@ from .facts import (
     Table,
     Timing,
 )
-from .fields import Combination, Crc, Field, Join, Piece, PlacedField, Sign
+from .fields import BitSlice, Combination, Crc, Field, Join, PlacedField, Sign
 from .interfaces import (
     INTERFACES,
     Alignment,
@@ -94,7 +94,7 @@ from .kinds import (
     Verdict,
 )
 from .layout import Fault, Layout, PlacedLayout, number_from_bytes, number_to_bytes
-from .lookup import assert_never, first_of, member_named
+from .lookup import assert_never, first_or_raise, member_named
 from .measurement import LayoutRange, Measurement
 from .order_codes import (
     Alternative,
@@ -106,7 +106,7 @@ from .order_codes import (
     Parameter,
     SpelledValue,
     Spelling,
-    choices,
+    answer_combinations,
 )
 from .registers import FieldGroup, Register, RegisterMeaning
 from .steps import (
@@ -134,6 +134,7 @@ __all__ = [
     "Argument",
     "BankSelect",
     "Biss",
+    "BitSlice",
     "CableLength",
     "ChannelFrame",
     "Characteristic",
@@ -193,7 +194,6 @@ __all__ = [
     "Overlay",
     "Parameter",
     "Parity",
-    "Piece",
     "PlacedChannels",
     "PlacedField",
     "PlacedLayout",
@@ -240,11 +240,11 @@ __all__ = [
     "WordFormat",
     "Write",
     "WriteStep",
+    "answer_combinations",
     "assert_never",
     "channel_frame",
-    "choices",
     "cite",
-    "first_of",
+    "first_or_raise",
     "layer_in_words",
     "member_named",
     "number_from_bytes",

@@ -27,7 +27,7 @@ from .kinds import (
     Value,
     Verdict,
 )
-from .lookup import first_of, member_named
+from .lookup import first_or_raise, member_named
 from .part import (
     CrcNumber,
     Name,
@@ -123,7 +123,7 @@ class Crc:
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class BitSlice:
     """Part of a field in one byte: ``((byte >> low_in_byte) & mask) << low_in_number``."""
 
     byte: int
@@ -136,7 +136,7 @@ class Piece:
 class Field:
     """A field at bits ``low`` to ``low + width - 1``, converted to a value according to ``kind``.
 
-    If the field is padded, it fills ``container`` bits together with its padding, from its lowest bit. ``pieces`` is
+    If the field is padded, it fills ``container`` bits together with its padding, from its lowest bit. ``bit_slices`` is
     empty unless the layout is transmitted as bytes and the container is at a fixed position.
     """
 
@@ -149,7 +149,7 @@ class Field:
     names: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     group: str = ""
     container: int = 0
-    pieces: tuple[Piece, ...] = ()
+    bit_slices: tuple[BitSlice, ...] = ()
     equals: Expression | int | str | None = None
     implemented: bool = True
     reserved: str = ""
@@ -225,7 +225,7 @@ class Field:
     def value_of(self, number: int) -> Value:
         """Return the named value with this number, or raise a ``LookupError``."""
         matches = (value for value in self.values if value.value == number)
-        return first_of(matches, f"value {number} of '{self.name}'")
+        return first_or_raise(matches, f"value {number} of '{self.name}'")
 
     @property
     def runs(self) -> tuple[Digits, ...]:

@@ -113,10 +113,10 @@ HexBytes = str
 
 #: An empty map, as a default.
 NOTHING: Mapping[Any, Any] = MappingProxyType({})
-_KEY = "key"
+_KEY_METADATA = "key"
 
 
-class Key(NamedTuple):
+class SpecKey(NamedTuple):
     """Description of a key of the spec language or, without ``is_written``, of a member that only the data have.
 
     Attributes:
@@ -190,10 +190,10 @@ def key(about: str, **options: Any) -> Any: ...
 def key(about: str, *, default: Any = MISSING, **options: Any) -> Any:
     """Describe a key of the spec language. Without a ``default``, specs must contain the key.
 
-    ``options`` are those of ``Key`` and of ``Member``.
+    ``options`` are those of ``SpecKey`` and of ``Member``.
     """
-    own_options = {name: options.pop(name) for name in list(options) if name in Key._fields}
-    metadata = {_KEY: Key(about, member=options, **own_options)}
+    own_options = {name: options.pop(name) for name in list(options) if name in SpecKey._fields}
+    metadata = {_KEY_METADATA: SpecKey(about, member=options, **own_options)}
     if isinstance(default, Mapping):  # Python 3.11 refuses it as a default, because it has no hash.
         return field(default_factory=lambda: default, metadata=metadata)
     return field(default=default, metadata=metadata)
@@ -298,7 +298,7 @@ class DescribedKey(NamedTuple):
     name: str
     notation: str
     default: object
-    key: Key
+    key: SpecKey
 
     @property
     def is_required(self) -> bool:
@@ -319,4 +319,4 @@ def described_key(name: str, notation: str, member: Field[Any]) -> DescribedKey:
     default = member.default
     if member.default_factory is not MISSING:
         default = member.default_factory()
-    return DescribedKey(name, notation, default, member.metadata[_KEY])
+    return DescribedKey(name, notation, default, member.metadata[_KEY_METADATA])

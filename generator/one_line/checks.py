@@ -7,7 +7,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from ..loading.position_rules import is_probably_highest
 from ..model.expressions import is_power_of_two
 from .fields import WIDEST
-from .line import IN_TURN, POSITION, TURNS, Crc, Filler, LineField, LineProblem, Number, Options, Parity
+from .line import (
+    IN_TURN,
+    POSITION,
+    TURNS,
+    CrcField,
+    FillerField,
+    LineField,
+    LineOptions,
+    LineProblem,
+    NumberField,
+    ParityField,
+)
 
 #: Most bits of a frame over RS-485.
 _MOST_BITS_OF_BYTES = 1024
@@ -17,14 +28,14 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
     """Yield the problems of fields that do not fit together."""
     names: set[str] = set()
     for field in fields:
-        if not isinstance(field, Filler) and field.name in names:
+        if not isinstance(field, FillerField) and field.name in names:
             yield LineProblem(field.column, f"a second field has the name '{field.name}'; rename one of them")
         names.add(field.name)
-        if isinstance(field, Crc) and field is not fields[-1]:
+        if isinstance(field, CrcField) and field is not fields[-1]:
             yield LineProblem(field.column, "the CRC must be the last field; move it to the end")
-        if isinstance(field, Crc) and interface == "rs485" and field.bits % 8:
+        if isinstance(field, CrcField) and interface == "rs485" and field.bits % 8:
             yield LineProblem(field.column, f"the CRC has {field.bits} bits; over RS-485, write whole bytes")
-        if isinstance(field, Parity) and not any(map(_can_change, fields)):
+        if isinstance(field, ParityField) and not any(map(_can_change, fields)):
             yield LineProblem(field.column, "a parity bit needs other fields that change; add them")
     yield from _problems_of_position(fields, interface)
     yield from _problems_of_length(fields, interface)
@@ -32,9 +43,9 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
 
 def _can_change(field: LineField) -> bool:
     """Return True if a field is not a check or a constant."""
-    is_constant_number = isinstance(field, Number) and field.value is not None
+    is_constant_number = isinstance(field, NumberField) and field.value is not None
     is_constant = is_constant_number or field.name == "zero"
-    is_check = isinstance(field, Parity | Crc)
+    is_check = isinstance(field, ParityField | CrcField)
     return not is_constant and not is_check
 
 
@@ -67,7 +78,7 @@ def _problems_of_length(fields: Sequence[LineField], interface: str) -> Iterator
 
 
 def problems_of_options(
-    options: Options, columns: Mapping[str, int], fields: Sequence[LineField], interface: str
+    options: LineOptions, columns: Mapping[str, int], fields: Sequence[LineField], interface: str
 ) -> Iterator[LineProblem]:
     """Yield the problems of options that do not fit the fields. ``columns`` maps each option to its column."""
     if options.is_gray:
@@ -78,7 +89,7 @@ def problems_of_options(
 
 
 def _problems_of_gray(
-    options: Options, columns: Mapping[str, int], fields: Sequence[LineField]
+    options: LineOptions, columns: Mapping[str, int], fields: Sequence[LineField]
 ) -> Iterator[LineProblem]:
     """Yield the problems of Gray code, which needs an unsigned position that is one number of more than one bit."""
     column = columns.get("gray", 1)
@@ -94,7 +105,7 @@ def _problems_of_gray(
     for field in positions:
         if field.bits == 1 and not has_turns:
             yield LineProblem(field.column, f"'{field.name}' has one bit, which is the same in Gray code; remove gray")
-        if isinstance(field, Number) and field.is_signed:
+        if isinstance(field, NumberField) and field.is_signed:
             yield LineProblem(field.column, f"'{field.name}' is signed, and Gray code is not; remove one of the two")
     if options.counts and not is_power_of_two(options.counts):
         message = f"Gray code with {options.counts} counts (Gray excess) is not supported; remove gray and counts"
@@ -102,11 +113,11 @@ def _problems_of_gray(
 
 
 def _problems_of_counts(
-    options: Options, columns: Mapping[str, int], fields: Sequence[LineField]
+    options: LineOptions, columns: Mapping[str, int], fields: Sequence[LineField]
 ) -> Iterator[LineProblem]:
     """Yield the problems of counts per revolution, and of numbers of revolutions."""
     column = columns.get("counts", columns.get("turns", 1))
-    positions = [field for field in fields if isinstance(field, Number) and field.name == POSITION]
+    positions = [field for field in fields if isinstance(field, NumberField) and field.name == POSITION]
     if not positions:
         message = "'counts' and 'turns' need a field 'position'; singleturn and multiturn already give them"
         yield LineProblem(column, message)
@@ -127,18 +138,18 @@ def _problems_of_counts(
             yield LineProblem(column, message)
 
 
-def _problems_of_byte_order(options: Options, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
+def _problems_of_byte_order(options: LineOptions, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
     """Yield the problems of numbers of several bytes.
 
     Over RS-485, their byte order must be known. Over SPI, a number that is sent low byte first must be whole bytes.
     """
     bits_before = 0  # Number of bits sent before the field.
     for field in fields:
-        is_wide = field.bits > 8 and not isinstance(field, Filler)
+        is_wide = field.bits > 8 and not isinstance(field, FillerField)
         if interface == "rs485" and is_wide and not options.byte_order:
             message = f"the byte order of '{field.name}' is not known; write rs485,low_byte_first: or high_byte_first"
             yield LineProblem(field.column, message)
-        is_split = interface == "spi" and options.byte_order == "low_byte_first" and isinstance(field, Number)
+        is_split = interface == "spi" and options.byte_order == "low_byte_first" and isinstance(field, NumberField)
         if is_split and is_wide:
             yield from _problems_of_split(field, bits_before)
         bits_before += field.bits
@@ -153,6 +164,6 @@ def _problems_of_split(field: LineField, bits_before: int) -> Iterator[LineProbl
     if not is_whole_bytes:
         message = f"'{field.name}' is not whole bytes, so low_byte_first cannot apply; add zero or unused bits"
         yield LineProblem(field.column, message)
-    if isinstance(field, Number) and (field.is_signed or field.value is not None):
+    if isinstance(field, NumberField) and (field.is_signed or field.value is not None):
         message = f"'{field.name}' is signed or a constant, and cannot be sent low byte first; write its bytes"
         yield LineProblem(field.column, message)

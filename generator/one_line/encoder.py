@@ -4,29 +4,32 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..language.problems import Problem, Report
+from ..language.problems import Problem, ProblemReport
 from ..language.read import document_of_text
 from ..loading.library import families_of
 from ..model import Device
-from ..order_codes.labels import Match
-from .line import Line, LineError, LineProblem
+from ..order_codes.labels import LabelMatch
+from .line import EncoderLine, LineError, LineProblem
 from .parse import parse_line
 from .spec import spec_text
 
 #: Names of the family and of the manufacturer, which no output shows.
-_FAMILY, _MANUFACTURER = "one_line", "example"
-_MANUFACTURER_TEXT = f"codewheel: 1\nmanufacturer: {_MANUFACTURER}\ntitle: manufacturer not stated\nsource: line\n"
+_FAMILY_NAME, _MANUFACTURER_NAME = "one_line", "example"
+_MANUFACTURER_TEXT = f"codewheel: 1\nmanufacturer: {_MANUFACTURER_NAME}\ntitle: manufacturer not stated\nsource: line\n"
 
 
-def device_of_line(text: str) -> tuple[Device, Match]:
+def device_of_line(text: str) -> tuple[Device, LabelMatch]:
     """Return the device that a line describes, and its order code, which is the line itself.
 
     Raises:
         LineError: The line has problems.
     """
     line = parse_line(text)
-    report = Report()
-    texts = {f"{_FAMILY}.yaml": spec_text(line, _FAMILY, _MANUFACTURER), "manufacturer.yaml": _MANUFACTURER_TEXT}
+    report = ProblemReport()
+    texts = {
+        f"{_FAMILY_NAME}.yaml": spec_text(line, _FAMILY_NAME, _MANUFACTURER_NAME),
+        "manufacturer.yaml": _MANUFACTURER_TEXT,
+    }
     documents = [document_of_text(file, file_text, report) for file, file_text in texts.items()]
     families = families_of([document for document in documents if document is not None], report)
     if report or not families:
@@ -36,10 +39,10 @@ def device_of_line(text: str) -> tuple[Device, Match]:
     # Only the written spec marks what the line does not state. Here, the outputs say so themselves.
     evidence = replace(device.evidence, placeholders=())
     device = replace(device, variants=(variant,), evidence=evidence, title="Encoder described in one line")
-    return device, Match(variant, unlisted=(), tail="", special=False)
+    return device, LabelMatch(variant, unlisted=(), tail="", special=False)
 
 
-def _problems_in_line(line: Line, report: Report) -> list[LineProblem]:
+def _problems_in_line(line: EncoderLine, report: ProblemReport) -> list[LineProblem]:
     """Return the problems of the spec of a line, each at the field that it is about."""
     columns = {field.name: field.column for field in line.fields}
     return [LineProblem(_column_of(problem, columns), problem.message) for problem in report.problems]

@@ -6,19 +6,19 @@ import re
 from collections.abc import Sequence
 from typing import Literal
 
-from ..language.problems import quoted, suggestion
+from ..language.problems import quoted, suggest_word
 from ..model.key_types import LARGEST
-from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, LineField, Number, Parity
+from .line import IN_TURN, POSITION, TURNS, CrcField, FillerField, FlagField, LineField, NumberField, ParityField
 
 #: Verdict of an active flag, by the word for it in the line.
 VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": "usable"}
 #: Widest field and widest CRC in bits.
 WIDEST, _WIDEST_CRC = 64, 32
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
-_DIGITS = re.compile(r"0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19}")
+_FIELD_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+_NUMBER_TEXT = re.compile(r"0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19}")
 #: Names of fields that need no width or level, with an example of how to write them.
 _KNOWN_NAMES = (POSITION, IN_TURN, TURNS, "error", "warning", "zero", "unused", "parity", "crc")
-_FORMS = "NAME=BITS for a number, NAME=low or NAME=high for a flag"
+_FIELD_FORMS = "NAME=BITS for a number, NAME=low or NAME=high for a flag"
 
 
 class FieldError(ValueError):
@@ -34,7 +34,7 @@ def number_in(text: str) -> int | None:
 
     A number has at most 20 decimal, 17 hexadecimal or 65 binary digits. A decimal one does not begin with a 0.
     """
-    return int(text, 0) if _DIGITS.fullmatch(text) else None
+    return int(text, 0) if _NUMBER_TEXT.fullmatch(text) else None
 
 
 def read_field(text: str, column: int, interface: str) -> LineField:
@@ -48,7 +48,7 @@ def read_field(text: str, column: int, interface: str) -> LineField:
     values = [value.strip() for value in value_text.split(":")] if equals else []
     if not text.strip():
         raise FieldError("a field is missing between two commas; remove one of them")
-    if not _NAME.fullmatch(name):
+    if not _FIELD_NAME.fullmatch(name):
         raise FieldError(f"{quoted(name)} is not a name; use letters, digits and underscores, such as position=32")
     name = _spec_name(name)
     if name == "crc":
@@ -79,18 +79,18 @@ def _read_width(name: str, width_text: str, widest: int = WIDEST) -> int:
     return bits
 
 
-def _read_number(name: str, values: Sequence[str], column: int) -> Number:
+def _read_number(name: str, values: Sequence[str], column: int) -> NumberField:
     """Return a number from its values: a width, and ``signed`` or the value of a constant, such as ``24:signed``."""
     if not values or values == [""]:
-        hint = suggestion(name, _KNOWN_NAMES) if name not in _KNOWN_NAMES else ""
-        raise FieldError(f"'{name}' has no width; write {_FORMS}{hint}")
+        hint = suggest_word(name, _KNOWN_NAMES) if name not in _KNOWN_NAMES else ""
+        raise FieldError(f"'{name}' has no width; write {_FIELD_FORMS}{hint}")
     if name in ("error", "warning"):
         raise FieldError(f"'{name}' is one bit; write {name}=low or {name}=high", len(name) + 1)
     bits = _read_width(name, values[0])
     if len(values) == 1:
-        return Number(name, bits, column)
+        return NumberField(name, bits, column)
     if values[1:] == ["signed"]:
-        return Number(name, bits, column, is_signed=True)
+        return NumberField(name, bits, column, is_signed=True)
     value = number_in(values[1])
     offset = len(name) + len(values[0]) + 2  # after "name=width:"
     if value is None or len(values) > 2:
@@ -102,10 +102,10 @@ def _read_number(name: str, values: Sequence[str], column: int) -> Number:
         raise FieldError(f"{value:#x} is too large; write at most {LARGEST:#x}, or two constants", offset)
     if name in (POSITION, IN_TURN, TURNS):
         raise FieldError(f"'{name}' is not a constant; give the constant bits another name", offset)
-    return Number(name, bits, column, value=value)
+    return NumberField(name, bits, column, value=value)
 
 
-def _read_flag(name: str, values: Sequence[str], column: int) -> Flag:
+def _read_flag(name: str, values: Sequence[str], column: int) -> FlagField:
     """Return a flag from its values: its active level, and its effect on the position, such as ``low:error``.
 
     By default, the flags ``error`` and ``warning`` have the effect of their name, and others have none (``status``).
@@ -121,33 +121,33 @@ def _read_flag(name: str, values: Sequence[str], column: int) -> Flag:
         message = f"{quoted(':'.join(values[1:]))} is not an effect of a flag; write error, warning or status"
         offset = len(name) + len(values[0]) + 2  # after "name=low:"
         raise FieldError(message, offset)
-    return Flag(name, column, level, VERDICTS[effect])
+    return FlagField(name, column, level, VERDICTS[effect])
 
 
-def _flag_of_interface(name: str, column: int, interface: str) -> Flag:
+def _flag_of_interface(name: str, column: int, interface: str) -> FlagField:
     """Return a flag with the level of the interface: active low over BiSS, and unknown over other interfaces."""
     if interface != "biss":
         raise FieldError(f"'{name}' has no active level; write {name}=low or {name}=high")
-    return Flag(name, column, "low", VERDICTS[name])
+    return FlagField(name, column, "low", VERDICTS[name])
 
 
-def _read_filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> Filler:
+def _read_filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> FillerField:
     """Return bits without content from their only value, the width."""
     if len(values) != 1:
         raise FieldError(f"'{name}' takes only a width; write {name}=2 for two bits")
-    return Filler(name, _read_width(name, values[0]), column)
+    return FillerField(name, _read_width(name, values[0]), column)
 
 
-def _read_parity(values: Sequence[str], column: int) -> Parity:
+def _read_parity(values: Sequence[str], column: int) -> ParityField:
     """Return a parity bit from its only value: ``even`` or ``odd``."""
     if values == ["even"]:
-        return Parity("parity", column, "even")
+        return ParityField("parity", column, "even")
     if values == ["odd"]:
-        return Parity("parity", column, "odd")
+        return ParityField("parity", column, "odd")
     raise FieldError("a parity bit is even or odd; write parity=even or parity=odd")
 
 
-def _read_crc(values: Sequence[str], column: int, interface: str) -> Crc:
+def _read_crc(values: Sequence[str], column: int, interface: str) -> CrcField:
     """Return a CRC from its values: width, polynomial, start value, and ``inverted`` or ``plain``.
 
     The last two are optional. The start value is then 0, and the CRC is inverted only over BiSS.
@@ -169,7 +169,7 @@ def _read_crc(values: Sequence[str], column: int, interface: str) -> Crc:
     if init is None or init > highest:
         offset += len(numbers[0]) + 1
         raise FieldError(f"{quoted(numbers[1])} is not a start value; write at most {highest:#x}", offset)
-    return Crc("crc", bits, column, poly, init, is_inverted)
+    return CrcField("crc", bits, column, poly, init, is_inverted)
 
 
 def _read_polynomial(polynomial_text: str, bits: int, offset: int) -> int:

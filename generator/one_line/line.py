@@ -27,7 +27,7 @@ class LineError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Number:
+class NumberField:
     """A number. ``value`` is set for a constant, which identifies a valid frame."""
 
     name: str
@@ -38,7 +38,7 @@ class Number:
 
 
 @dataclass(frozen=True, slots=True)
-class Flag:
+class FlagField:
     """A bit with an active level. ``verdict`` is the verdict on the position while the flag is active."""
 
     name: str
@@ -49,7 +49,7 @@ class Flag:
 
 
 @dataclass(frozen=True, slots=True)
-class Filler:
+class FillerField:
     """Bits that are always zero, or that have no meaning."""
 
     name: Literal["zero", "unused"]
@@ -58,7 +58,7 @@ class Filler:
 
 
 @dataclass(frozen=True, slots=True)
-class Parity:
+class ParityField:
     """A parity bit over all other fields."""
 
     name: str
@@ -68,7 +68,7 @@ class Parity:
 
 
 @dataclass(frozen=True, slots=True)
-class Crc:
+class CrcField:
     """A CRC over everything sent before it. ``poly`` has no top bit."""
 
     name: str
@@ -79,11 +79,11 @@ class Crc:
     is_inverted: bool
 
 
-LineField = Number | Flag | Filler | Parity | Crc
+LineField = NumberField | FlagField | FillerField | ParityField | CrcField
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class LineOptions:
     """Words between the interface and the colon. An empty value, None or 0 is a fact that the line does not state."""
 
     is_gray: bool = False
@@ -98,12 +98,12 @@ class Options:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class EncoderLine:
     """An encoder as one line describes it."""
 
     text: str
     interface: str
-    options: Options
+    options: LineOptions
     fields: tuple[LineField, ...]
 
     @property
@@ -130,6 +130,6 @@ class Line:
             yield "The request that asks for this reply."
         if self.has(POSITION) and not options.counts:
             yield "The counts per revolution."
-        if not any(isinstance(field, Flag) and field.verdict == "not_usable" for field in self.fields):
+        if not any(isinstance(field, FlagField) and field.verdict == "not_usable" for field in self.fields):
             yield "Flags that tell whether the position is usable."
         yield "Registers, alarms, timings, supply and wiring."

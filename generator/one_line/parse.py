@@ -7,20 +7,20 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..language.problems import listed, quoted, suggestion
+from ..language.problems import join_words, quoted, suggest_word
 from ..model.key_types import LARGEST
 from .checks import problems_of_fields, problems_of_options
 from .fields import FieldError, number_in, read_field
-from .line import POSITION, Line, LineError, LineField, LineProblem, Options
+from .line import POSITION, EncoderLine, LineError, LineField, LineOptions, LineProblem
 
 INTERFACES = ("biss", "ssi", "spi", "rs485")
 #: Characters of the longest line, and the highest number of fields in a line.
 LONGEST = 1000
 _MOST_FIELDS = 64
-_ALLOWED = re.compile(r"[A-Za-z0-9_=:,. ]*")
-_BEGINNING = re.compile(rf"\s*({'|'.join(INTERFACES)})\s*[:,]", re.IGNORECASE)
-_HERTZ = re.compile(r"([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?")
-_FACTORS = {"": 1, "k": 1_000, "M": 1_000_000}
+_ALLOWED_CHARACTERS = re.compile(r"[A-Za-z0-9_=:,. ]*")
+_INTERFACE_BEGINNING = re.compile(rf"\s*({'|'.join(INTERFACES)})\s*[:,]", re.IGNORECASE)
+_FREQUENCY_TEXT = re.compile(r"([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?")
+_PREFIX_FACTORS = {"": 1, "k": 1_000, "M": 1_000_000}
 #: Most bytes of the request in a line.
 _LONGEST_REQUEST = 8
 
@@ -37,10 +37,10 @@ _WORDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, Any]]] = {
 
 def is_line(text: str) -> bool:
     """Return True if a text is meant as a line: order codes and names of families have no such characters."""
-    return "=" in text or _BEGINNING.match(text) is not None
+    return "=" in text or _INTERFACE_BEGINNING.match(text) is not None
 
 
-def parse_line(text: str) -> Line:
+def parse_line(text: str) -> EncoderLine:
     """Return the encoder that a line describes. The functions that it calls add their problems to one list.
 
     Raises:
@@ -49,9 +49,9 @@ def parse_line(text: str) -> Line:
     text = text.strip()
     if len(text) > LONGEST:
         raise LineError(text[:LONGEST], [LineProblem(1, f"the line is longer than {LONGEST} characters; shorten it")])
-    allowed = _ALLOWED.match(text)
+    allowed = _ALLOWED_CHARACTERS.match(text)
     if allowed is not None and allowed.end() < len(text):
-        message = f"{quoted(text[allowed.end()])} is not a character of a line; write {_EXAMPLE}"
+        message = f"{quoted(text[allowed.end()])} is not a character of a line; write {_LINE_EXAMPLE}"
         raise LineError(text, [LineProblem(allowed.end() + 1, message)])
     problems: list[LineProblem] = []
     interface, head_end = _read_interface(text, problems)
@@ -64,10 +64,10 @@ def parse_line(text: str) -> Line:
         problems += problems_of_options(options, option_columns, fields, interface)
     if problems:
         raise LineError(text, problems)
-    return Line(text, interface, options, tuple(fields))
+    return EncoderLine(text, interface, options, tuple(fields))
 
 
-_EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:0x43"
+_LINE_EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:0x43"
 
 
 def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
@@ -81,7 +81,7 @@ def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
     interface = word.lower()
     if interface in INTERFACES:
         if not colon:
-            message = f"there is no colon after '{interface}' and its options; write {_EXAMPLE}"
+            message = f"there is no colon after '{interface}' and its options; write {_LINE_EXAMPLE}"
             problems.append(LineProblem(len(text) + 1, message))
         return interface, len(head)
     is_field = "=" in word or interface in ("error", "warning", POSITION)
@@ -89,7 +89,7 @@ def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
         message = "the line does not begin with its interface; write biss:, ssi:, spi: or rs485: in front of it"
         problems.append(LineProblem(1, message))
         return "biss", 0
-    hint = suggestion(interface, INTERFACES, "write one of")
+    hint = suggest_word(interface, INTERFACES, "write one of")
     problems.append(LineProblem(1, f"{quoted(word)} is not an interface{hint}"))
     return "biss", len(head)
 
@@ -102,9 +102,9 @@ def _split_at_commas(text: str, column: int) -> Iterator[tuple[int, str]]:
         column += len(piece) + 1
 
 
-def _read_options(head: str, interface: str, problems: list[LineProblem]) -> tuple[Options, dict[str, int]]:
+def _read_options(head: str, interface: str, problems: list[LineProblem]) -> tuple[LineOptions, dict[str, int]]:
     """Return the options, and the column of each by its name. ``head`` is the line up to the colon."""
-    options = Options()
+    options = LineOptions()
     columns: dict[str, int] = {}
     for column, piece in list(_split_at_commas(head, 1))[1:]:  # The first one is the interface.
         try:
@@ -122,7 +122,7 @@ def _read_fields(text: str, column: int, interface: str, problems: list[LineProb
     """
     fields: list[LineField] = []
     if not text.strip():
-        problems.append(LineProblem(column, f"the line has no fields; write {_EXAMPLE}"))
+        problems.append(LineProblem(column, f"the line has no fields; write {_LINE_EXAMPLE}"))
         return fields
     pieces = list(_split_at_commas(text, column))
     if len(pieces) > _MOST_FIELDS:
@@ -137,10 +137,10 @@ def _read_fields(text: str, column: int, interface: str, problems: list[LineProb
 
 def _read_frequency(option_text: str) -> int | None:
     """Return the frequency in Hz of a text such as ``1.5MHz`` or ``800k``, or None if it is not 1 Hz to 1 GHz."""
-    match = _HERTZ.fullmatch(option_text)
+    match = _FREQUENCY_TEXT.fullmatch(option_text)
     if match is None:
         return None
-    hertz = float(match[1] + (match[2] or "")) * _FACTORS[match[3]]
+    hertz = float(match[1] + (match[2] or "")) * _PREFIX_FACTORS[match[3]]
     return round(hertz) if 1 <= hertz <= 1_000_000_000 else None
 
 
@@ -175,7 +175,7 @@ _SETTINGS: Mapping[str, tuple[tuple[str, ...], str, Callable[[str], Any], str]] 
 }
 
 
-def with_option(options: Options, text: str, interface: str) -> Options:
+def with_option(options: LineOptions, text: str, interface: str) -> LineOptions:
     """Return the options with one more, such as ``gray`` or ``clock=1MHz``. Without an interface, each option is valid.
 
     Raises:
@@ -187,11 +187,11 @@ def with_option(options: Options, text: str, interface: str) -> Options:
     is_word = name in _WORDS
     if not is_word and name not in _SETTINGS:
         known_names = [*_WORDS, *_SETTINGS]
-        hint = suggestion(name, known_names) or f"; write {listed(known_names, 'or')}"
+        hint = suggest_word(name, known_names) or f"; write {join_words(known_names, 'or')}"
         raise FieldError(f"{quoted(name)} is not an option{hint} (a field belongs after the colon)")
     interfaces, *_ = _WORDS[name] if is_word else _SETTINGS[name]
     if interface and interface not in interfaces:
-        raise FieldError(f"'{name}' is not an option of {interface}, only of {listed(interfaces)}; remove it")
+        raise FieldError(f"'{name}' is not an option of {interface}, only of {join_words(interfaces)}; remove it")
     if is_word:
         if equals:
             raise FieldError(f"'{name}' has no value; write only {name}", len(name))

@@ -5,21 +5,32 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 
-from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, Line, LineField, Number, Parity
+from .line import (
+    IN_TURN,
+    POSITION,
+    TURNS,
+    CrcField,
+    EncoderLine,
+    FillerField,
+    FlagField,
+    LineField,
+    NumberField,
+    ParityField,
+)
 
 #: Source of the facts that the line states, and of the remaining facts.
-_LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
-_LAYOUTS = {"biss": "single_cycle_data", "ssi": "ssi_word", "spi": "position_word", "rs485": "reply"}
+_SOURCE_LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
+_LAYOUT_NAMES = {"biss": "single_cycle_data", "ssi": "ssi_word", "spi": "position_word", "rs485": "reply"}
 _CRC_NAME = "line_crc"
 #: Baud rate in the spec if the line states none. It is marked with TODO.
 _PLACEHOLDER_BAUD = 115200
 #: Units and meanings of fields.
-_NUMBERS = {
+_UNIT_AND_MEANING = {
     POSITION: ("counts", "Position"),
     IN_TURN: ("counts", "Position within one revolution"),
     TURNS: ("revolutions", "Number of revolutions"),
 }
-_MEANINGS = {
+_MEANING_BY_VERDICT = {
     "not_usable": "an error is active",
     "usable_with_warning": "a warning is active",
     "usable": "the bit is active",
@@ -28,7 +39,7 @@ _MEANINGS = {
 SCHEMA = "device.schema.json"
 
 
-def spec_text(line: Line, name: str, manufacturer: str, schema: str = SCHEMA) -> str:
+def spec_text(line: EncoderLine, name: str, manufacturer: str, schema: str = SCHEMA) -> str:
     """Return the text of a spec of the family ``name``, which ``check`` accepts."""
     return "\n".join(
         [
@@ -41,7 +52,7 @@ def spec_text(line: Line, name: str, manufacturer: str, schema: str = SCHEMA) ->
     )
 
 
-def order_code(line: Line, name: str) -> str:
+def order_code(line: EncoderLine, name: str) -> str:
     """Return the only order code of the spec of a line."""
     return f"{_fixed_text_of_code(name)}-{line.interface.upper()}"
 
@@ -50,7 +61,7 @@ def _fixed_text_of_code(family_name: str) -> str:
     return family_name.replace("_", "-").upper()
 
 
-def _write_head(line: Line, family_name: str, manufacturer: str, schema: str) -> Iterator[str]:
+def _write_head(line: EncoderLine, family_name: str, manufacturer: str, schema: str) -> Iterator[str]:
     """Yield the spec up to its measurement."""
     yield f"# yaml-language-server: $schema={schema}"
     yield "#"
@@ -81,7 +92,7 @@ def _write_head(line: Line, family_name: str, manufacturer: str, schema: str) ->
     yield ""
     yield "order_code:"
     yield f'  pattern: "{_fixed_text_of_code(family_name)}-{{output}}"'
-    yield f"  source: {_LINE}"
+    yield f"  source: {_SOURCE_LINE}"
     yield "  parts:"
     only_value = f"{{{line.interface.upper()}: {{meaning: The interface of the line, interface: {line.interface}}}}}"
     yield f"    - {{name: output, meaning: Interface, values: {only_value}}}"
@@ -89,7 +100,7 @@ def _write_head(line: Line, family_name: str, manufacturer: str, schema: str) ->
     yield from _write_measurement(line)
 
 
-def _write_measurement(line: Line) -> Iterator[str]:
+def _write_measurement(line: EncoderLine) -> Iterator[str]:
     """Yield the size of a count, if the line states it."""
     widths = {field.name: field.bits for field in line.fields}
     if IN_TURN in widths:
@@ -103,24 +114,24 @@ def _write_measurement(line: Line) -> Iterator[str]:
     # Without turns, the position within a revolution is the whole position.
     has_only_position_in_turn = IN_TURN in widths and TURNS not in widths
     measured_field = IN_TURN if has_only_position_in_turn else POSITION
-    yield f"measurement: {{of: {measured_field}, counts_per_turn: {counts}, turns: {turns}, source: {_LINE}}}"
+    yield f"measurement: {{of: {measured_field}, counts_per_turn: {counts}, turns: {turns}, source: {_SOURCE_LINE}}}"
     yield ""
 
 
-def _write_crc(line: Line) -> Iterator[str]:
+def _write_crc(line: EncoderLine) -> Iterator[str]:
     """Yield the definition of the CRC, if the line has one."""
     for field in line.fields:
-        if isinstance(field, Crc):
+        if isinstance(field, CrcField):
             all_ones = (1 << field.bits) - 1
             xorout = all_ones if field.is_inverted else 0
             numbers = f"width: {field.bits}, poly: {field.poly:#x}, init: {field.init:#x}"
             yield "crcs:"
             bit_order = "refin: false, refout: false"
-            yield f"  - {{name: {_CRC_NAME}, {numbers}, {bit_order}, xorout: {xorout:#x}, source: {_LINE}}}"
+            yield f"  - {{name: {_CRC_NAME}, {numbers}, {bit_order}, xorout: {xorout:#x}, source: {_SOURCE_LINE}}}"
             yield ""
 
 
-def _write_interface(line: Line) -> Iterator[str]:
+def _write_interface(line: EncoderLine) -> Iterator[str]:
     """Yield the interface with its layouts. A fact that the line does not state has a placeholder as its source."""
     options = line.options
     yield "interfaces:"
@@ -134,7 +145,7 @@ def _write_interface(line: Line) -> Iterator[str]:
         yield "    reply: same_word"
     if line.interface == "ssi":
         yield f"    alignment: {options.alignment or 'msb_left'}"
-        source = _LINE if options.alignment else _NOT_STATED
+        source = _SOURCE_LINE if options.alignment else _NOT_STATED
         yield f"    alignment_source: {source}"
         yield f"    output_code: {'gray' if options.is_gray else 'binary'}"
     yield "    layouts:"
@@ -143,32 +154,32 @@ def _write_interface(line: Line) -> Iterator[str]:
     yield from _write_layout(line)
 
 
-def _write_clock(line: Line) -> Iterator[str]:
+def _write_clock(line: EncoderLine) -> Iterator[str]:
     """Yield the clock of an interface, and the mode of SPI."""
     options = line.options
     is_mode_unknown = line.interface == "spi" and options.mode is None
-    yield f"    source: {_NOT_STATED if is_mode_unknown else _LINE}"
+    yield f"    source: {_NOT_STATED if is_mode_unknown else _SOURCE_LINE}"
     if line.interface == "spi":
         yield f"    mode: {options.mode or 0}"
     if options.clock_hz:
-        yield f"    clock: {{used_hz: {options.clock_hz}, source: {_LINE}}}"
+        yield f"    clock: {{used_hz: {options.clock_hz}, source: {_SOURCE_LINE}}}"
     else:
         yield f"    clock: {{source: {_NOT_STATED}}}"
 
 
-def _write_serial_port(line: Line) -> Iterator[str]:
+def _write_serial_port(line: EncoderLine) -> Iterator[str]:
     """Yield the serial port, and the exchange with the reply."""
-    source = _LINE if line.options.baud else _NOT_STATED
+    source = _SOURCE_LINE if line.options.baud else _NOT_STATED
     port = f"baud: {line.options.baud or _PLACEHOLDER_BAUD}, data_bits: 8, parity: none, stop_bits: 1"
-    yield f"    source: {_LINE}"
+    yield f"    source: {_SOURCE_LINE}"
     yield f"    port: {{{port}, source: {source}}}"
     yield "    exchanges:"
     # A request for the position needs a measurement.
     purpose = "position" if line.options.counts or line.has(IN_TURN) else "other"
-    yield f"      - {{request: position_request, reply: reply, purpose: {purpose}, source: {_LINE}}}"
+    yield f"      - {{request: position_request, reply: reply, purpose: {purpose}, source: {_SOURCE_LINE}}}"
 
 
-def _write_request(line: Line) -> Iterator[str]:
+def _write_request(line: EncoderLine) -> Iterator[str]:
     """Yield the request to which the frame is the reply over RS-485.
 
     If the line does not state it, it is one byte of any value.
@@ -178,17 +189,17 @@ def _write_request(line: Line) -> Iterator[str]:
     yield "      - name: position_request"
     yield "        from: master"
     yield "        byte_order: high_byte_first"
-    yield f"        source: {_LINE if request else _NOT_STATED}"
+    yield f"        source: {_SOURCE_LINE if request else _NOT_STATED}"
     yield "        fields:"
     request_bytes = len(request) or 1
     yield f"          - {{name: request, bits: {8 * request_bytes}, {content}}}"
 
 
-def _write_layout(line: Line) -> Iterator[str]:
+def _write_layout(line: EncoderLine) -> Iterator[str]:
     """Yield the layout of the frame."""
-    yield f"      - name: {_LAYOUTS[line.interface]}"
+    yield f"      - name: {_LAYOUT_NAMES[line.interface]}"
     yield "        from: encoder"
-    yield f"        source: {_LINE}"
+    yield f"        source: {_SOURCE_LINE}"
     if line.interface == "rs485":
         yield f"        byte_order: {line.options.byte_order or 'high_byte_first'}"
     elif any(_byte_names(field, line) for field in line.fields):
@@ -208,22 +219,22 @@ def _write_layout(line: Line) -> Iterator[str]:
             yield f"          - {{{keys}}}"
 
 
-def _names_in_spec(line: Line) -> list[str]:
+def _names_in_spec(line: EncoderLine) -> list[str]:
     """Return the name of each field. Repeated fillers have numbers: ``zero_bits``, ``zero_bits_2``."""
-    taken_names = {field.name for field in line.fields if not isinstance(field, Filler)}
+    taken_names = {field.name for field in line.fields if not isinstance(field, FillerField)}
     names: list[str] = []
     for field in line.fields:
-        name = f"{field.name}_bits" if isinstance(field, Filler) else field.name
+        name = f"{field.name}_bits" if isinstance(field, FillerField) else field.name
         name_without_number = name
         number = 1
-        while isinstance(field, Filler) and (name in names or name in taken_names):
+        while isinstance(field, FillerField) and (name in names or name in taken_names):
             number += 1
             name = f"{name_without_number}_{number}"
         names.append(name)
     return names
 
 
-def _field_names(line: Line) -> list[str]:
+def _field_names(line: EncoderLine) -> list[str]:
     """Return the names of the fields and of the bytes of split numbers, in the order in which they are sent."""
     names: list[str] = []
     for field, name in zip(line.fields, _names_in_spec(line), strict=True):
@@ -231,18 +242,18 @@ def _field_names(line: Line) -> list[str]:
     return names
 
 
-def _byte_names(field: LineField, line: Line) -> list[str]:
+def _byte_names(field: LineField, line: EncoderLine) -> list[str]:
     """Return the names of the bytes of a number of several bytes over SPI that is sent low byte first.
 
     They are in the order sent: ``position_byte_0``, ``position_byte_1``. Return nothing for all other fields.
     """
     is_low_first = line.interface == "spi" and line.options.byte_order == "low_byte_first"
-    if not is_low_first or not isinstance(field, Number) or field.bits <= 8:
+    if not is_low_first or not isinstance(field, NumberField) or field.bits <= 8:
         return []
     return [f"{field.name}_byte_{index}" for index in range(field.bits // 8)]
 
 
-def _write_joins(line: Line) -> Iterator[str]:
+def _write_joins(line: EncoderLine) -> Iterator[str]:
     """Yield the numbers that consist of several fields: split numbers, and the position made of turns and the rest.
 
     Their fields are listed most significant first.
@@ -258,7 +269,7 @@ def _write_joins(line: Line) -> Iterator[str]:
         yield f"          {POSITION}: [{', '.join([*fields_of_number[TURNS], *fields_of_number[IN_TURN]])}]"
 
 
-def _write_erratum(line: Line) -> Iterator[str]:
+def _write_erratum(line: EncoderLine) -> Iterator[str]:
     """Yield an erratum for a frame that differs from BiSS frames, so that ``check`` accepts it."""
     places = list(_places_unlike_biss(line)) if line.interface == "biss" else []
     if not places:
@@ -267,7 +278,7 @@ def _write_erratum(line: Line) -> Iterator[str]:
     yield "errata:"
     yield "  - name: unlike_biss"
     yield "    title: The line describes a frame that is unusual for BiSS"
-    yield f"    source: {_LINE}"
+    yield f"    source: {_SOURCE_LINE}"
     yield "    printed: A frame of BiSS has the position, the active-low error and warning bits, and an inverted CRC."
     yield "    used: The frame of the line."
     yield "    why: The manual or the encoder must decide."
@@ -276,32 +287,32 @@ def _write_erratum(line: Line) -> Iterator[str]:
     yield f"    affects: [{', '.join(places)}]"
 
 
-def _places_unlike_biss(line: Line) -> Iterator[str]:
+def _places_unlike_biss(line: EncoderLine) -> Iterator[str]:
     """Yield the paths of the differences from BiSS in a frame with an error or warning bit: ``crcs.line_crc.xorout``.
 
     A usual frame has the position, the error and then the warning bit, both active low, and an inverted CRC.
     """
-    frame = f"interfaces.biss.{_LAYOUTS['biss']}"
+    frame = f"interfaces.biss.{_LAYOUT_NAMES['biss']}"
     names = [field.name for field in line.fields]
     flag_names = [name for name in names if name in ("error", "warning")]
     if not flag_names:
         return
     for field in line.fields:
-        if isinstance(field, Flag) and field.name in flag_names and field.level == "high":
+        if isinstance(field, FlagField) and field.name in flag_names and field.level == "high":
             yield f"{frame}.{field.name}.active"
-        if isinstance(field, Crc) and not field.is_inverted:
+        if isinstance(field, CrcField) and not field.is_inverted:
             yield f"crcs.{_CRC_NAME}.xorout"
     if flag_names == ["warning", "error"]:
         yield f"{frame}.warning"
     names_from_first_flag = names[names.index(flag_names[0]) :]
-    numbers_after_flags = [name for name in names_from_first_flag if name in _NUMBERS]
+    numbers_after_flags = [name for name in names_from_first_flag if name in _UNIT_AND_MEANING]
     if numbers_after_flags:
         yield f"{frame}.{numbers_after_flags[0]}"
     if "crc" not in names:
         yield f"{frame}.fields"
 
 
-def _write_field(field: LineField, name: str, line: Line, parity_fields: Sequence[str]) -> Iterator[str]:
+def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: Sequence[str]) -> Iterator[str]:
     """Yield the keys of a field in the spec, ``name: zero_bits, bits: 2, constant: 0``, or those of each split byte.
 
     Effects on the position are left out of a frame without a position.
@@ -313,30 +324,30 @@ def _write_field(field: LineField, name: str, line: Line, parity_fields: Sequenc
         return
     has_position = line.has(POSITION) or line.has(IN_TURN)
     match field:
-        case Number():
+        case NumberField():
             has_counts = field.name == POSITION and line.options.counts
             note = ", note: The line states its bits and its counts." if has_counts else ""
             yield _keys_of_number(field) + note
-        case Flag():
+        case FlagField():
             effect = f", makes_position: {field.verdict}" if has_position else ""
-            yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANINGS[field.verdict]}"
-        case Filler(name="zero"):
+            yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANING_BY_VERDICT[field.verdict]}"
+        case FillerField(name="zero"):
             yield f"name: {name}, bits: {field.bits}, constant: 0"
-        case Filler():
+        case FillerField():
             unused = ", unused: 0, makes_position: usable" if has_position else ""
             yield f"name: {name}, bits: {field.bits}{unused}"
-        case Parity():
+        case ParityField():
             yield f"name: {name}, parity_of: [{', '.join(parity_fields)}], parity: {field.kind}"
-        case Crc():
+        case CrcField():
             yield f"name: {name}, crc: {_CRC_NAME}"
 
 
-def _keys_of_number(field: Number) -> str:
+def _keys_of_number(field: NumberField) -> str:
     """Return the keys of a number in the spec. Only the parts of the position have a unit and a meaning."""
     keys = f"name: {field.name}, bits: {field.bits}"
     if field.is_signed:
         keys += ", signed: true"
     if field.value is not None:
         return f"{keys}, constant: {field.value:#x}"
-    unit, meaning = _NUMBERS.get(field.name, ("", ""))
+    unit, meaning = _UNIT_AND_MEANING.get(field.name, ("", ""))
     return f"{keys}, unit: {unit}, meaning: {meaning}" if unit else keys

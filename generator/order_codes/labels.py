@@ -62,7 +62,7 @@ LONGEST, _SHOWN_CHARACTERS = 100, 20
 #: Least similarity, of 1, for a code to be suggested.
 NEAR = 0.5
 
-_BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
+_PART_IN_BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
 #: Regular expression for text that may follow the code on a label.
 AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 
@@ -80,7 +80,7 @@ class UnknownOrderCode(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Match:
+class LabelMatch:
     """An order code as read from a label.
 
     ``variant`` is the matching listed code. If a part has a value that the manual does not list, the code has this
@@ -130,10 +130,10 @@ def _can_be_combined(value: CodeValue, texts: Mapping[str, str]) -> bool:
 
 def fill_pattern(pattern: str, texts: Mapping[str, str]) -> str:
     """Return a pattern with the names in braces replaced by the texts of these parts."""
-    return _BRACES.sub(lambda brace: texts[brace[1]], pattern)
+    return _PART_IN_BRACES.sub(lambda brace: texts[brace[1]], pattern)
 
 
-def find_code(device: Device, text: str) -> Match:
+def find_code(device: Device, text: str) -> LabelMatch:
     """Parse the label ``text`` for this family. Text after ``-`` and ``/Sxxx`` are accepted, and spaces are ignored.
 
     Raises:
@@ -157,7 +157,7 @@ def find_code(device: Device, text: str) -> Match:
             part_text = label_match[part.name]
             value_by_part[part.name] = value_by_spelling.get((part.name, part_text), part_text)
         variant, unlisted_parts = _variant_with_parts(device, value_by_part, label)
-        return Match(
+        return LabelMatch(
             variant=variant,
             unlisted=unlisted_parts,
             tail=label_match["tail_"] or "",
@@ -202,7 +202,7 @@ def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
     If the first part can have unlisted values, an empty text is among them, since a label can begin with anything.
     """
     # The split yields texts and names of parts in turn, beginning with a text.
-    text_before_parts, *names_and_texts = _BRACES.split(spelling.pattern)
+    text_before_parts, *names_and_texts = _PART_IN_BRACES.split(spelling.pattern)
     if text_before_parts.strip():
         return [text_before_parts]
     first_part = member_named(code.parts, names_and_texts[0], "part of the order code")
@@ -295,7 +295,7 @@ def expression_of_code(order_code: OrderCode, spelling: Spelling, anything: str 
         else:
             pattern_by_part[part.name] = _value_pattern(part)
     expression = ""
-    texts_and_names = _BRACES.split(spelling.pattern)  # Text and names of parts in turn.
+    texts_and_names = _PART_IN_BRACES.split(spelling.pattern)  # Text and names of parts in turn.
     for index, text_or_name in enumerate(texts_and_names):
         is_name = index % 2 == 1
         if is_name:
@@ -430,7 +430,7 @@ def edition_before(device: Device, revision: str) -> str:
     return revisions[revisions.index(revision) - 1]
 
 
-def edition_by_label(device: Device, match: Match) -> str:
+def edition_by_label(device: Device, match: LabelMatch) -> str:
     """Return the revision whose labels are written like this label, or an empty string if none is certain."""
     spellings = device.order_code.also_written
     patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}

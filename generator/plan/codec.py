@@ -7,17 +7,19 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
-from ..model import Alternative, Device, Fault, Field, Layout, Piece
+from ..model import Alternative, BitSlice, Device, Fault, Field, Layout
 from ..model.expressions import Expression
 from ..model.kinds import Constant, CrcValue, Flag, Parity, Text, Unused
 from ..model.record import dataclass
 from .crcs import checks_whole_words, fold_steps, is_checked_by_division
 from .operations import (
     AlwaysIs,
-    Bits,
     Check,
+    ConstantNumber,
     DigitCoding,
-    Fixed,
+    FieldBits,
+    FieldToDecode,
+    FieldToEncode,
     FrameCrc,
     Gray,
     IsBetween,
@@ -26,10 +28,8 @@ from .operations import (
     NotAbove,
     ParityIs,
     ParityOf,
-    Part,
     Reserved,
     ReservedBits,
-    Term,
     ValueOfField,
     ZerosAbove,
     checks_of_meaning,
@@ -37,7 +37,7 @@ from .operations import (
 
 
 @dataclass(frozen=True)
-class Codec:
+class LayoutPlan:
     """The plan of a layout.
 
     ``by_word`` is true if the frame is processed as one number, because it is sent as bits, the order code moves its
@@ -52,12 +52,12 @@ class Codec:
     crcs: tuple[FrameCrc, ...]
     gray: Gray | None
     digit_codings: tuple[DigitCoding, ...]
-    parts: tuple[Part, ...]
+    parts: tuple[FieldToDecode, ...]
     joined_numbers: tuple[JoinedNumber, ...]
     alternatives: tuple[Alternative, ...]
     reserved: tuple[Reserved, ...]
     checks: tuple[Check, ...]
-    terms: tuple[Term, ...]
+    terms: tuple[FieldToEncode, ...]
 
     @property
     def keeps_others(self) -> bool:
@@ -127,16 +127,16 @@ class Codec:
             faults.add(Fault.CRC)
         return tuple(fault for fault in Fault if fault in faults)
 
-    def bits_of(self, name: str) -> Bits:
+    def bits_of(self, name: str) -> FieldBits:
         return bits_of(self.layout, self.layout.field(name))
 
 
-def codec_of(device: Device, layout: Layout) -> Codec:
-    """Return the plan for a layout of a frame or of a register's bytes, see ``Codec``."""
+def layout_plan_of(device: Device, layout: Layout) -> LayoutPlan:
+    """Return the plan for a layout of a frame or of a register's bytes, see ``LayoutPlan``."""
     # The bytes of a field are unknown if the order code moves its bits.
-    all_have_bytes = all(field.pieces or field.padding_of for field in layout.fields)
+    all_have_bytes = all(field.bit_slices or field.padding_of for field in layout.fields)
     by_word = not layout.in_bytes or not all_have_bytes or layout.is_converted
-    return Codec(
+    return LayoutPlan(
         layout=layout,
         by_word=by_word,
         length=layout.widest // 8,
@@ -157,7 +157,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
     )
 
 
-def _yield_parts(layout: Layout) -> Iterator[Part]:
+def _yield_parts(layout: Layout) -> Iterator[FieldToDecode]:
     """Yield the fields with data, except a fixed selector. Parts that a join or a parity bit also uses are shared."""
     shared_names = {name for join in layout.joins for name in join.fields}
     for field in layout.fields:
@@ -166,7 +166,7 @@ def _yield_parts(layout: Layout) -> Iterator[Part]:
     selector = fixed_selector(layout)
     for field in layout.fields:
         if field.carries_data and field is not selector:
-            yield Part(field, bits_of(layout, field), shared=field.name in shared_names)
+            yield FieldToDecode(field, bits_of(layout, field), shared=field.name in shared_names)
 
 
 def _yield_reserved(layout: Layout) -> Iterator[Reserved]:
@@ -188,19 +188,21 @@ def only_value(layout: Layout, field: Field) -> int | None:
     return layout.selects[0] if field is fixed_selector(layout) else None
 
 
-def bits_of(layout: Layout, field: Field) -> Bits:
+def bits_of(layout: Layout, field: Field) -> FieldBits:
     """Return the bits of a field. In bytes, a padded field has no pieces for bytes that contain only padding."""
-    pieces = tuple(piece for piece in field.pieces if not field.container or piece.low_in_number < field.widest)
-    return _locate_bits(layout, field.low, field.width, field.widest, pieces)
+    bit_slices = tuple(
+        bit_slice for bit_slice in field.bit_slices if not field.container or bit_slice.low_in_number < field.widest
+    )
+    return _locate_bits(layout, field.low, field.width, field.widest, bit_slices)
 
 
 def _locate_bits(
-    layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[Piece, ...] = ()
-) -> Bits:
+    layout: Layout, low: Expression, width: Expression, widest: int, bit_slices: tuple[BitSlice, ...] = ()
+) -> FieldBits:
     """Return ``width`` bits, starting at ``low``. The bits are on top if a frame of bits has none above them."""
     bits_above = layout.bits - low - width
     on_top = not layout.in_bytes and bits_above == Expression(0)
-    return Bits(low, width, widest, on_top, pieces)
+    return FieldBits(low, width, widest, on_top, bit_slices)
 
 
 def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
@@ -236,19 +238,19 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
     )
 
 
-def _bits_at_end(layout: Layout, width: int) -> Bits:
+def _bits_at_end(layout: Layout, width: int) -> FieldBits:
     """Return the last ``width`` bits, in bytes with their pieces: a CRC that only some order codes have."""
     low_byte_first = layout.byte_order == "low_byte_first"
     low = layout.bits - Expression(width) if low_byte_first else Expression(0)
     byte_count = layout.widest // 8
-    pieces = []
+    bit_slices = []
     starts_of_bytes = range(0, width, 8) if layout.in_bytes else ()
     for low_in_crc in starts_of_bytes:
         byte = byte_count - (width - low_in_crc) // 8 if low_byte_first else byte_count - 1 - low_in_crc // 8
         bits_in_byte = min(8, width - low_in_crc)
         mask = (1 << bits_in_byte) - 1
-        pieces.append(Piece(byte=byte, low_in_byte=0, mask=mask, low_in_number=low_in_crc))
-    return _locate_bits(layout, low, Expression(width), width, tuple(pieces))
+        bit_slices.append(BitSlice(byte=byte, low_in_byte=0, mask=mask, low_in_number=low_in_crc))
+    return _locate_bits(layout, low, Expression(width), width, tuple(bit_slices))
 
 
 def _find_gray(layout: Layout) -> Gray | None:
@@ -301,7 +303,7 @@ def _zeros_above(layout: Layout, padded_field: Field, padding: Field) -> ZerosAb
     """Return the check that the bits above a field are 0, in its own bytes and in those that only the padding has."""
     # The pieces of ``bits`` lack the bytes that contain only padding.
     bits = bits_of(layout, padded_field)
-    bytes_of_padding = tuple(piece for piece in padded_field.pieces if piece not in bits.pieces)
+    bytes_of_padding = tuple(bit_slice for bit_slice in padded_field.bit_slices if bit_slice not in bits.bit_slices)
     return ZerosAbove(padded_field, padding, bits, bytes_of_padding)
 
 
@@ -381,11 +383,11 @@ def parity(number: int, odd: bool) -> int:
     return (number.bit_count() & 1) ^ odd
 
 
-def _yield_terms(layout: Layout) -> Iterator[Term]:
+def _yield_terms(layout: Layout) -> Iterator[FieldToEncode]:
     """Yield each field of an encoded frame with the source of its bits. The CRC is computed from all of them later."""
     bit_in_unused_by_name = {field.name: bit_in_unused for field, bit_in_unused in layout.unused}
     for field in layout.fields:
-        sent_value: Fixed | ValueOfField | ParityOf | ReservedBits
+        sent_value: ConstantNumber | ValueOfField | ParityOf | ReservedBits
         match field.kind:
             case CrcValue():
                 continue
@@ -395,22 +397,22 @@ def _yield_terms(layout: Layout) -> Iterator[Term]:
                 sent_value = ReservedBits(documented_value, bit_in_unused_by_name[field.name])
             case _:
                 sent_value = _sent_number(layout, field)
-        yield Term(field, bits_of(layout, field), sent_value)
+        yield FieldToEncode(field, bits_of(layout, field), sent_value)
 
 
-def _sent_parity(layout: Layout, parity_bit: Field, parity_kind: Parity) -> Fixed | ParityOf:
+def _sent_parity(layout: Layout, parity_bit: Field, parity_kind: Parity) -> ConstantNumber | ParityOf:
     """Return the computation of a parity bit, or its value if that never changes."""
     covered_fields = tuple(layout.field(name) for name in parity_kind.of)
     known_bit = _known_parity(layout, parity_bit, covered_fields, parity_kind)
     if known_bit is not None:
-        return Fixed(known_bit)
+        return ConstantNumber(known_bit)
     return ParityOf(covered_fields, parity_kind.odd, _parity_mask(parity_kind, covered_fields))
 
 
-def _sent_number(layout: Layout, field: Field) -> Fixed | ValueOfField:
+def _sent_number(layout: Layout, field: Field) -> ConstantNumber | ValueOfField:
     """Return the only value that a field can have, or the field itself if the caller supplies its value."""
     constant = only_value(layout, field)
-    return ValueOfField(field) if constant is None else Fixed(constant)
+    return ValueOfField(field) if constant is None else ConstantNumber(constant)
 
 
 def characters(field: Field) -> tuple[tuple[int, int], ...]:
@@ -418,18 +420,18 @@ def characters(field: Field) -> tuple[tuple[int, int], ...]:
 
     If the characters do not fill whole bytes, or the field is not a text, return an empty tuple.
     """
-    fills_whole_bytes = all(piece.low_in_byte == 0 and piece.mask == 0xFF for piece in field.pieces)
+    fills_whole_bytes = all(bit_slice.low_in_byte == 0 and bit_slice.mask == 0xFF for bit_slice in field.bit_slices)
     if not isinstance(field.kind, Text) or not fills_whole_bytes:
         return ()
     indices = []
     last_index = field.widest // 8 - 1
-    for piece in reversed(field.pieces):
-        bytes_after = piece.low_in_number // 8
-        indices.append((last_index - bytes_after, piece.byte))
+    for bit_slice in reversed(field.bit_slices):
+        bytes_after = bit_slice.low_in_number // 8
+        indices.append((last_index - bytes_after, bit_slice.byte))
     return tuple(indices)
 
 
-def is_plain_flag(part: Part) -> bool:
+def is_plain_flag(part: FieldToDecode) -> bool:
     """Return whether a part is a flag whose bit no join and no parity bit uses."""
     return isinstance(part.field.kind, Flag) and not part.shared
 
@@ -447,13 +449,13 @@ class ShiftedBits:
     value: int
 
 
-def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
+def moved_bits(layout_plan: LayoutPlan) -> tuple[ShiftedBits, ...]:
     """Return the unused bits whose position is fixed. Fields of a byte or word with the same shift are combined."""
     bits_by_shift: dict[tuple[int | None, int], ShiftedBits] = {}
-    for reserved in codec.reserved:
+    for reserved in layout_plan.reserved:
         if not reserved.bits.are_fixed:
             continue
-        for bits in _shifted_bits(reserved, codec.by_word):
+        for bits in _shifted_bits(reserved, layout_plan.by_word):
             byte_and_shift = (bits.byte, bits.shift)
             earlier_bits = bits_by_shift.get(byte_and_shift, bits)
             mask = earlier_bits.mask | bits.mask
@@ -469,8 +471,10 @@ def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
         shift = reserved.bits.low.constant - reserved.place
         yield ShiftedBits(byte=None, shift=shift, mask=reserved.mask, value=value)
         return
-    for piece in reserved.bits.pieces:
+    for bit_slice in reserved.bits.bit_slices:
         # Position of the byte's lowest bit in ``unused``. A negative shift moves the bits up.
-        bit_in_unused = reserved.place + piece.low_in_number
-        mask = piece.mask << bit_in_unused
-        yield ShiftedBits(byte=piece.byte, shift=piece.low_in_byte - bit_in_unused, mask=mask, value=value & mask)
+        bit_in_unused = reserved.place + bit_slice.low_in_number
+        mask = bit_slice.mask << bit_in_unused
+        yield ShiftedBits(
+            byte=bit_slice.byte, shift=bit_slice.low_in_byte - bit_in_unused, mask=mask, value=value & mask
+        )

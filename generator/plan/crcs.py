@@ -19,7 +19,7 @@ from ..model.record import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Residual:
+class UndetectedErrors:
     """Errors that a CRC misses in a frame of ``bits`` bits. It detects every error of fewer than ``distance`` bits.
 
     Of ``patterns`` errors of exactly ``distance`` bits, it misses ``missed``. Errors of more than four bits are not
@@ -35,7 +35,7 @@ class Residual:
         return comb(self.bits, self.distance)
 
 
-def residual_of(crc: Crc, bits: int) -> Residual:
+def residual_of(crc: Crc, bits: int) -> UndetectedErrors:
     """Return the errors that ``crc`` misses in a frame of ``bits`` bits, including the CRC itself.
 
     Start value, final XOR and order of the bits do not matter, since they are the same in the sent and in the received
@@ -60,8 +60,8 @@ def residual_of(crc: Crc, bits: int) -> Residual:
     missed_fours = sum(comb(number_of_pairs, 2) for number_of_pairs in pairs_by_remainder.values()) // 3
     for distance, missed in ((2, missed_pairs), (3, missed_triples), (4, missed_fours)):
         if missed:
-            return Residual(bits=bits, distance=distance, missed=missed)
-    return Residual(bits=bits, distance=5, missed=0)
+            return UndetectedErrors(bits=bits, distance=distance, missed=missed)
+    return UndetectedErrors(bits=bits, distance=5, missed=0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,10 +151,10 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
 
 
 #: Width in bits of the longest word, and of the widest CRC that is folded in such a word.
-_WORD, _WIDEST_FOLD = 64, 32
+_LONGEST_WORD_BITS, _WIDEST_FOLD = 64, 32
 
 
-class Form(Enum):
+class CrcMethod(Enum):
     """Method by which code computes a CRC.
 
     FOLD is for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first. XOR is for x^8 + 1 over whole
@@ -166,7 +166,7 @@ class Form(Enum):
     TABLE = "table"
 
 
-class Carrier(Enum):
+class CoveredData(Enum):
     """Kind of data that a CRC covers."""
 
     BITS = "bits"
@@ -182,18 +182,18 @@ class CrcFunction:
     """
 
     crc: Crc
-    carrier: Carrier
-    form: Form
+    carrier: CoveredData
+    form: CrcMethod
     alone: bool
     in_words: bool
 
     @property
     def steps(self) -> tuple[FoldStep, ...]:
         """Steps that reduce any 64-bit word to its remainder. Empty if the CRC cannot be folded."""
-        return fold_plan(self.crc.width, self.crc.poly, _WORD) if self.form is Form.FOLD else ()
+        return fold_plan(self.crc.width, self.crc.poly, _LONGEST_WORD_BITS) if self.form is CrcMethod.FOLD else ()
 
 
-def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
+def carriers(device: Device, crc: Crc) -> tuple[CoveredData, ...]:
     """Return the carriers of a CRC in frames and registers.
 
     For an unused CRC, the parameters decide. Reflected input is defined only for bytes, and a width of whole bytes
@@ -204,13 +204,13 @@ def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
     used_carriers = [carrier_of(layout) for layout in layouts if _has_crc(layout, crc)]
     if not used_carriers:
         suggests_bytes = crc.refin or crc.width % 8 == 0
-        return (Carrier.BYTES,) if suggests_bytes else (Carrier.BITS,)
-    return tuple(carrier for carrier in (Carrier.BYTES, Carrier.BITS) if carrier in used_carriers)
+        return (CoveredData.BYTES,) if suggests_bytes else (CoveredData.BITS,)
+    return tuple(carrier for carrier in (CoveredData.BYTES, CoveredData.BITS) if carrier in used_carriers)
 
 
-def carrier_of(layout: Layout) -> Carrier:
+def carrier_of(layout: Layout) -> CoveredData:
     """Return the carrier of the CRC at the end of a layout."""
-    return Carrier.BYTES if layout.crc_covers_bytes else Carrier.BITS
+    return CoveredData.BYTES if layout.crc_covers_bytes else CoveredData.BITS
 
 
 def crc_functions(device: Device) -> Iterator[CrcFunction]:
@@ -221,8 +221,8 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
         for carrier in crc_carriers:
             form = form_of(crc, carrier)
             # Folding needs a frame of which the CRC covers everything.
-            if carrier is Carrier.BITS and not checks_whole_words(device, crc):
-                form = Form.TABLE
+            if carrier is CoveredData.BITS and not checks_whole_words(device, crc):
+                form = CrcMethod.TABLE
             is_alone = len(crc_carriers) == 1
             yield CrcFunction(crc=crc, carrier=carrier, form=form, alone=is_alone, in_words=in_words)
 
@@ -244,7 +244,7 @@ def can_be_folded(crc: Crc) -> bool:
 
 def fold_steps(crc: Crc, bits: int) -> tuple[FoldStep, ...]:
     """Return the steps that fold a frame of at most ``bits`` bits, or none if the CRC cannot be folded."""
-    return fold_plan(crc.width, crc.poly, bits) if can_be_folded(crc) and bits <= _WORD else ()
+    return fold_plan(crc.width, crc.poly, bits) if can_be_folded(crc) and bits <= _LONGEST_WORD_BITS else ()
 
 
 def is_checked_by_division(crc: Crc, layout: Layout) -> bool:
@@ -256,11 +256,11 @@ def is_checked_by_division(crc: Crc, layout: Layout) -> bool:
     return is_remainder_of_word and (can_be_folded(crc) or 8 <= crc.width <= 32)
 
 
-def form_of(crc: Crc, carrier: Carrier) -> Form:
+def form_of(crc: Crc, carrier: CoveredData) -> CrcMethod:
     """Return the form in which code computes a CRC over this carrier. A wide CRC is not folded."""
-    if carrier is Carrier.BITS:
-        return Form.FOLD if can_be_folded(crc) and crc.width <= _WIDEST_FOLD else Form.TABLE
-    return Form.XOR if crc.is_xor else Form.TABLE
+    if carrier is CoveredData.BITS:
+        return CrcMethod.FOLD if can_be_folded(crc) and crc.width <= _WIDEST_FOLD else CrcMethod.TABLE
+    return CrcMethod.XOR if crc.is_xor else CrcMethod.TABLE
 
 
 def _has_crc(layout: Layout, crc: Crc) -> bool:

@@ -17,13 +17,13 @@ from ..model.lookup import assert_never
 from ..model.record import dataclass
 from . import verdicts
 from . import verdicts as reports
-from .codec import Codec
+from .codec import LayoutPlan
 from .limits import powers_of_two
 from .operations import (
     AlwaysIs,
     AtMost,
+    ConstantNumber,
     DigitCoding,
-    Fixed,
     FrameCrc,
     Gray,
     IsBetween,
@@ -36,7 +36,16 @@ from .operations import (
     ZerosAbove,
 )
 from .operations import Check as PlannedCheck
-from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from .values import (
+    ActiveFlag,
+    DecimalDigits,
+    Latin1Text,
+    NamedChoice,
+    TwosComplement,
+    UnsignedNumber,
+    ZeroMeans,
+    meaning_of,
+)
 
 
 class Name(str):
@@ -45,7 +54,7 @@ class Name(str):
     __slots__ = ()
 
 
-class Place(NamedTuple):
+class BitSpan(NamedTuple):
     """``width`` bits, starting at bit ``low``."""
 
     low: Expression
@@ -109,7 +118,7 @@ class Check:
     fault: Fault
     values: tuple[int, ...] = ()
     limit: Expression | None = None
-    parity_of: tuple[Place, ...] = ()
+    parity_of: tuple[BitSpan, ...] = ()
     odd: bool = False
     mask: int = 0
     lowest: Expression = Expression(0)
@@ -127,9 +136,9 @@ class DescribedVerdictCause:
     flag: Name
     unless: tuple[Name, ...] = ()
     mask: int = 0
-    only: verdicts.Only | None = None
+    only: verdicts.CodeCondition | None = None
     when: tuple[tuple[Name, int], ...] = ()
-    chosen: verdicts.Only | None = None
+    chosen: verdicts.CodeCondition | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +159,7 @@ class DescribedReportCause:
     report: str
     flag: Name
     mask: int = 0
-    only: verdicts.Only | None = None
+    only: verdicts.CodeCondition | None = None
     when: tuple[tuple[Name, int], ...] = ()
     answered: Answered | None = dataclass_field(default=None, compare=False)
 
@@ -178,7 +187,7 @@ class Description:
     crcs: tuple[FrameCrc, ...]
     gray: Gray | None
     digit_codings: tuple[DigitCoding, ...]
-    fixed: tuple[tuple[Place, int], ...]
+    fixed: tuple[tuple[BitSpan, int], ...]
     otherwise: Verdict | None
     judging_bits: Expression | None
 
@@ -187,29 +196,29 @@ def _describe_unused(reserved: Reserved) -> Unused:
     return Unused(reserved.field.low, reserved.field.width, reserved.value, reserved.place)
 
 
-def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Description:
+def describe(layout_plan: LayoutPlan, reporting: reports.ReportsAndVerdict | None = None) -> Description:
     """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame.
 
     Without a judgement, there are no causes. In a frame without the position, there are only causes of reports.
     """
-    layout = codec.layout
-    power_of_two_names = powers_of_two(codec)
+    layout = layout_plan.layout
+    power_of_two_names = powers_of_two(layout_plan)
     description = Description(
         bits=layout.bits,
-        length=codec.length if codec.in_bytes else 0,
-        order=_byte_order(codec),
+        length=layout_plan.length if layout_plan.in_bytes else 0,
+        order=_byte_order(layout_plan),
         columns=tuple(_describe_column(field, field.name in power_of_two_names) for field in layout.fields),
-        joins=tuple(_describe_join(whole) for whole in codec.joined_numbers),
-        unused=tuple(_describe_unused(reserved) for reserved in codec.reserved),
-        checks=tuple(_describe_check(check) for check in codec.checks),
-        parities=tuple(_computed_parities(codec)),
+        joins=tuple(_describe_join(whole) for whole in layout_plan.joined_numbers),
+        unused=tuple(_describe_unused(reserved) for reserved in layout_plan.reserved),
+        checks=tuple(_describe_check(check) for check in layout_plan.checks),
+        parities=tuple(_computed_parities(layout_plan)),
         verdict_causes=(),
         report_causes=(),
         fields=tuple(BitField(field.name, field.low, field.width) for field in layout.fields),
-        crcs=codec.crcs,
-        gray=codec.gray,
-        digit_codings=codec.digit_codings,
-        fixed=tuple(_constant_ones(codec)),
+        crcs=layout_plan.crcs,
+        gray=layout_plan.gray,
+        digit_codings=layout_plan.digit_codings,
+        fixed=tuple(_constant_ones(layout_plan)),
         otherwise=None,
         judging_bits=None,
     )
@@ -217,36 +226,36 @@ def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Descri
         return description
     report_causes = tuple(_describe_report_cause(cause) for cause in reporting.causes)
     description = replace(description, report_causes=report_causes)
-    judgement = reporting.judgement
-    if judgement is None:
+    verdict_rules = reporting.verdict_rules
+    if verdict_rules is None:
         return description
     return replace(
         description,
-        verdict_causes=tuple(_describe_verdict_causes(judgement)),
-        otherwise=judgement.otherwise,
-        judging_bits=judgement.judging_bits if judgement.may_be_unknown else None,
+        verdict_causes=tuple(_describe_verdict_causes(verdict_rules)),
+        otherwise=verdict_rules.otherwise,
+        judging_bits=verdict_rules.judging_bits if verdict_rules.may_be_unknown else None,
     )
 
 
-def _byte_order(codec: Codec) -> str:
+def _byte_order(layout_plan: LayoutPlan) -> str:
     """Return Python's name of the byte order, or an empty string if the layout is not sent as bytes."""
-    if not codec.in_bytes:
+    if not layout_plan.in_bytes:
         return ""
-    return "little" if codec.layout.byte_order == "low_byte_first" else "big"
+    return "little" if layout_plan.layout.byte_order == "low_byte_first" else "big"
 
 
-def _computed_parities(codec: Codec) -> Iterator[Check]:
+def _computed_parities(layout_plan: LayoutPlan) -> Iterator[Check]:
     """Yield the parity bits that an encoder of frames computes. A parity bit that never changes is a constant."""
-    for term in codec.terms:
+    for term in layout_plan.terms:
         if isinstance(term.value, ParityOf):
             yield _describe_parity(term.field, term.value)
 
 
-def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
+def _constant_ones(layout_plan: LayoutPlan) -> Iterator[tuple[BitSpan, int]]:
     """Yield the constants that are not all 0. An encoder of frames starts from 0, so it need not set constants of 0."""
-    for term in codec.terms:
-        if isinstance(term.value, Fixed) and term.value.number:
-            yield Place(term.field.low, term.field.width), term.value.number
+    for term in layout_plan.terms:
+        if isinstance(term.value, ConstantNumber) and term.value.number:
+            yield BitSpan(term.field.low, term.field.width), term.value.number
 
 
 def _describe_column(field: Field, is_power: bool) -> Column:
@@ -256,20 +265,20 @@ def _describe_column(field: Field, is_power: bool) -> Column:
     """
     column = Column(Name(field.name), field.low, field.width, power_of_two=is_power, scale=field.scale)
     match meaning_of(field):
-        case Raw():
+        case UnsignedNumber():
             return column
         case TwosComplement():
             return replace(column, kind="signed")
         case ZeroMeans(number):
             return replace(column, zero_means=number)
-        case Active(low):
+        case ActiveFlag(low):
             return replace(column, kind="not_flag" if low else "flag")
-        case Named():
+        case NamedChoice():
             return replace(column, kind="choice")
-        case DigitRuns(digit_runs):
+        case DecimalDigits(digit_runs):
             runs = tuple((Name(run.name), run.divisor, run.modulus) for run in digit_runs)
             return replace(column, kind="digits", runs=runs)
-        case Characters():
+        case Latin1Text():
             return replace(column, kind="text")
         case meaning:
             assert_never(meaning)
@@ -317,13 +326,13 @@ def _describe_parity(parity_bit: Field, parity: ParityOf) -> Check:
     )
 
 
-def _list_places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
-    return tuple(Place(field.low, field.width) for field in fields)
+def _list_places(fields: tuple[Field, ...]) -> tuple[BitSpan, ...]:
+    return tuple(BitSpan(field.low, field.width) for field in fields)
 
 
-def _describe_verdict_causes(judgement: verdicts.Judgement) -> Iterator[DescribedVerdictCause]:
+def _describe_verdict_causes(verdict_rules: verdicts.VerdictRules) -> Iterator[DescribedVerdictCause]:
     """Yield the causes of the verdict as data, with the causes of the worst verdict first."""
-    for verdict, verdict_causes in judgement.worst_first:
+    for verdict, verdict_causes in verdict_rules.worst_first:
         for verdict_cause in verdict_causes:
             cause = verdict_cause.by
             yield DescribedVerdictCause(
@@ -366,5 +375,5 @@ def _find_reserved_mask(cause: verdicts.Cause) -> int:
 
 def _list_conditions(cause: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
     """Return the fields of a cause that consists of values, each with its value, or nothing for any other cause."""
-    conditions = cause.conditions if isinstance(cause, verdicts.Match) else ()
+    conditions = cause.conditions if isinstance(cause, verdicts.MatchingValues) else ()
     return tuple((Name(part.field.name), value) for part, value in conditions)

@@ -20,19 +20,19 @@ from ..model import (
     Spi,
     Ssi,
     Variant,
+    answer_combinations,
     assert_never,
     channel_frame,
-    choices,
     member_named,
 )
 from ..model.record import dataclass
 from .codec import bits_of
-from .operations import Bits
-from .values import Raw, ZeroMeans, meaning_of
+from .operations import FieldBits
+from .values import UnsignedNumber, ZeroMeans, meaning_of
 
 
 @dataclass(frozen=True, slots=True)
-class Branch:
+class SelectedFrame:
     """A frame, and the selector values that identify it."""
 
     layout: Layout
@@ -40,7 +40,7 @@ class Branch:
 
 
 @dataclass(frozen=True, slots=True)
-class Dispatch:
+class FrameDispatch:
     """The frames of one sender, identified by ``selector``. ``fallback`` is the frame for all other values, or None.
 
     The selector has the same position in all of them. ``needs`` is the number of bytes needed to read it.
@@ -48,13 +48,13 @@ class Dispatch:
 
     sender: str
     selector: Field
-    bits: Bits
+    bits: FieldBits
     needs: int
-    branches: tuple[Branch, ...]
+    branches: tuple[SelectedFrame, ...]
     fallback: Layout | None
 
 
-def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
+def dispatches(layouts: Sequence[Layout]) -> Iterator[FrameDispatch]:
     """Yield a dispatch for each sender on an interface whose frames are distinguished by a selector.
 
     The first frame of a sender decides. If it has no selector, every frame of the sender is decoded as the first, and
@@ -68,7 +68,7 @@ def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
             yield _dispatch_of(sender, sender_layouts)
 
 
-def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> Dispatch:
+def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> FrameDispatch:
     """Return the dispatch of a sender. The first frame without a selector is the fallback.
 
     Frames after the fallback are omitted, since it accepts all values that the frames before it do not.
@@ -79,11 +79,11 @@ def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> Dispatch:
         if not layout.selector:
             fallback = layout
             break
-        branches.append(Branch(layout, layout.selects))
+        branches.append(SelectedFrame(layout, layout.selects))
     # The selector has the same position in all frames, so the position in the first frame applies.
     selector = layouts[0].field(layouts[0].selector)
-    last_byte = max((piece.byte for piece in selector.pieces), default=0)
-    return Dispatch(
+    last_byte = max((bit_slice.byte for bit_slice in selector.bit_slices), default=0)
+    return FrameDispatch(
         sender=sender,
         selector=selector,
         bits=bits_of(layouts[0], selector),
@@ -137,7 +137,7 @@ def reply_to_data_id(interface: Rs485, data_id: int) -> Layout | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Exchanged:
+class RequestAndReply:
     """A request with its reply, or None if the encoder does not answer.
 
     ``repeats_first`` is true if the reply begins with the first byte of the request.
@@ -154,14 +154,14 @@ class Exchanged:
         return {field.name: field.default for field in self.request.fields if field.default is not None}
 
 
-def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
+def exchanges(interface: Interface) -> tuple[RequestAndReply, ...]:
     """Return the requests of an interface with their replies. T-format requests have data IDs instead."""
     spec_exchanges = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
     layouts = {layout.name: layout for layout in interface.layouts}
     return tuple(_exchange_with_frames(spec, layouts[spec.request], layouts.get(spec.reply)) for spec in spec_exchanges)
 
 
-def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
+def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | None) -> RequestAndReply:
     """Return the exchange with its frames.
 
     The reply repeats the first byte of the request if the same constants and fields occupy the same bits in both. An
@@ -170,7 +170,7 @@ def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | N
     first_byte_of_request = _contents_of_first_byte(request)
     first_byte_of_reply = _contents_of_first_byte(reply) if reply is not None else frozenset()
     repeats_first = bool(first_byte_of_request) and first_byte_of_request == first_byte_of_reply
-    return Exchanged(exchange=exchange, request=request, reply=reply, repeats_first=repeats_first)
+    return RequestAndReply(exchange=exchange, request=request, reply=reply, repeats_first=repeats_first)
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,10 +199,13 @@ def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
             content = field.name
         else:
             continue
-        for piece in field.pieces:
-            if piece.byte == 0:
+        for bit_slice in field.bit_slices:
+            if bit_slice.byte == 0:
                 content_of_bits = _ContentOfBits(
-                    lowest_bit=piece.low_in_byte, mask=piece.mask, low_in_number=piece.low_in_number, content=content
+                    lowest_bit=bit_slice.low_in_byte,
+                    mask=bit_slice.mask,
+                    low_in_number=bit_slice.low_in_number,
+                    content=content,
                 )
                 contents.append(content_of_bits)
     known_bits = sum(content_of_bits.mask.bit_count() for content_of_bits in contents)
@@ -261,7 +264,7 @@ def received_sizes(device: Device, interface: Interface) -> Iterator[FrameSize]:
             if not length_parameters.isdisjoint(question.answers[0].sets):
                 questions.append(question)
         for variant, (answers, answered_parameters) in product(
-            device.variants_over(interface.name), choices(questions)
+            device.variants_over(interface.name), answer_combinations(questions)
         ):
             parameters = {**variant.parameters, **answered_parameters}
             whole_bits = whole.sent_bits.value(parameters)
@@ -331,8 +334,8 @@ class HeldParameter:
 
     parameter: Parameter
     field: Field
-    bits: Bits
-    meaning: Raw | ZeroMeans
+    bits: FieldBits
+    meaning: UnsignedNumber | ZeroMeans
     low: int | None
     high: int | None
     highest_value: int
@@ -370,7 +373,7 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
             parameter=parameter,
             field=field,
             bits=bits,
-            meaning=Raw(),
+            meaning=UnsignedNumber(),
             low=None,
             high=None,
             highest_value=max(coded.value for coded in parameter.by_code),
@@ -398,10 +401,10 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
     )
 
 
-def _unsigned_meaning(field: Field) -> Raw | ZeroMeans:
+def _unsigned_meaning(field: Field) -> UnsignedNumber | ZeroMeans:
     """Return the conversion of bits to a parameter, which is never negative.
 
     Apart from a zero that represents another number, the bits are the number itself.
     """
     meaning = meaning_of(field)
-    return meaning if isinstance(meaning, ZeroMeans) else Raw()
+    return meaning if isinstance(meaning, ZeroMeans) else UnsignedNumber()

@@ -4,16 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..model import Crc, Digits, Fault, Field, Flag, Join, Parity, Piece, assert_never
+from ..model import BitSlice, Crc, Digits, Fault, Field, Flag, Join, Parity, assert_never
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .crcs import FoldStep
-from .values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from .values import (
+    ActiveFlag,
+    DecimalDigits,
+    Latin1Text,
+    Meaning,
+    NamedChoice,
+    TwosComplement,
+    UnsignedNumber,
+    ZeroMeans,
+    meaning_of,
+)
 
 
 @dataclass(frozen=True, slots=True)
-class Bits:
-    """``width`` bits of the word, starting at ``low``. ``pieces`` describe the same bits in bytes, lowest bits first.
+class FieldBits:
+    """``width`` bits of the word, starting at ``low``. ``bit_slices`` describe the same bits in bytes, lowest bits first.
 
     ``on_top`` is true if there are no bits above them, so a shift is enough to extract them. ``widest`` is the largest
     width of any order code.
@@ -23,7 +33,7 @@ class Bits:
     width: Expression
     widest: int
     on_top: bool
-    pieces: tuple[Piece, ...]
+    bit_slices: tuple[BitSlice, ...]
 
     @property
     def are_fixed(self) -> bool:
@@ -39,7 +49,7 @@ class AlwaysIs:
     """The field is a constant."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     value: int
     fault = Fault.CONSTANT
 
@@ -54,8 +64,8 @@ class ZerosAbove:
 
     field: Field
     padding: Field
-    bits: Bits
-    beyond: tuple[Piece, ...]
+    bits: FieldBits
+    beyond: tuple[BitSlice, ...]
     fault = Fault.CONSTANT
 
     @property
@@ -76,9 +86,9 @@ class ParityIs:
     """
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     of: tuple[Field, ...]
-    of_bits: tuple[Bits, ...]
+    of_bits: tuple[FieldBits, ...]
     odd: bool
     mask: int
     known_parity: int | None
@@ -96,7 +106,7 @@ class IsOneOf:
     """The field has one of these values: its named values or, for a selector, those that identify this frame."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     values: tuple[int, ...]
     fault = Fault.RANGE
 
@@ -106,7 +116,7 @@ class AtMost:
     """The field is a decimal number with at most as many digits as all ``runs`` together."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     limit: int
     runs: tuple[Digits, ...]
     fault = Fault.RANGE
@@ -125,7 +135,7 @@ class NotAbove:
     """
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     highest: Expression
     code: str = ""
     fault = Fault.RANGE
@@ -136,7 +146,7 @@ class IsBetween:
     """The signed field is from ``lowest`` to ``highest``, fewer numbers than its width allows for some order codes."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     lowest: Expression
     highest: Expression
     fault = Fault.RANGE
@@ -145,15 +155,15 @@ class IsBetween:
 Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetween
 
 
-def checks_of_meaning(field: Field, bits: Bits) -> Iterator[Check]:
+def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:
     """Yield the checks without which some bits of a field would be undefined. A list of values is checked before."""
     match meaning_of(field):
-        case DigitRuns(runs):
+        case DecimalDigits(runs):
             # The runs split the decimal number, most significant first: number // divisor % modulus.
             most_significant_run = runs[0]
             highest = most_significant_run.divisor * most_significant_run.modulus - 1
             yield AtMost(field, bits, highest, runs)
-        case Raw() | TwosComplement() | ZeroMeans() | Active() | Named() | Characters():
+        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | NamedChoice() | Latin1Text():
             return
         case meaning:
             assert_never(meaning)
@@ -170,7 +180,7 @@ class FrameCrc:
 
     crc: Crc
     field: Field
-    bits: Bits
+    bits: FieldBits
     covered: Expression
     low: int
     is_part: bool
@@ -240,11 +250,11 @@ class DigitCoding:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class FieldToDecode:
     """A field of a decoded frame. ``shared`` is true if a join or a parity bit also uses its bits."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     shared: bool
 
     @property
@@ -261,7 +271,7 @@ class JoinedNumber:
     fields: tuple[Field, ...]
     width: Expression
     widest: int
-    bits: Bits | None
+    bits: FieldBits | None
 
     @property
     def from_low(self) -> Iterator[tuple[Field, Expression]]:
@@ -298,7 +308,7 @@ class Reserved:
     """
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     value: int
     place: int
 
@@ -309,7 +319,7 @@ class Reserved:
 
 
 @dataclass(frozen=True, slots=True)
-class Fixed:
+class ConstantNumber:
     """A number that is the same in every frame of this layout."""
 
     number: int
@@ -345,12 +355,12 @@ class ReservedBits:
 
 
 @dataclass(frozen=True, slots=True)
-class Term:
+class FieldToEncode:
     """One field of an encoded frame, other than the CRC."""
 
     field: Field
-    bits: Bits
-    value: Fixed | ValueOfField | ParityOf | ReservedBits
+    bits: FieldBits
+    value: ConstantNumber | ValueOfField | ParityOf | ReservedBits
 
     @property
     def depends(self) -> bool:

@@ -9,11 +9,11 @@ from functools import cached_property
 
 from ..model import (
     Argument,
+    BitSlice,
     Device,
     Field,
     ModifyStep,
     Parameter,
-    Piece,
     PollStep,
     Procedure,
     ReadStep,
@@ -29,12 +29,12 @@ from ..model import (
 )
 from ..model.record import dataclass
 from .closing_steps import closing_steps
-from .codec import allowed_values, codec_of
+from .codec import allowed_values, layout_plan_of
 from .frames import Reply, reply_to
-from .limits import Limits, NotOneOf, TooWide, limited_member, limits_of
+from .limits import NotOneOf, NumberLimits, TooWide, limited_member, limits_of
 
 
-class Call(Enum):
+class MasterCall(Enum):
     """Operation that a master must support."""
 
     READ = "read"
@@ -76,17 +76,17 @@ class AsMember:
     member: str
 
 
-Source = FixedNumber | InField | AsNumber | AsMember
+ValueSource = FixedNumber | InField | AsNumber | AsMember
 
 
 # -- operations
 
 
 @dataclass(frozen=True, slots=True)
-class Writes:
+class WriteRegister:
     """Write a register, or one of its fields while keeping the others as read.
 
-    ``pieces`` are the affected bytes, whose bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``,
+    ``bit_slices`` are the affected bytes, whose bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``,
     or empty if the position of the field depends on the order code. If an argument is written to the whole register,
     ``determines_limits`` are the run-time parameters in it on which limits of later steps depend. They use the written
     value. ``closes`` is true if the write undoes an earlier opening step. It is also done if a step in between fails.
@@ -95,46 +95,46 @@ class Writes:
     step: WriteStep | ModifyStep
     register: Register
     field: Field | None
-    pieces: tuple[Piece, ...]
-    value: Source
+    bit_slices: tuple[BitSlice, ...]
+    value: ValueSource
     determines_limits: tuple[Parameter, ...] = ()
     closes: bool = False
 
     @property
-    def calls(self) -> tuple[Call, ...]:
-        writes_whole_bytes = all(piece.mask == 0xFF for piece in self.pieces)
-        return (Call.WRITE,) if writes_whole_bytes else (Call.READ, Call.WRITE)
+    def calls(self) -> tuple[MasterCall, ...]:
+        writes_whole_bytes = all(bit_slice.mask == 0xFF for bit_slice in self.bit_slices)
+        return (MasterCall.WRITE,) if writes_whole_bytes else (MasterCall.READ, MasterCall.WRITE)
 
 
 @dataclass(frozen=True, slots=True)
-class Reads:
+class ReadRegister:
     """Read a register, or the bytes of one of its fields."""
 
     step: ReadStep
     register: Register
     field: Field | None
-    pieces: tuple[Piece, ...]
-    calls = (Call.READ,)
+    bit_slices: tuple[BitSlice, ...]
+    calls = (MasterCall.READ,)
 
 
 @dataclass(frozen=True, slots=True)
-class Polls:
+class PollRegister:
     """Read a register until the field is ``step.value``."""
 
     step: PollStep
     register: Register
     field: Field
-    pieces: tuple[Piece, ...]
-    calls = (Call.READ, Call.WAIT)
+    bit_slices: tuple[BitSlice, ...]
+    calls = (MasterCall.READ, MasterCall.WAIT)
 
 
 @dataclass(frozen=True, slots=True)
-class Verifies:
-    """Read back what ``write`` wrote, and stop if any of ``pieces`` differs."""
+class VerifyWrite:
+    """Read back what ``write`` wrote, and stop if any of ``bit_slices`` differs."""
 
-    write: Writes
-    pieces: tuple[Piece, ...]
-    calls = (Call.READ,)
+    write: WriteRegister
+    bit_slices: tuple[BitSlice, ...]
+    calls = (MasterCall.READ,)
 
     @property
     def register(self) -> Register:
@@ -151,26 +151,26 @@ class Verifies:
 
 
 @dataclass(frozen=True, slots=True)
-class Waits:
+class WaitTime:
     """Wait."""
 
     step: WaitStep
-    calls = (Call.WAIT,)
+    calls = (MasterCall.WAIT,)
 
 
 @dataclass(frozen=True, slots=True)
-class Sends:
+class SendRequest:
     """Send a request one or more times. ``reply`` is the reply expected each time, or None if the spec has none."""
 
     step: SendStep
     reply: Reply | None = None
 
     @property
-    def calls(self) -> tuple[Call, ...]:
-        return (Call.WAIT, Call.SEND) if self.step.microseconds else (Call.SEND,)
+    def calls(self) -> tuple[MasterCall, ...]:
+        return (MasterCall.WAIT, MasterCall.SEND) if self.step.microseconds else (MasterCall.SEND,)
 
 
-Operation = Writes | Reads | Polls | Verifies | Waits | Sends
+PlannedStep = WriteRegister | ReadRegister | PollRegister | VerifyWrite | WaitTime | SendRequest
 
 
 # -- argument checks
@@ -182,7 +182,7 @@ class OutsideArgumentLimits:
 
     register: Register
     meaning: RegisterMeaning | None
-    limits: Limits
+    limits: NumberLimits
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,42 +203,42 @@ class CheckedArgument:
     """
 
     argument: Argument
-    written: tuple[Writes, ...]
+    written: tuple[WriteRegister, ...]
     refusals: tuple[ArgumentRefusal, ...]
 
 
 @dataclass(frozen=True)
-class Run:
+class ProcedurePlan:
     """Plan of a procedure. ``changes_frames`` is true if it writes a parameter on which frames depend."""
 
     procedure: Procedure
-    operations: tuple[Operation, ...]
+    operations: tuple[PlannedStep, ...]
     arguments: tuple[CheckedArgument, ...]
     changes_frames: bool
 
     @cached_property
-    def reads(self) -> tuple[Reads, ...]:
-        return tuple(operation for operation in self.operations if isinstance(operation, Reads))
+    def reads(self) -> tuple[ReadRegister, ...]:
+        return tuple(operation for operation in self.operations if isinstance(operation, ReadRegister))
 
     @cached_property
-    def calls(self) -> tuple[Call, ...]:
-        """Operations that it needs from a master, without duplicates, in the order of ``Call``."""
+    def calls(self) -> tuple[MasterCall, ...]:
+        """Operations that it needs from a master, without duplicates, in the order of ``MasterCall``."""
         needed_calls = {call for operation in self.operations for call in operation.calls}
-        return tuple(call for call in Call if call in needed_calls)
+        return tuple(call for call in MasterCall if call in needed_calls)
 
 
-def run_of(device: Device, procedure: Procedure) -> Run:
+def run_of(device: Device, procedure: Procedure) -> ProcedurePlan:
     """Return the plan of a procedure: an operation for each step, and one for each write that is read back."""
     closing_indices = closing_steps(device, procedure.steps)
-    operations: list[Operation] = []
+    operations: list[PlannedStep] = []
     for index, step in enumerate(procedure.steps):
         operation = _operation_of_step(device, procedure, step)
-        if index in closing_indices and isinstance(operation, Writes):
+        if index in closing_indices and isinstance(operation, WriteRegister):
             operation = replace(operation, closes=True)
         operations.append(operation)
     operations = list(_with_verification(_with_taught_parameters(device, operations)))
-    writes = [operation for operation in operations if isinstance(operation, Writes)]
-    return Run(
+    writes = [operation for operation in operations if isinstance(operation, WriteRegister)]
+    return ProcedurePlan(
         procedure=procedure,
         operations=tuple(operations),
         arguments=tuple(_checked_argument(device, argument, writes) for argument in procedure.arguments),
@@ -246,7 +246,7 @@ def run_of(device: Device, procedure: Procedure) -> Run:
     )
 
 
-def _changes_frames(device: Device, write: Writes) -> bool:
+def _changes_frames(device: Device, write: WriteRegister) -> bool:
     """Return whether a write changes a parameter that a register holds at run time and on which frames depend."""
     for parameter in device.run_time_parameters:
         writes_field = write.field is None or parameter.field == write.field.name
@@ -255,21 +255,27 @@ def _changes_frames(device: Device, write: Writes) -> bool:
     return False
 
 
-def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
-    """Yield the operations. Writes of an argument to a whole register get ``determines_limits``, see ``Writes``."""
+def _with_taught_parameters(device: Device, operations: Sequence[PlannedStep]) -> Iterator[PlannedStep]:
+    """Yield the operations. Writes of an argument to a whole register get ``determines_limits``, see ``WriteRegister``."""
     for index, operation in enumerate(operations):
-        if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, FixedNumber):
+        if (
+            isinstance(operation, WriteRegister)
+            and operation.field is None
+            and not isinstance(operation.value, FixedNumber)
+        ):
             taught_parameters = tuple(_taught_parameters(device, operation, operations[index + 1 :]))
             yield replace(operation, determines_limits=taught_parameters)
         else:
             yield operation
 
 
-def _taught_parameters(device: Device, write: Writes, later_operations: Sequence[Operation]) -> Iterator[Parameter]:
+def _taught_parameters(
+    device: Device, write: WriteRegister, later_operations: Sequence[PlannedStep]
+) -> Iterator[Parameter]:
     """Yield the parameters in a written register on which the limits of later writes depend."""
     limiting_names: set[str] = set()
     for operation in later_operations:
-        if isinstance(operation, Writes):
+        if isinstance(operation, WriteRegister):
             argument = _argument_of_source(operation.value)
             for limit in device.limits(operation.register, argument.meant_as if argument is not None else ""):
                 limiting_names.update(limit.parameters if limit is not None else ())
@@ -278,38 +284,38 @@ def _taught_parameters(device: Device, write: Writes, later_operations: Sequence
             yield parameter
 
 
-def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
-    """Yield the operations, with a ``Verifies`` for each write that can be read back before it takes effect.
+def _with_verification(operations: Iterable[PlannedStep]) -> Iterator[PlannedStep]:
+    """Yield the operations, with a ``VerifyWrite`` for each write that can be read back before it takes effect.
 
     The manuals have no such step. On BiSS, however, a disturbed write can be echoed as if it had been stored. A written
     value takes effect when the procedure writes to a register that cannot be read, such as a command register, makes a
     closing write, or writes to the same place again. A write that no such write follows is not read back.
     """
-    pending: list[Verifies] = []
+    pending: list[VerifyWrite] = []
     for operation in operations:
-        if isinstance(operation, Writes):
+        if isinstance(operation, WriteRegister):
             overwrites_pending = any(_writes_same_place(operation, verification.write) for verification in pending)
             if _makes_writes_effective(operation) or overwrites_pending:
                 yield from pending
                 pending.clear()
         yield operation
-        if isinstance(operation, Writes) and _can_be_read_back(operation):
-            pending.append(Verifies(operation, tuple(_meaningful_pieces(operation))))
+        if isinstance(operation, WriteRegister) and _can_be_read_back(operation):
+            pending.append(VerifyWrite(operation, tuple(_meaningful_pieces(operation))))
 
 
-def _makes_writes_effective(write: Writes) -> bool:
+def _makes_writes_effective(write: WriteRegister) -> bool:
     """Return whether a write lets the encoder use what was written before, such as a write to a command register."""
     return write.closes or not write.register.readable
 
 
-def _writes_same_place(write: Writes, earlier_write: Writes) -> bool:
+def _writes_same_place(write: WriteRegister, earlier_write: WriteRegister) -> bool:
     """Return whether two writes change the same bits: the same field, or a register and one of its fields."""
     has_same_register = write.register is earlier_write.register
     writes_whole_register = write.field is None or earlier_write.field is None
     return has_same_register and (writes_whole_register or write.field is earlier_write.field)
 
 
-def _can_be_read_back(write: Writes) -> bool:
+def _can_be_read_back(write: WriteRegister) -> bool:
     """Return whether a write can be verified: it does not close, and the register keeps it, in fixed places."""
     register = write.register
     unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
@@ -318,13 +324,13 @@ def _can_be_read_back(write: Writes) -> bool:
     return keeps_value and not write.closes and has_fixed_unused_bits
 
 
-def _meaningful_pieces(write: Writes) -> Iterator[Piece]:
+def _meaningful_pieces(write: WriteRegister) -> Iterator[BitSlice]:
     """Yield the pieces without reserved bits, which can be anything when read. A whole access includes all bytes."""
-    for piece in write.pieces:
-        unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.low_in_byte
-        meaningful_mask = piece.mask & ~unused_in_piece
+    for bit_slice in write.bit_slices:
+        unused_in_piece = _unused_bits(write.register, bit_slice.byte) >> bit_slice.low_in_byte
+        meaningful_mask = bit_slice.mask & ~unused_in_piece
         if meaningful_mask or write.register.is_accessed_whole:
-            yield replace(piece, mask=meaningful_mask)
+            yield replace(bit_slice, mask=meaningful_mask)
 
 
 def _unused_bits(register: Register, byte_index: int) -> int:
@@ -334,51 +340,51 @@ def _unused_bits(register: Register, byte_index: int) -> int:
     return register.bytes_of(unused_mask)[byte_index]
 
 
-def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Operation:
+def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> PlannedStep:
     """Return the operation of a step in the manual, with its register, its field and their bytes."""
     match step:
         case WaitStep():
-            return Waits(step)
+            return WaitTime(step)
         case SendStep():
-            return Sends(step, reply_to(device, procedure.interface, step.data_id))
+            return SendRequest(step, reply_to(device, procedure.interface, step.data_id))
         case PollStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)
-            return Polls(step, register, field, pieces_of(register, field))
+            return PollRegister(step, register, field, pieces_of(register, field))
         case ReadStep():
             register = device.register(step.register)
             read_field = register.layout.field(step.field) if step.field else None
-            return Reads(step, register, read_field, pieces_of(register, read_field))
+            return ReadRegister(step, register, read_field, pieces_of(register, read_field))
         case ModifyStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)
             argument = _argument_of_step(procedure, step)
             value = InField(argument, field) if argument is not None else FixedNumber(step.value or 0)
-            return Writes(step, register, field, pieces_of(register, field), value)
+            return WriteRegister(step, register, field, pieces_of(register, field), value)
         case WriteStep():
             register = device.register(step.register)
             source = _written_value(register, step, _argument_of_step(procedure, step))
-            return Writes(step=step, register=register, field=None, pieces=pieces_of(register), value=source)
+            return WriteRegister(step=step, register=register, field=None, bit_slices=pieces_of(register), value=source)
         case _:
             assert_never(step)
 
 
-def pieces_of(register: Register, field: Field | None = None) -> tuple[Piece, ...]:
+def pieces_of(register: Register, field: Field | None = None) -> tuple[BitSlice, ...]:
     """Return the bytes of a field, or of a whole register, in ascending order of address.
 
     If a register is accessed whole, its bytes outside the field have the mask 0.
     """
     if field is not None:
-        pieces_by_byte = {piece.byte: piece for piece in field.pieces}
+        pieces_by_byte = {bit_slice.byte: bit_slice for bit_slice in field.bit_slices}
         if pieces_by_byte and register.is_accessed_whole:
             for byte in range(register.length):
-                pieces_by_byte.setdefault(byte, Piece(byte, low_in_byte=0, mask=0, low_in_number=0))
+                pieces_by_byte.setdefault(byte, BitSlice(byte, low_in_byte=0, mask=0, low_in_number=0))
         return tuple(pieces_by_byte[byte] for byte in sorted(pieces_by_byte))
-    pieces = []
+    bit_slices = []
     for byte in range(register.length):
         bytes_below = byte if register.byte_order == "low_byte_first" else register.length - 1 - byte
-        pieces.append(Piece(byte, low_in_byte=0, mask=0xFF, low_in_number=8 * bytes_below))
-    return tuple(pieces)
+        bit_slices.append(BitSlice(byte, low_in_byte=0, mask=0xFF, low_in_number=8 * bytes_below))
+    return tuple(bit_slices)
 
 
 def _argument_of_step(procedure: Procedure, step: WriteStep | ModifyStep) -> Argument | None:
@@ -388,18 +394,18 @@ def _argument_of_step(procedure: Procedure, step: WriteStep | ModifyStep) -> Arg
     return member_named(procedure.arguments, step.value_name, f"argument of '{procedure.name}'")
 
 
-def _written_value(register: Register, step: WriteStep, argument: Argument | None) -> Source:
+def _written_value(register: Register, step: WriteStep, argument: Argument | None) -> ValueSource:
     if argument is None:
         return FixedNumber(step.value or 0)
     member = limited_member(register)
     return AsMember(argument, member) if member else AsNumber(argument)
 
 
-def _argument_of_source(value: Source) -> Argument | None:
+def _argument_of_source(value: ValueSource) -> Argument | None:
     return None if isinstance(value, FixedNumber) else value.argument
 
 
-def _checked_argument(device: Device, argument: Argument, writes: Sequence[Writes]) -> CheckedArgument:
+def _checked_argument(device: Device, argument: Argument, writes: Sequence[WriteRegister]) -> CheckedArgument:
     """Return an argument with the writes that use it, and the reasons to reject it, without duplicates."""
     writes_of_argument = tuple(write for write in writes if _argument_of_source(write.value) is argument)
     refusals: list[ArgumentRefusal] = []
@@ -410,7 +416,7 @@ def _checked_argument(device: Device, argument: Argument, writes: Sequence[Write
     return CheckedArgument(argument=argument, written=writes_of_argument, refusals=tuple(refusals))
 
 
-def _argument_refusals(device: Device, write: Writes, argument: Argument) -> Iterator[ArgumentRefusal]:
+def _argument_refusals(device: Device, write: WriteRegister, argument: Argument) -> Iterator[ArgumentRefusal]:
     """Yield the reasons to reject an argument before the write."""
     match write.value:
         case AsMember():
@@ -419,7 +425,7 @@ def _argument_refusals(device: Device, write: Writes, argument: Argument) -> Ite
                 yield from _limit_refusals(device, write.register, argument)
         case AsNumber():
             yield from _limit_refusals(device, write.register, argument)
-            if codec_of(device, write.register.layout).checks:
+            if layout_plan_of(device, write.register.layout).checks:
                 yield Undecodable(write.register)
         case InField(field=field):
             yield from field_refusals(device, write.register, field, argument)

@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Cases(Generic[T]):
+class ByInterface(Generic[T]):
     """Values by interface: each value with its interfaces. The value with the most interfaces is last.
 
     ``everywhere`` is true if every interface has a value.
@@ -31,7 +31,7 @@ class Cases(Generic[T]):
     everywhere: bool
 
 
-def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Cases[T]:
+def by_interface(device: Device, value: Callable[[Interface], T | None]) -> ByInterface[T]:
     """Return the result of ``value`` for each interface. ``value`` returns None for an interface without a value."""
     interfaces_by_value: dict[T, list[str]] = {}
     values_in_total = 0
@@ -42,7 +42,7 @@ def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Case
             values_in_total += 1
     cases = [(case_value, tuple(names)) for case_value, names in interfaces_by_value.items()]
     cases.sort(key=_number_of_interfaces)
-    return Cases(cases=tuple(cases), everywhere=values_in_total == len(device.interfaces))
+    return ByInterface(cases=tuple(cases), everywhere=values_in_total == len(device.interfaces))
 
 
 def _number_of_interfaces(value_with_interfaces: tuple[object, tuple[str, ...]]) -> int:
@@ -185,7 +185,7 @@ def count_factors(measurement: Measurement) -> tuple[Expression, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class Raw:
+class UnsignedNumber:
     """An unsigned number: the bits as they are. The inverse rejects a number that is too wide."""
 
 
@@ -205,40 +205,40 @@ class ZeroMeans:
 
 
 @dataclass(frozen=True, slots=True)
-class Active:
+class ActiveFlag:
     """Boolean that is true if the bit is 1 or, with ``low``, if it is 0. The inverse writes the bit."""
 
     low: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Named:
+class NamedChoice:
     """One of the named ``values``. The inverse rejects any other."""
 
     values: tuple[Value, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class DigitRuns:
+class DecimalDigits:
     """An unsigned number, shown as ``runs`` of decimal digits. The inverse joins the runs."""
 
     runs: tuple[Digits, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Characters:
+class Latin1Text:
     """Latin-1 characters, one per byte, the first in the most significant byte. The inverse rejects other lengths."""
 
 
-Meaning = Raw | TwosComplement | ZeroMeans | Active | Named | DigitRuns | Characters
+Meaning = UnsignedNumber | TwosComplement | ZeroMeans | ActiveFlag | NamedChoice | DecimalDigits | Latin1Text
 
 
 def is_number(meaning: Meaning) -> bool:
     """Return whether the value is a single number, not a Boolean, a name, runs of digits or a string."""
     match meaning:
-        case Raw() | TwosComplement() | ZeroMeans():
+        case UnsignedNumber() | TwosComplement() | ZeroMeans():
             return True
-        case Active() | Named() | DigitRuns() | Characters():
+        case ActiveFlag() | NamedChoice() | DecimalDigits() | Latin1Text():
             return False
         case _:
             assert_never(meaning)
@@ -247,9 +247,9 @@ def is_number(meaning: Meaning) -> bool:
 def is_named(meaning: Meaning) -> bool:
     """Return whether the value is one of several names."""
     match meaning:
-        case Named():
+        case NamedChoice():
             return True
-        case Raw() | TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
+        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | DecimalDigits() | Latin1Text():
             return False
         case _:
             assert_never(meaning)
@@ -266,15 +266,15 @@ def meaning_of(field: Field) -> Meaning:
         case Number(zero_means=number) if number:
             return ZeroMeans(number)
         case Number() | Constant() | Unused() | CrcValue() | Parity():
-            return Raw()
+            return UnsignedNumber()
         case Flag(active_low=low):
-            return Active(low)
+            return ActiveFlag(low)
         case Choice(values):
-            return Named(values)
+            return NamedChoice(values)
         case Decimal(runs):
-            return DigitRuns(runs)
+            return DecimalDigits(runs)
         case Text():
-            return Characters()
+            return Latin1Text()
         case _:
             assert_never(field.kind)
 
@@ -284,7 +284,7 @@ def widest_value(field: Field) -> int:
     match meaning_of(field):
         case ZeroMeans(number):
             return max(field.widest, number.bit_length())
-        case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
+        case UnsignedNumber() | TwosComplement() | ActiveFlag() | NamedChoice() | DecimalDigits() | Latin1Text():
             return field.widest
         case never:
             assert_never(never)

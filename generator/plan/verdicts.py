@@ -15,12 +15,12 @@ from ..model import Device, Field, Flag, Interface, Layout, Verdict
 from ..model.expressions import Expression
 from ..model.kinds import Unused
 from ..model.record import dataclass
-from .codec import Codec, codec_of
-from .operations import Part, Reserved
+from .codec import LayoutPlan, layout_plan_of
+from .operations import FieldToDecode, Reserved
 
 
 @dataclass(frozen=True, slots=True)
-class Only:
+class CodeCondition:
     """Order codes selected by a parameter: its value is not 0 if ``holds`` is true, otherwise it is 0.
 
     ``codes`` is the text in the spec for the codes with a value other than 0.
@@ -36,18 +36,18 @@ class Only:
 
 
 @dataclass(frozen=True, slots=True)
-class Match:
+class MatchingValues:
     """Values of parts that decide a verdict together, like the active flag ``field``, which has no bits.
 
     The value of a flag is 1 while it is active.
     """
 
     field: Field
-    conditions: tuple[tuple[Part, int], ...]
+    conditions: tuple[tuple[FieldToDecode, int], ...]
 
 
 #: Cause of a verdict or a report: a flag, reserved bits, or values.
-Cause = Part | Reserved | Match
+Cause = FieldToDecode | Reserved | MatchingValues
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,18 +60,18 @@ class VerdictCause:
     """
 
     by: Cause
-    unless: tuple[Part, ...]
-    only: Only | None = None
-    chosen: Only | None = None
+    unless: tuple[FieldToDecode, ...]
+    only: CodeCondition | None = None
+    chosen: CodeCondition | None = None
 
     @property
-    def conditions(self) -> tuple[Only, ...]:
+    def conditions(self) -> tuple[CodeCondition, ...]:
         """Conditions on parameters of the order code."""
         return tuple(condition for condition in (self.only, self.chosen) if condition is not None)
 
 
 @dataclass(frozen=True, slots=True)
-class Judgement:
+class VerdictRules:
     """Verdict on the position of a frame: the verdict of the worst active cause, or ``otherwise`` if none is active.
 
     If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning. ``judging_bits`` is the
@@ -89,7 +89,7 @@ class Judgement:
         """True if only the frames of some order codes have bits that judge the position."""
         return not self.judging_bits.is_constant
 
-    def for_parameters(self, parameters: Mapping[str, int]) -> Judgement:
+    def for_parameters(self, parameters: Mapping[str, int]) -> VerdictRules:
         """Return the verdict for an order code with these parameters, without causes that its frames do not have.
 
         If no bit of its frames judges the position, ``otherwise`` is UNKNOWN. The causes of warnings are then omitted,
@@ -97,11 +97,11 @@ class Judgement:
         """
         not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
         if self.judging_bits.value(parameters) == 0:
-            return Judgement(
+            return VerdictRules(
                 not_usable=not_usable, with_warning=(), otherwise=Verdict.UNKNOWN, judging_bits=Expression(0)
             )
         with_warning = tuple(cause for cause in self.with_warning if _has_bits(cause.by, parameters))
-        return Judgement(
+        return VerdictRules(
             not_usable=not_usable, with_warning=with_warning, otherwise=self.otherwise, judging_bits=Expression(1)
         )
 
@@ -121,22 +121,22 @@ def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
 
     The order code lacks a field if its width is 0.
     """
-    if isinstance(cause, Match):
+    if isinstance(cause, MatchingValues):
         bits_of_cause = [part.bits for part, _ in cause.conditions]
     else:
         bits_of_cause = [cause.bits]
     return all(bits.width.value(parameters) > 0 for bits in bits_of_cause)
 
 
-def judgement_of(codec: Codec) -> Judgement:
+def verdict_rules_of(layout_plan: LayoutPlan) -> VerdictRules:
     """Return the verdict on the position of a frame, with everything that it depends on.
 
     If no order code has bits that judge the position, the verdict without an active cause is UNKNOWN. Causes of
     warnings are then omitted, since UNKNOWN is worse.
     """
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {verdict: [] for verdict in Verdict}
-    part_by_name = {part.field.name: part for part in codec.parts}
-    for cause in verdict_causes(codec):
+    part_by_name = {part.field.name: part for part in layout_plan.parts}
+    for cause in verdict_causes(layout_plan):
         match cause.field.kind:
             case Flag():
                 for verdict, verdict_cause in _verdicts_of_flag(cause, part_by_name):
@@ -146,18 +146,18 @@ def judgement_of(codec: Codec) -> Judgement:
     not_usable = tuple(causes_by_verdict[Verdict.NOT_USABLE])
     with_warning: tuple[VerdictCause, ...] = ()
     otherwise = Verdict.UNKNOWN
-    if codec.layout.judges_position:
+    if layout_plan.layout.judges_position:
         with_warning = tuple(causes_by_verdict[Verdict.USABLE_WITH_WARNING])
         otherwise = Verdict.USABLE
-    return Judgement(
+    return VerdictRules(
         not_usable=not_usable,
         with_warning=with_warning,
         otherwise=otherwise,
-        judging_bits=codec.layout.judging_bits,
+        judging_bits=layout_plan.layout.judging_bits,
     )
 
 
-def _verdicts_of_flag(cause: Cause, parts: Mapping[str, Part]) -> Iterator[tuple[Verdict, VerdictCause]]:
+def _verdicts_of_flag(cause: Cause, parts: Mapping[str, FieldToDecode]) -> Iterator[tuple[Verdict, VerdictCause]]:
     """Yield the verdicts to which a flag leads, each with its conditions on the order code and the user's answer.
 
     A flag that combines others does not count while one of these is active (``unless``), because the active flag
@@ -171,7 +171,7 @@ def _verdicts_of_flag(cause: Cause, parts: Mapping[str, Part]) -> Iterator[tuple
             yield verdict, VerdictCause(by=cause, unless=unless, only=only, chosen=chosen)
 
 
-def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, Only | None]]:
+def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, CodeCondition | None]]:
     """Yield a flag with the order codes for which it leads to its verdict, or with None for all of them.
 
     A flag that the manual explains only for some order codes is yielded twice, as explained and as unexplained, unless
@@ -188,7 +188,7 @@ def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, Only | None]]:
         yield from flags_by_codes
 
 
-def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
+def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, CodeCondition | None]]:
     """Yield the verdicts of a flag, each with the condition on the user's answer, or with None if it always applies.
 
     A flag in a frame without the position has no verdict.
@@ -199,11 +199,11 @@ def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
         yield flag.makes_position, None
         return
     # The answer sets this parameter to 1 or 0.
-    yield flag.makes_position, Only(flag.verdict_parameter, holds=False)
-    yield flag.verdict_if_set, Only(flag.verdict_parameter, holds=True)
+    yield flag.makes_position, CodeCondition(flag.verdict_parameter, holds=False)
+    yield flag.verdict_if_set, CodeCondition(flag.verdict_parameter, holds=True)
 
 
-def _always_leads_to(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
+def _always_leads_to(part: FieldToDecode, verdict: Verdict, parts: Mapping[str, FieldToDecode]) -> bool:
     """Return whether a flag leads to ``verdict`` or a worse one, whatever the order code and the answers are.
 
     Return false if the flag combines others of the frame, since it then has no verdict while one of them is active.
@@ -226,19 +226,19 @@ def verdict_of(field: Field) -> Verdict | None:
     return field.kind.makes_position
 
 
-def verdict_causes(codec: Codec) -> Iterator[Cause]:
+def verdict_causes(layout_plan: LayoutPlan) -> Iterator[Cause]:
     """Yield the flags and the reserved bits of a frame, and the values that decide its verdict like a flag.
 
     Flags without a verdict are included.
     """
-    yield from (part for part in codec.parts if isinstance(part.field.kind, Flag))
-    yield from codec.reserved
-    part_by_name = {part.field.name: part for part in codec.parts}
-    for sign in codec.layout.signs:
-        yield Match(sign.flag, tuple((part_by_name[name], value) for name, value in sign.conditions))
+    yield from (part for part in layout_plan.parts if isinstance(part.field.kind, Flag))
+    yield from layout_plan.reserved
+    part_by_name = {part.field.name: part for part in layout_plan.parts}
+    for sign in layout_plan.layout.signs:
+        yield MatchingValues(sign.flag, tuple((part_by_name[name], value) for name, value in sign.conditions))
 
 
-def by_order_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
+def by_order_code(field: Field) -> Iterator[tuple[Field, CodeCondition | None]]:
     """Yield the field with the order codes for which it applies, or with None for all of them.
 
     If the manual explains a flag only for some order codes, yield it with these codes, and then the unexplained flag
@@ -246,8 +246,8 @@ def by_order_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
     """
     match field.kind:
         case Flag(only_while=parameter, only=codes) if parameter:
-            yield field, Only(parameter, holds=True, codes=codes)
-            yield unexplained_flag(field), Only(parameter, holds=False, codes=codes)
+            yield field, CodeCondition(parameter, holds=True, codes=codes)
+            yield unexplained_flag(field), CodeCondition(parameter, holds=False, codes=codes)
         case _:
             yield field, None
 
@@ -258,7 +258,7 @@ def unexplained_flag(field: Field) -> Field:
 
 
 @dataclasses.dataclass(frozen=True, slots=True, eq=False)
-class Report:
+class NumberedReport:
     """One report of a family. ``number`` is its bit in the set of all reports.
 
     ``field`` is the flag, the reserved bits or the flag of a sign, from the first frame that contains them.
@@ -281,12 +281,12 @@ class ReportCause:
     Without ``only`` it applies to all order codes.
     """
 
-    report: Report
+    report: NumberedReport
     by: Cause
-    only: Only | None = None
+    only: CodeCondition | None = None
 
     @property
-    def conditions(self) -> tuple[Only, ...]:
+    def conditions(self) -> tuple[CodeCondition, ...]:
         """Conditions on parameters of the order code."""
         return (self.only,) if self.only is not None else ()
 
@@ -298,16 +298,16 @@ class ReportCause:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Reporting:
-    """Reports and verdict of one layout. ``judgement`` is None if the layout does not contain the position."""
+class ReportsAndVerdict:
+    """Reports and verdict of one layout. ``verdict_rules`` is None if the layout does not contain the position."""
 
     interface: Interface
-    codec: Codec
+    codec: LayoutPlan
     causes: tuple[ReportCause, ...]
-    judgement: Judgement | None
+    verdict_rules: VerdictRules | None
 
 
-def reports_of(device: Device) -> tuple[Report, ...]:
+def reports_of(device: Device) -> tuple[NumberedReport, ...]:
     """Return all reports in the frames of a family, in the same order as in the spec.
 
     Fields with the same name share a report if they also have the same kind, group and meaning. Otherwise the interface
@@ -316,32 +316,32 @@ def reports_of(device: Device) -> tuple[Report, ...]:
     return tuple(dict.fromkeys(_index_reports(device).values()))
 
 
-def reportings(device: Device) -> dict[str, Reporting]:
+def reportings(device: Device) -> dict[str, ReportsAndVerdict]:
     """Return the reports and the verdict of each frame of the encoder that has any, by the name of the frame."""
     reports = _index_reports(device)
-    reporting_by_frame: dict[str, Reporting] = {}
+    reporting_by_frame: dict[str, ReportsAndVerdict] = {}
     for interface, layout in _sent_layouts(device):
-        codec = codec_of(device, layout)
+        codec = layout_plan_of(device, layout)
         causes: list[ReportCause] = []
         for cause in verdict_causes(codec):
             for field, only in by_order_code(cause.field):
                 if _is_reported(field):
                     causes.append(ReportCause(reports[layout.name, field.name], by=cause, only=only))
-        judgement = judgement_of(codec) if device.has_verdict(interface.name, layout) else None
-        if causes or judgement is not None:
-            reporting_by_frame[layout.name] = Reporting(
-                interface=interface, codec=codec, causes=tuple(causes), judgement=judgement
+        verdict_rules = verdict_rules_of(codec) if device.has_verdict(interface.name, layout) else None
+        if causes or verdict_rules is not None:
+            reporting_by_frame[layout.name] = ReportsAndVerdict(
+                interface=interface, codec=codec, causes=tuple(causes), verdict_rules=verdict_rules
             )
     return reporting_by_frame
 
 
-def judgement_in_family(device: Device, layout: Layout) -> Judgement | None:
+def verdict_rules_in_family(device: Device, layout: Layout) -> VerdictRules | None:
     """Return how the verdict on a frame follows from its bits, or None for a frame without a position.
 
     ``device`` is the family with all its order codes.
     """
     reporting = reportings(device).get(layout.name)
-    return reporting.judgement if reporting is not None else None
+    return reporting.verdict_rules if reporting is not None else None
 
 
 def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
@@ -349,7 +349,7 @@ def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
     return ((interface, layout) for interface, layout in device.layouts() if layout.sender == "encoder")
 
 
-def codes_with_explanation(field: Field) -> Only | None:
+def codes_with_explanation(field: Field) -> CodeCondition | None:
     """Return the order codes for which the manual explains a flag, or None if it explains the flag for all."""
     # The first of them is the field as the manual explains it.
     _, explained_codes = next(by_order_code(field))
@@ -369,7 +369,7 @@ def _is_reported(field: Field) -> bool:
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
 
 
-def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, Only | None]]:
+def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, CodeCondition | None]]:
     """Yield the fields and signs that report a problem, each with the order codes for which it does."""
     for field in (*layout.fields, *(sign.flag for sign in layout.signs)):
         for coded_field, only in by_order_code(field):
@@ -404,7 +404,7 @@ def _reported_fields(device: Device) -> list[_ReportedField]:
     return explained_fields + unexplained_fields
 
 
-def _index_reports(device: Device) -> Mapping[tuple[str, str], Report]:
+def _index_reports(device: Device) -> Mapping[tuple[str, str], NumberedReport]:
     """Return the reports by the names of frame and field: ``{("status_frame", "overheat"): Report(...)}``.
 
     Fields share a report if their report names are equal. ``_report_name`` gives them the name of the field if all
@@ -418,12 +418,14 @@ def _index_reports(device: Device) -> Mapping[tuple[str, str], Report]:
         for candidate_name in (reported.field.name, reported.name_with_interface):
             meaning = (reported.field.kind, reported.field.group, reported.field.meaning)
             meanings_by_name.setdefault(candidate_name, set()).add(meaning)
-    reports_by_field: dict[tuple[str, str], Report] = {}
-    reports_by_name: dict[str, Report] = {}
+    reports_by_field: dict[tuple[str, str], NumberedReport] = {}
+    reports_by_name: dict[str, NumberedReport] = {}
     for reported in reported_fields:
         report_name = _report_name(reported, meanings_by_name)
         if report_name not in reports_by_name:
-            reports_by_name[report_name] = Report(report_name, number=len(reports_by_name), field=reported.field)
+            reports_by_name[report_name] = NumberedReport(
+                report_name, number=len(reports_by_name), field=reported.field
+            )
         reports_by_field[reported.frame, reported.field.name] = reports_by_name[report_name]
     return reports_by_field
 

@@ -12,12 +12,12 @@ from pathlib import Path as File
 from typing import Any, NamedTuple
 
 from ..language.document import Document, Path
-from ..language.problems import Report, quoted
+from ..language.problems import ProblemReport, quoted
 from ..language.read import read_document
 from ..language.schema_check import FileKind, check_schema
 from ..language.schema_files import word_sheet_path
 from ..loading.overlays import Family
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .texts import dotted_path, is_source, prose_texts
 
 RULE = "words-disagree"
@@ -26,7 +26,7 @@ OUTDATED_RULE = "words-outdated"
 _LEFT_OUT = frozenset("documents editions evidence lost_figures".split())
 #: Kinds of words. Each line has the senses of a kind, separated by bars, and each sense has words, separated by commas.
 #: Words of one sense can replace each other. A reader fills in the first word.
-_WORDS = """\
+_REPLACEABLE_WORDS = """\
 negation: not, no, never, none, nothing, neither, nor, without, non, no longer | always
 modal: must, should, shall, has to, have to | may, can, could, might | must not, should not, may not | cannot, can not
 order: before, prior to, previous, until | after, afterwards, following, next, since
@@ -163,10 +163,10 @@ def open_gaps(sheet_data: Mapping[str, Any]) -> int:
 
 
 #: Function that reads the sheet of a family, if it has a sheet, and adds its problems to the report.
-Reader = Callable[[Family, Report], Document | None]
+Reader = Callable[[Family, ProblemReport], Document | None]
 
 
-def read_sheet(family: Family, report: Report) -> Document | None:
+def read_sheet(family: Family, report: ProblemReport) -> Document | None:
     """Return the sheet next to the spec of a family, or None if there is none or it has problems."""
     file = word_sheet_path(File(family.document.file))
     document = read_document(file, report) if file.is_file() else None
@@ -178,7 +178,9 @@ def read_sheet(family: Family, report: Report) -> Document | None:
     return document if checked_data is not None and not has_new_problems else None
 
 
-def check_sheets(families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_sheet) -> None:
+def check_sheets(
+    families: Iterable[Family], sound: Collection[str], report: ProblemReport, read: Reader = read_sheet
+) -> None:
     """Compare families with their sheets, and report the differences. A family without a sheet is skipped.
 
     A sheet is always checked, but only compared if its spec is among the ``sound`` files. A sheet is filled from the
@@ -192,7 +194,7 @@ def check_sheets(families: Iterable[Family], sound: Collection[str], report: Rep
             compare_words(family.document, sheet_document, report)
 
 
-def compare_words(spec: Document, sheet_document: Document, report: Report) -> None:
+def compare_words(spec: Document, sheet_document: Document, report: ProblemReport) -> None:
     """Report each gap that the sheet fills with a word other than the spec's, and each outdated text of the sheet.
 
     A text is outdated if only the spec has it, or if it has changed. Texts that only the sheet has are not reported in
@@ -205,7 +207,7 @@ def compare_words(spec: Document, sheet_document: Document, report: Report) -> N
     for path, (place, cloze) in spec_texts.items():
         filled_text = sheet_texts.get(path)
         if filled_text is None:
-            word_count_text = counted(len(cloze.gaps), "turning word")
+            word_count_text = count_with_unit(len(cloze.gaps), "turning word")
             message = f"{sheet_name} lacks this text, which has {word_count_text}; {_advice_to_refill(spec)}"
             report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
             is_outdated = True
@@ -229,7 +231,7 @@ def _advice_to_refill(spec: Document) -> str:
 
 
 def _compare_gaps(
-    spec: Document, place: Path, cloze: ClozeText, sheet_document: Document, sheet_place: Path, report: Report
+    spec: Document, place: Path, cloze: ClozeText, sheet_document: Document, sheet_place: Path, report: ProblemReport
 ) -> None:
     """Report each gap of a text that the sheet fills with another word than the first word of the sense in the spec.
 
@@ -257,9 +259,9 @@ def _compare_gaps(
 
 
 #: Number of characters of a text shown on each side of a gap.
-_AROUND = 30
+_CONTEXT_CHARACTERS = 30
 #: A gap in a text, such as ``{2 order}``.
-_GAP = re.compile(r"\{(\d+) (\w+)\}")
+_GAP_IN_TEXT = re.compile(r"\{(\d+) (\w+)\}")
 
 
 def _text_around_gap(cloze: ClozeText, gap_number: int) -> str:
@@ -269,11 +271,11 @@ def _text_around_gap(cloze: ClozeText, gap_number: int) -> str:
     """
 
     def fill_gaps(text: str) -> str:
-        return _GAP.sub(lambda gap: cloze.gaps[int(gap[1]) - 1].word, text)
+        return _GAP_IN_TEXT.sub(lambda gap: cloze.gaps[int(gap[1]) - 1].word, text)
 
     text_before, text_behind = re.split(rf"\{{{gap_number} \w+\}}", cloze.text, maxsplit=1)
-    before = fill_gaps(text_before)[-_AROUND:]
-    behind = fill_gaps(text_behind)[:_AROUND]
+    before = fill_gaps(text_before)[-_CONTEXT_CHARACTERS:]
+    behind = fill_gaps(text_behind)[:_CONTEXT_CHARACTERS]
     kind = cloze.gaps[gap_number - 1].kind
     return quoted(f"{before}[{kind}]{behind}".strip())
 
@@ -321,7 +323,7 @@ class Vocabulary:
         self._senses: dict[str, Gap] = {}
         #: First words of the senses, by kind: ``{"level": ["high", "low"]}``.
         self.choices: dict[str, Sequence[str]] = {}
-        for line in _WORDS.splitlines():
+        for line in _REPLACEABLE_WORDS.splitlines():
             kind, _, senses = line.partition(": ")
             self._add_kind(kind, [sense.split(", ") for sense in senses.split(" | ")])
         # Signals of one or two characters are left out. Each other word is a separate sense.

@@ -13,16 +13,16 @@ from itertools import chain
 from ..language.document import Path
 from .compare_facts import CHOSEN_BY_READER, compare_facts, compare_names, missing_in_spec, value_text
 from .compare_words import compare_word
-from .comparison import Comparison, Disagreement, Read
+from .comparison import Comparison, Disagreement, HowOftenRead
 from .pairing import with_order_of, with_rows_of
-from .reading import NOTHING, Fact, Facts, Key, Sort, use_same_names
+from .reading import NOTHING, ComparedFact, ComparedFacts, FactClass, FactKey, use_same_names
 from .texts import NUMBERS, dotted_path
 
 #: Classes of facts in texts, which a second reading can also give by their paths.
-_TEXT_SORTS = frozenset((Sort.TEXT, Sort.SECTION))
+_TEXT_SORTS = frozenset((FactClass.TEXT, FactClass.SECTION))
 
 
-def compare(spec: Facts, second: Facts) -> Comparison:
+def compare(spec: ComparedFacts, second: ComparedFacts) -> Comparison:
     """Return the comparison of the facts in a spec and in its second reading.
 
     Facts are compared by their keys, and frames and registers bit by bit. Facts that the second reading gives only by a
@@ -48,7 +48,7 @@ def compare(spec: Facts, second: Facts) -> Comparison:
     return comparison
 
 
-def _has_two_byte_orders(word_key: Key, spec: Facts, second: Facts) -> bool:
+def _has_two_byte_orders(word_key: FactKey, spec: ComparedFacts, second: ComparedFacts) -> bool:
     """Return whether both readings state the byte order of a frame, and differ."""
     order_key = (*word_key, "order")
     if order_key not in spec.facts or order_key not in second.facts:
@@ -56,7 +56,9 @@ def _has_two_byte_orders(word_key: Key, spec: Facts, second: Facts) -> bool:
     return str(spec.facts[order_key].value) != str(second.facts[order_key].value)
 
 
-def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fact: Fact) -> Path | None:
+def _nearest_place(
+    comparison: Comparison, spec: ComparedFacts, second: ComparedFacts, second_fact: ComparedFact
+) -> Path | None:
     """Return the place where the spec would state a fact of the second reading, or None if the spec may lack it.
 
     For a fact that depends on another fact, such as the register of a default, this is the place of the other fact, or
@@ -71,7 +73,7 @@ def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fa
     if second_fact.depends_on:
         subject_fact = spec.facts.get(second_fact.depends_on)
         return subject_fact.place if subject_fact is not None else None
-    unmatched_facts: list[Fact] = []
+    unmatched_facts: list[ComparedFact] = []
     for spec_key, spec_fact in spec.facts.items():
         is_of_same_kind = spec_key[:2] == second_fact.key[:2] and spec_fact.sort is second_fact.sort
         if is_of_same_kind and not spec_fact.depends_on and spec_fact.key not in second.facts:
@@ -93,7 +95,7 @@ def _nearest_container(fact_place: Path) -> Path:
     return fact_place[:3] if has_name_inside else fact_place[:2]
 
 
-def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
+def _facts_by_path(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[FactKey, ComparedFact]]:
     """Yield the facts that the second reading gives by paths, as copies of the spec's facts with its values and places.
 
     These are numbers in texts, and sections of sources. A path that the spec lacks leads to a separate fact.
@@ -103,17 +105,19 @@ def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
     for path, (numbers, second_place) in second.printed_numbers.items():
         spec_fact = spec_fact_by_path.get(path)
         if spec_fact is None:
-            spec_fact = Fact(sort=Sort.TEXT, key=(NUMBERS, path), value="", description=f"numbers in {path}", place=())
+            spec_fact = ComparedFact(
+                sort=FactClass.TEXT, key=(NUMBERS, path), value="", description=f"numbers in {path}", place=()
+            )
         yield spec_fact.key, replace(spec_fact, value=numbers, place=second_place)
     for key, spec_fact in spec.facts.items():
-        if spec_fact.sort is Sort.SECTION and dotted_path(spec_fact.place) not in second.printed_numbers:
+        if spec_fact.sort is FactClass.SECTION and dotted_path(spec_fact.place) not in second.printed_numbers:
             sections = _sections_at(spec_fact.place, second)
             if sections:
                 second_place = ("sections", sections[0])
                 yield key, replace(spec_fact, value=", ".join(sorted(sections)), place=second_place)
 
 
-def _sections_at(fact_place: Path, second: Facts) -> Sequence[str]:
+def _sections_at(fact_place: Path, second: ComparedFacts) -> Sequence[str]:
     """Return the sections that the second reading gives for a place, or else for the nearest place around it."""
     for length in range(len(fact_place), 0, -1):
         path = dotted_path(fact_place[:length])
@@ -122,27 +126,27 @@ def _sections_at(fact_place: Path, second: Facts) -> Sequence[str]:
     return ()
 
 
-def _count_undecided(comparison: Comparison, spec: Facts, second: Facts) -> None:
+def _count_undecided(comparison: Comparison, spec: ComparedFacts, second: ComparedFacts) -> None:
     """Count facts that no manual prints as decided, and texts of which little was compared as read once.
 
     Only facts that count as read twice so far change. Little is compared for a text or source by path, and for a
     characteristic without numbers, of which only the name is known.
     """
     for (sort, place), read in comparison.read_by_place.items():
-        if read is not Read.TWICE:
+        if read is not HowOftenRead.TWICE:
             continue
         path = dotted_path(place)
         # The place of a characteristic itself, such as ("characteristics", "weight").
-        is_characteristic = sort is Sort.CHARACTERISTIC and len(place) == 2
+        is_characteristic = sort is FactClass.CHARACTERISTIC and len(place) == 2
         is_only_name = is_characteristic and (NUMBERS, *place, "value") not in spec.facts
         is_from_path = sort in _TEXT_SORTS and path in second.printed_numbers
         if is_only_name or is_from_path:
-            comparison.read_by_place[sort, place] = Read.ONCE
+            comparison.read_by_place[sort, place] = HowOftenRead.ONCE
         elif sort not in _TEXT_SORTS and _is_decided(sort, path, second.decided):
-            comparison.read_by_place[sort, place] = Read.DECIDED
+            comparison.read_by_place[sort, place] = HowOftenRead.DECIDED
 
 
-def _is_decided(sort: Sort, path: str, decided: Sequence[str]) -> bool:
+def _is_decided(sort: FactClass, path: str, decided: Sequence[str]) -> bool:
     """Return whether ``decided`` contains the class of a fact, such as "time", its path or a path above it."""
     if sort.value in decided:
         return True
@@ -150,7 +154,7 @@ def _is_decided(sort: Sort, path: str, decided: Sequence[str]) -> bool:
     return any(f"{path}.".startswith(f"{decided_path}.") for decided_path in decided)
 
 
-def _compare_order_codes(spec: Facts, second: Facts) -> Iterator[Disagreement]:
+def _compare_order_codes(spec: ComparedFacts, second: ComparedFacts) -> Iterator[Disagreement]:
     """Yield one disagreement for all order codes that only the spec has, and one for order codes that it lacks.
 
     Each has the text of the first code and the number of other codes. If a reading has no order code at all, nothing is
@@ -176,15 +180,15 @@ def _compare_order_codes(spec: Facts, second: Facts) -> Iterator[Disagreement]:
         yield missing_in_spec(described_fact, _first_place(spec_codes))
 
 
-def _order_codes_of(facts: Facts) -> dict[Key, Fact]:
+def _order_codes_of(facts: ComparedFacts) -> dict[FactKey, ComparedFact]:
     return {key: fact for key, fact in facts.facts.items() if key[0] == "code"}
 
 
-def _first_place(facts: dict[Key, Fact]) -> Path:
+def _first_place(facts: dict[FactKey, ComparedFact]) -> Path:
     return next(iter(facts.values())).place
 
 
-def _describe_with_count(facts: Sequence[Fact]) -> str:
+def _describe_with_count(facts: Sequence[ComparedFact]) -> str:
     """Return the description of the first of several facts, and how many more there are."""
     description = facts[0].description
     if len(facts) == 1:

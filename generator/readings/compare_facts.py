@@ -8,16 +8,16 @@ from dataclasses import replace
 from ..changes.pairs import match_by_key
 from ..language.document import Path
 from ..say.plain_text import first_of
-from .comparison import Comparison, Disagreement, Read
+from .comparison import Comparison, Disagreement, HowOftenRead
 from .reading import (
     FACTORY_DEFAULTS,
     NOTHING,
-    Case,
-    Fact,
-    Key,
-    Names,
-    Sort,
-    Value,
+    CodeAndState,
+    ComparedFact,
+    FactClass,
+    FactKey,
+    FactNames,
+    FactValue,
     in_hex,
     mistaken_pairs,
     same_name,
@@ -29,9 +29,9 @@ CHOSEN_BY_READER = frozenset(("parameter",))
 
 def compare_facts(
     comparison: Comparison,
-    spec_facts: Mapping[Key, Fact],
-    second_facts: Mapping[Key, Fact],
-    place_in_spec: Callable[[Fact], Path | None],
+    spec_facts: Mapping[FactKey, ComparedFact],
+    second_facts: Mapping[FactKey, ComparedFact],
+    place_in_spec: Callable[[ComparedFact], Path | None],
 ) -> Iterator[Disagreement]:
     """Yield the disagreements on facts, which are identified by their keys, and count the facts of the spec.
 
@@ -44,7 +44,7 @@ def compare_facts(
             if second_fact is not None:
                 yield from _compare_values(comparison, spec_fact, second_fact)
             elif key[0] not in CHOSEN_BY_READER:
-                comparison.count_fact(spec_fact.sort, spec_fact.place, Read.ONCE)
+                comparison.count_fact(spec_fact.sort, spec_fact.place, HowOftenRead.ONCE)
         elif second_fact is not None and not second_fact.is_implied:
             # An implied fact of the spec has a place, but the spec must state it if the second reading does.
             nearest_place = spec_fact.place if spec_fact is not None else place_in_spec(second_fact)
@@ -52,7 +52,7 @@ def compare_facts(
                 yield missing_in_spec(second_fact, nearest_place)
 
 
-def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
+def missing_in_spec(second_fact: ComparedFact, nearest_place: Path) -> Disagreement:
     """Return the disagreement on a fact that only the second reading has.
 
     ``nearest_place`` is the place where the spec would state the fact.
@@ -68,7 +68,9 @@ def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
     )
 
 
-def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) -> Iterator[Disagreement]:
+def _compare_values(
+    comparison: Comparison, spec_fact: ComparedFact, second_fact: ComparedFact
+) -> Iterator[Disagreement]:
     """Compare the values of a fact: one value, or one for each case. Of several differences, yield the first.
 
     If all cases of both readings have one value each, only these two are compared. Printed names count as equal if the
@@ -83,14 +85,14 @@ def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) 
         yield from _compare_cases(comparison, spec_fact, spec_value, second_fact, second_value)
         return
     spec_text, second_text = value_text(spec_value), value_text(second_value)
-    is_same_name = spec_fact.sort is Sort.PRINTED and same_name(spec_text, second_text)
+    is_same_name = spec_fact.sort is FactClass.PRINTED and same_name(spec_text, second_text)
     if spec_value == second_value or is_same_name:
-        comparison.count_fact(spec_fact.sort, spec_fact.place, Read.TWICE)
+        comparison.count_fact(spec_fact.sort, spec_fact.place, HowOftenRead.TWICE)
     else:
         yield _different_values(spec_fact, spec_text, second_fact, second_text)
 
 
-def _common_value(value_or_cases: Value) -> Value:
+def _common_value(value_or_cases: FactValue) -> FactValue:
     """Return the value if all cases have the same value, or else the values of all cases."""
     if isinstance(value_or_cases, str):
         return value_or_cases
@@ -99,7 +101,7 @@ def _common_value(value_or_cases: Value) -> Value:
     return distinct_values.pop() if has_common_value else value_or_cases
 
 
-def value_text(value_or_cases: Value) -> str:
+def value_text(value_or_cases: FactValue) -> str:
     """Return a value, or the value of the first case if there are several."""
     if isinstance(value_or_cases, str):
         return value_or_cases
@@ -108,10 +110,10 @@ def value_text(value_or_cases: Value) -> str:
 
 def _compare_cases(
     comparison: Comparison,
-    spec_fact: Fact,
-    spec_values: Mapping[Case, str],
-    second_fact: Fact,
-    second_values: Mapping[Case, str],
+    spec_fact: ComparedFact,
+    spec_values: Mapping[CodeAndState, str],
+    second_fact: ComparedFact,
+    second_values: Mapping[CodeAndState, str],
 ) -> Iterator[Disagreement]:
     """Yield a disagreement if a fact has different values in cases that both readings have, and count the fact.
 
@@ -129,15 +131,17 @@ def _compare_cases(
         yield replace(disagreement, order_codes=frozenset(case.code for case in differing_cases))
     missing_cases = [case for case in spec_values if case not in second_values]
     is_incomplete = any(not _is_as_by_default(spec_values, case) for case in missing_cases)
-    comparison.count_fact(spec_fact.sort, spec_fact.place, Read.ONCE if is_incomplete else Read.TWICE)
+    comparison.count_fact(spec_fact.sort, spec_fact.place, HowOftenRead.ONCE if is_incomplete else HowOftenRead.TWICE)
 
 
-def _is_as_by_default(values: Mapping[Case, str], case: Case) -> bool:
+def _is_as_by_default(values: Mapping[CodeAndState, str], case: CodeAndState) -> bool:
     """Return whether a fact has the same value in a state of the registers as with the factory defaults."""
     return case.state != FACTORY_DEFAULTS and values[case] == values.get(case.by_default)
 
 
-def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second_text: str) -> Disagreement:
+def _different_values(
+    spec_fact: ComparedFact, spec_text: str, second_fact: ComparedFact, second_text: str
+) -> Disagreement:
     """Return the disagreement on two values of a fact.
 
     For the length of a frame, ``resized_frame`` contains the words for the frame, and it is empty for any other fact.
@@ -150,12 +154,12 @@ def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second
         second_value=second_text,
         spec_place=spec_fact.place,
         second_place=second_fact.place,
-        is_name=spec_fact.sort is Sort.PRINTED,
+        is_name=spec_fact.sort is FactClass.PRINTED,
         resized_frame=_frame_text(spec_fact.key) if is_length else "",
     )
 
 
-def _frame_text(frame_key: Key) -> str:
+def _frame_text(frame_key: FactKey) -> str:
     """Return the words for a frame in descriptions of its bits: ``of the encoder's frame with 0x1A``.
 
     ``frame_key`` is the key of the frame's length. For a register, the text is empty.
@@ -171,7 +175,7 @@ def _frame_text(frame_key: Key) -> str:
     return frame_text
 
 
-def cases_text(cases: list[Case]) -> str:
+def cases_text(cases: list[CodeAndState]) -> str:
     """Return the order codes of cases and the state of the first case: ``, for X-24 and 2 more while 0x49 = 3``."""
     order_codes = list(dict.fromkeys(case.code for case in cases))
     text = f", for {first_of(order_codes, 1)}"
@@ -180,7 +184,9 @@ def cases_text(cases: list[Case]) -> str:
 
 
 def compare_names(
-    comparison: Comparison, spec_names_by_kind: Mapping[Key, Names], second_names_by_kind: Mapping[Key, Names]
+    comparison: Comparison,
+    spec_names_by_kind: Mapping[FactKey, FactNames],
+    second_names_by_kind: Mapping[FactKey, FactNames],
 ) -> Iterator[Disagreement]:
     """Yield the different names of one item if one of them must be a mistake.
 

@@ -10,16 +10,16 @@ from functools import partial
 from ..language.document import Path
 from ..say.names_and_places import bits as bits_text
 from .compare_facts import cases_text, compare_facts, compare_names
-from .comparison import Comparison, Disagreement, Read
+from .comparison import Comparison, Disagreement, HowOftenRead
 from .frame_bits import continues_item, describe_bits
-from .reading import FACTORY_DEFAULTS, Bit, Case, Fact, Sort, Word, WordCase
+from .reading import FACTORY_DEFAULTS, BitMeaning, CodeAndState, ComparedFact, FactClass, WordBits, WordCase
 
 #: Identity of a disagreement in all cases: its places, its class, and its number among the disagreements of a case with
 #: the same places and class.
-_DisagreementKey = tuple[Path, Path, Sort, int]
+_DisagreementKey = tuple[Path, Path, FactClass, int]
 
 
-def compare_word(comparison: Comparison, spec_word: Word, second_word: Word | None) -> None:
+def compare_word(comparison: Comparison, spec_word: WordBits, second_word: WordBits | None) -> None:
     """Compare a frame or register in every case. Each difference is reported for the first case that shows it.
 
     ``second_word`` is None if the second reading lacks it. Facts of cases that only the spec has are counted as read
@@ -39,7 +39,7 @@ def compare_word(comparison: Comparison, spec_word: Word, second_word: Word | No
             comparison.add_disagreement(replace(disagreement, description=description))
 
 
-def _second_cases(spec_word: Word, second_word: Word | None) -> Mapping[Case, WordCase]:
+def _second_cases(spec_word: WordBits, second_word: WordBits | None) -> Mapping[CodeAndState, WordCase]:
     """Return the word of the second reading for each case in which the words are compared.
 
     If both words are the same in all of their cases, they are compared even without a common order code.
@@ -54,22 +54,22 @@ def _second_cases(spec_word: Word, second_word: Word | None) -> Mapping[Case, Wo
 def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
     """Count all facts of a word whose case occurs only in the spec."""
     for bit in spec_case.bits:
-        comparison.count_fact(Sort.POSITION, bit.place, Read.ONCE)
+        comparison.count_fact(FactClass.POSITION, bit.place, HowOftenRead.ONCE)
     for properties in spec_case.fields.values():
         for fact in properties.values():
-            comparison.count_fact(fact.sort, fact.place, Read.ONCE)
+            comparison.count_fact(fact.sort, fact.place, HowOftenRead.ONCE)
 
 
 def _disagreements_with_cases(
-    comparison: Comparison, spec_word: Word, second_cases: Mapping[Case, WordCase]
-) -> Iterable[tuple[Disagreement, list[Case]]]:
+    comparison: Comparison, spec_word: WordBits, second_cases: Mapping[CodeAndState, WordCase]
+) -> Iterable[tuple[Disagreement, list[CodeAndState]]]:
     """Return each disagreement as in the first case that shows it, with all cases that do.
 
     Disagreements in two cases are one if their keys are equal: places, class and number (see ``_with_keys``).
     """
     # Most cases share one word, so each pair of words is compared once.
     disagreements_by_pair: dict[tuple[int, int], list[Disagreement]] = {}
-    disagreement_and_cases: dict[_DisagreementKey, tuple[Disagreement, list[Case]]] = {}
+    disagreement_and_cases: dict[_DisagreementKey, tuple[Disagreement, list[CodeAndState]]] = {}
     for case, spec_case in spec_word.cases.items():
         second_case = second_cases.get(case)
         if second_case is None:
@@ -88,7 +88,7 @@ def _with_keys(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_Disagre
 
     Those with the same places and class are numbered from 1.
     """
-    counts_so_far: Counter[tuple[Path, Path, Sort]] = Counter()
+    counts_so_far: Counter[tuple[Path, Path, FactClass]] = Counter()
     for disagreement in disagreements:
         places_and_sort = disagreement.spec_place, disagreement.second_place, disagreement.sort
         counts_so_far[places_and_sort] += 1
@@ -96,7 +96,7 @@ def _with_keys(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_Disagre
 
 
 def _compare_in_case(
-    comparison: Comparison, spec_word: Word, spec_case: WordCase, second_case: WordCase
+    comparison: Comparison, spec_word: WordBits, spec_case: WordCase, second_case: WordCase
 ) -> Iterator[Disagreement]:
     """Yield the differences in one case: of bits, of the properties of fields, and of names.
 
@@ -115,13 +115,13 @@ def _compare_in_case(
     yield from compare_names(comparison, spec_case.names, second_case.names)
 
 
-def _place_unless_optional(field_place: Path, second_fact: Fact) -> Path | None:
+def _place_unless_optional(field_place: Path, second_fact: ComparedFact) -> Path | None:
     """Return the place of the field if the spec must have a fact about it that the second reading has, or else None."""
     return None if second_fact.may_be_missing else field_place
 
 
 def _compare_bits(
-    comparison: Comparison, spec_word: Word, spec_bits: tuple[Bit, ...], second_bits: tuple[Bit, ...]
+    comparison: Comparison, spec_word: WordBits, spec_bits: tuple[BitMeaning, ...], second_bits: tuple[BitMeaning, ...]
 ) -> Iterator[Disagreement]:
     """Yield the ranges of bits with different meanings, and count the bits with the same meaning as read twice."""
     for high, low in _different_ranges(spec_bits, second_bits):
@@ -129,7 +129,7 @@ def _compare_bits(
         spec_range = spec_bits[low : high + 1][::-1]
         second_range = second_bits[low : high + 1][::-1]
         yield Disagreement(
-            sort=Sort.POSITION,
+            sort=FactClass.POSITION,
             description=f"{bits_text(high, low)} of {spec_word.description}",
             spec_value=describe_bits(spec_range),
             second_value=describe_bits(second_range),
@@ -138,14 +138,14 @@ def _compare_bits(
         )
     for spec_bit, second_bit in zip(spec_bits, second_bits, strict=True):
         if _have_same_meaning(spec_bit, second_bit):
-            comparison.count_fact(Sort.POSITION, spec_bit.place, Read.TWICE)
+            comparison.count_fact(FactClass.POSITION, spec_bit.place, HowOftenRead.TWICE)
 
 
-def _have_same_meaning(bit: Bit, other_bit: Bit) -> bool:
+def _have_same_meaning(bit: BitMeaning, other_bit: BitMeaning) -> bool:
     return (bit.part, bit.weight, bit.fixed) == (other_bit.part, other_bit.weight, other_bit.fixed)
 
 
-def _different_ranges(spec_bits: tuple[Bit, ...], second_bits: tuple[Bit, ...]) -> list[tuple[int, int]]:
+def _different_ranges(spec_bits: tuple[BitMeaning, ...], second_bits: tuple[BitMeaning, ...]) -> list[tuple[int, int]]:
     """Return the high and low bits of ranges of different bits, highest first: ``[(7, 4), (2, 2)]``.
 
     Adjacent bits are in one range if they belong to one item in the spec, and also to one in the second reading.

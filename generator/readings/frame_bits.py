@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..language.document import Path
-from ..language.problems import listed
+from ..language.problems import join_words
 from ..model import (
     Constant,
     CrcValue,
@@ -24,11 +24,23 @@ from ..model import (
 )
 from ..order_codes.parameters import deciding_parameters
 from ..say.names_and_places import bits
-from .reading import Bit, Case, Fact, Facts, Parameters, Sort, Word, WordCase, as_delivered, in_hex, interface_label
-from .stated import Subject
+from .reading import (
+    BitMeaning,
+    CodeAndState,
+    ComparedFact,
+    ComparedFacts,
+    FactClass,
+    Parameters,
+    WordBits,
+    WordCase,
+    as_delivered,
+    in_hex,
+    interface_label,
+)
+from .stated import FactSubject
 
 
-def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, facts: Facts) -> None:
+def add_names(subject: FactSubject, placed_field: PlacedField, owner: str | int, facts: ComparedFacts) -> None:
     """Add the names of a field of the frame or register ``owner``, and of the field's values.
 
     A field is identified by low bit and width, ``(3, 5)``, and a value by its number and its field. The names of fields
@@ -40,8 +52,8 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
     low_and_width = placed_field.low, placed_field.width
     has_name_at_place = place[-2:] == ("fields", field_name)
     if has_name_at_place:
-        name_fact = Fact(
-            sort=Sort.POSITION,
+        name_fact = ComparedFact(
+            sort=FactClass.POSITION,
             key=low_and_width,
             value=field_name,
             description=f"name of {bits_text}",
@@ -49,8 +61,8 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
         )
         facts.add_name(("field",), name_fact)
     for named_value in placed_field.field.values:
-        value_name_fact = Fact(
-            sort=Sort.VALUE,
+        value_name_fact = ComparedFact(
+            sort=FactClass.VALUE,
             key=(named_value.value,),
             value=named_value.name,
             description=f"name of value {in_hex(named_value.value)} of {bits_text}",
@@ -60,8 +72,8 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
 
 
 def properties(
-    subject: Subject, placed_field: PlacedField, parameters: Parameters, register: Register | None
-) -> Iterator[Fact]:
+    subject: FactSubject, placed_field: PlacedField, parameters: Parameters, register: Register | None
+) -> Iterator[ComparedFact]:
     """Yield the facts of a field other than its bits: the facts of its kind, a fixed value, a default, stated members.
 
     ``parameters`` are the parameters of an order code. ``register`` is the register that contains the field, or None in
@@ -72,25 +84,27 @@ def properties(
     if field.equals is not None:
         fixed_value = field.documented(parameters)
         value_text = in_hex(fixed_value) if isinstance(fixed_value, int) else str(fixed_value)
-        yield subject.detail_fact(Sort.VALUE, "equals", value_text, "fixed value")
+        yield subject.detail_fact(FactClass.VALUE, "equals", value_text, "fixed value")
     if register is None:
         default = field.default
         is_implied = False
     else:
         default, is_implied = _default_and_is_implied(placed_field, register)
     if default is not None:
-        yield replace(subject.detail_fact(Sort.DEFAULT, "default", in_hex(default), "default"), is_implied=is_implied)
+        yield replace(
+            subject.detail_fact(FactClass.DEFAULT, "default", in_hex(default), "default"), is_implied=is_implied
+        )
     yield from subject.stated_facts(field)
 
 
-def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
+def _facts_of_kind(subject: FactSubject, field: Field) -> Iterator[ComparedFact]:
     """Yield the facts that depend on the kind of the field: about its bits, its CRC, and its named values.
 
     The other reading may lack the verdict of unused bits (``may_be_missing``), but no other of these facts.
     """
     reading = subject.reading
     for fact in subject.stated_facts(field.kind):
-        if fact.sort is Sort.VERDICT:
+        if fact.sort is FactClass.VERDICT:
             # The verdict of a flag that the interface defines is not in the spec.
             verdict_place = reading.first_existing(fact.place, subject.place)
             yield replace(fact, place=verdict_place, may_be_missing=isinstance(field.kind, Unused))
@@ -98,16 +112,16 @@ def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
             yield replace(fact, may_be_missing=False)
     if isinstance(field.kind, CrcValue):
         crc_text = f"the CRC over {interface_label(subject.interface)}"
-        crc_subject = Subject(reading, key=("crc",), place=("crcs", field.kind.crc), description=crc_text)
+        crc_subject = FactSubject(reading, key=("crc",), place=("crcs", field.kind.crc), description=crc_text)
         yield from crc_subject.stated_facts(reading.device.crc(field.kind.crc))
     for named_value in field.values:
-        value_subject = Subject(
+        value_subject = FactSubject(
             reading,
             key=("value", named_value.value),
             place=reading.first_existing((*subject.place, "values", named_value.name), subject.place),
             description=f"value {in_hex(named_value.value)} of {subject.description}",
         )
-        yield value_subject.existence_fact(Sort.VALUE, "named")
+        yield value_subject.existence_fact(FactClass.VALUE, "named")
         yield from value_subject.stated_facts(named_value)
 
 
@@ -131,46 +145,46 @@ def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tu
     return default_in_register, True
 
 
-def word(owner: Subject, layout: Layout, register: Register | None = None) -> Word:
+def word_bits(owner: FactSubject, layout: Layout, register: Register | None = None) -> WordBits:
     """Return the word of a frame or register in each case of its interface, for comparing it bit by bit.
 
     Cases in which the layout is the same share one ``WordCase``. ``register`` is None for a frame.
     """
     deciding_names = deciding_parameters(layout)
     word_case_by_values: dict[tuple[int, ...], WordCase] = {}
-    word_cases: dict[Case, WordCase] = {}
+    word_cases: dict[CodeAndState, WordCase] = {}
     for case, parameters in owner.reading.cases(owner.interface).items():
         deciding_values = tuple(parameters[name] for name in deciding_names)
         if deciding_values not in word_case_by_values:
             word_case = _word_case(owner, layout.place(parameters), parameters, register)
             word_case_by_values[deciding_values] = word_case
         word_cases[case] = word_case_by_values[deciding_values]
-    return Word(description=owner.description, place=owner.place, cases=word_cases)
+    return WordBits(description=owner.description, place=owner.place, cases=word_cases)
 
 
 def _word_case(
-    owner: Subject, placed_layout: PlacedLayout, parameters: Parameters, register: Register | None
+    owner: FactSubject, placed_layout: PlacedLayout, parameters: Parameters, register: Register | None
 ) -> WordCase:
     """Return the bits of a layout, and the properties and the names of its fields, for these parameters.
 
     Bits without a field are "unspecified". Bits are in the order of their numbers, from 0.
     """
-    unspecified_bit = Bit(part="unspecified", weight=None, fixed=None, place=(*owner.place, "other_bits"))
+    unspecified_bit = BitMeaning(part="unspecified", weight=None, fixed=None, place=(*owner.place, "other_bits"))
     bits_by_number = [unspecified_bit] * placed_layout.bits
     properties_by_low_and_width = {}
-    name_facts = Facts()
+    name_facts = ComparedFacts()
     for placed_field in placed_layout.fields:
         place = owner.reading.field_place(owner.place, placed_field.field)
         description = f"{bits(placed_field.high, placed_field.low)} of {owner.description}"
         bits_by_number[placed_field.low : placed_field.high + 1] = _yield_bits(placed_field, placed_layout, place)
-        subject = Subject(owner.reading, key=(), place=place, description=description, interface=owner.interface)
+        subject = FactSubject(owner.reading, key=(), place=place, description=description, interface=owner.interface)
         facts = properties(subject, placed_field, parameters, register)
         properties_by_low_and_width[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
         add_names(subject, placed_field, owner.place[-1], name_facts)
     return WordCase(bits=tuple(bits_by_number), fields=properties_by_low_and_width, names=name_facts.names)
 
 
-def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[Bit]:
+def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[BitMeaning]:
     """Yield each bit of a field, lowest first, with its meaning.
 
     Constants and unused bits have a fixed value. The bits of a number have weights, which continue across the fields of
@@ -186,13 +200,13 @@ def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: P
     for index in range(placed_field.width):
         match kind:
             case Constant(value) | Unused(value):
-                yield Bit(owner_text, weight=None, fixed=(value >> index) & 1, place=place)
+                yield BitMeaning(owner_text, weight=None, fixed=(value >> index) & 1, place=place)
             case Flag() | Parity() if weight_in_join is None:
-                yield Bit(owner_text, weight=None, fixed=None, place=place)
+                yield BitMeaning(owner_text, weight=None, fixed=None, place=place)
             case Text():
-                yield Bit(owner_text, weight=index % 8, fixed=None, place=place)
+                yield BitMeaning(owner_text, weight=index % 8, fixed=None, place=place)
             case _:
-                yield Bit(owner_text, weight=lowest_weight + index, fixed=None, place=place)
+                yield BitMeaning(owner_text, weight=lowest_weight + index, fixed=None, place=place)
 
 
 def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
@@ -223,7 +237,7 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
 def _parity_text(parity: Parity, placed_layout: PlacedLayout) -> str:
     """Return text such as ``odd parity of bits 7:0``, or of their ``one bits`` if the parity is over the one bits."""
     polarity = "odd" if parity.odd else "even"
-    covered_bits = listed([_text_of_bits(placed_layout, name) for name in parity.of])
+    covered_bits = join_words([_text_of_bits(placed_layout, name) for name in parity.of])
     if not parity.over:
         return f"{polarity} parity of {covered_bits}"
     counted_words = parity.over.replace("_", " ")
@@ -262,7 +276,7 @@ def _weight_in_join(placed_field: PlacedField, placed_layout: PlacedLayout) -> i
     return weight
 
 
-def describe_bits(adjacent_bits: Sequence[Bit]) -> str:
+def describe_bits(adjacent_bits: Sequence[BitMeaning]) -> str:
     """Describe adjacent bits of one item, such as ``bits 7:0 of a number``, ``constant 0010`` or ``a flag``.
 
     ``adjacent_bits`` has the highest bit first.
@@ -277,7 +291,7 @@ def describe_bits(adjacent_bits: Sequence[Bit]) -> str:
     return f"{bits(highest_bit.weight, lowest_bit.weight)} of {highest_bit.part}"
 
 
-def continues_item(bit: Bit, above: Bit) -> bool:
+def continues_item(bit: BitMeaning, above: BitMeaning) -> bool:
     """Return whether a bit continues the same item as ``above``, the next higher bit.
 
     Both have the same part and place, both or neither are constant, and their weights are consecutive if they have any.

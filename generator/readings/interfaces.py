@@ -23,20 +23,20 @@ from ..model import (
 from ..model.order_codes import Restricted, fits, repeated_names
 from ..say.names_and_places import bits
 from .channels import channel_facts
-from .frame_bits import word
+from .frame_bits import word_bits
 from .reading import (
-    Case,
-    Fact,
-    Facts,
-    Key,
-    Reading,
-    Sort,
-    Value,
+    CodeAndState,
+    ComparedFact,
+    ComparedFacts,
+    FactClass,
+    FactKey,
+    FactValue,
+    SpecReading,
     comparable_text,
     in_hex,
     interface_label,
 )
-from .stated import Subject
+from .stated import FactSubject
 
 #: Identity of a frame without a selector that belongs to no exchange.
 _NOT_EXCHANGED = -1
@@ -50,7 +50,7 @@ _JOINT_BY_PART = {
 }
 
 
-def add_interfaces(reading: Reading, facts: Facts) -> None:
+def add_interfaces(reading: SpecReading, facts: ComparedFacts) -> None:
     """Add the facts of all interfaces, and the timings of the device."""
     for interface in reading.device.interfaces:
         constants_by_frame = _exchange_constants(interface)
@@ -58,7 +58,7 @@ def add_interfaces(reading: Reading, facts: Facts) -> None:
             identity = constants_by_frame.get(layout.name, _NOT_EXCHANGED)
             _add_frames(reading, interface, layout, identity, facts)
             # The bits of a joined number follow from its fields.
-            facts.derived[Sort.POSITION] += len(layout.joins)
+            facts.derived[FactClass.POSITION] += len(layout.joins)
         facts.add(_interface_facts(reading, interface))
         facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
     facts.add(timings(reading.device.timings, "", ("timings",)))
@@ -86,27 +86,31 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
     return constants_by_frame
 
 
-def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity: str | int, facts: Facts) -> None:
+def _add_frames(
+    reading: SpecReading, interface: Interface, layout: Layout, identity: str | int, facts: ComparedFacts
+) -> None:
     """Add a frame for each selector of this layout, or one identified by ``identity`` if it has no selector.
 
     ``identity`` is the text from ``_exchange_constants``, or -1 if the frame belongs to no exchange.
     """
     place: Path = ("interfaces", interface.name, "layouts", layout.name)
     for frame_identity in layout.selects or (identity,):
-        key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, frame_identity)
-        frame_subject = Subject(reading, key=key, place=place, description=f"'{layout.name}'", interface=interface.name)
+        key: FactKey = ("frame", interface.name, layout.sender, layout.channel or 0, frame_identity)
+        frame_subject = FactSubject(
+            reading, key=key, place=place, description=f"'{layout.name}'", interface=interface.name
+        )
         facts.add(_frame_facts(frame_subject, layout))
-        facts.words[key] = word(frame_subject, layout)
+        facts.words[key] = word_bits(frame_subject, layout)
         for field in layout.fields:
             if field.group:
                 facts.add_name(("group", interface.name), _group_name(frame_subject, field))
 
 
-def _group_name(frame: Subject, field: Field) -> Fact:
+def _group_name(frame: FactSubject, field: Field) -> ComparedFact:
     """Return the name of the group that a field of a frame belongs to."""
     bits_text = frame.reading.bits_of(frame.interface, field)
-    return Fact(
-        sort=Sort.POSITION,
+    return ComparedFact(
+        sort=FactClass.POSITION,
         key=(*frame.key, bits_text),
         value=field.group,
         description=f"group of {bits_text} of {frame.description}",
@@ -114,29 +118,29 @@ def _group_name(frame: Subject, field: Field) -> Fact:
     )
 
 
-def _frame_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
+def _frame_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedFact]:
     """Yield the facts about a frame as a whole: its sender, units, byte order, length and combinations of values.
 
     A frame of one byte needs no byte order. If only one reading states it, they do not disagree.
     """
     reading = frame.reading
-    yield from frame.all_facts(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
+    yield from frame.all_facts(FactClass.POSITION, layout, f"sent by the {layout.sender}", at="name")
     carried_place = reading.first_existing((*frame.place, "carried_as"), frame.place)
-    yield frame.detail_fact(Sort.POSITION, "carried", layout.carried_as, "units", carried_place)
+    yield frame.detail_fact(FactClass.POSITION, "carried", layout.carried_as, "units", carried_place)
     has_several_bytes = layout.widest > 8
     is_stated = reading.document.has((*frame.place, "byte_order"))
     if layout.in_bytes and (has_several_bytes or is_stated):
         order_place = (*frame.place, "byte_order") if is_stated else frame.place
         may_be_missing = not has_several_bytes
         yield frame.detail_fact(
-            Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, may_be_missing=may_be_missing
+            FactClass.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, may_be_missing=may_be_missing
         )
     lengths = {case: str(layout.bits.value(parameters)) for case, parameters in reading.cases(frame.interface).items()}
-    yield frame.detail_fact(Sort.POSITION, "length", lengths, "bits", frame.place)
+    yield frame.detail_fact(FactClass.POSITION, "length", lengths, "bits", frame.place)
     yield from _combination_facts(frame, layout)
 
 
-def _combination_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
+def _combination_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedFact]:
     """Yield the verdict and the stated facts of each combination of field values.
 
     A combination is identified by its bits for the first order code: ``bit 3 = 1, bits 7:4 = 0``.
@@ -156,7 +160,7 @@ def _combination_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
             place=("combinations", combination.name),
             description=f"the combination of {conditions} in {frame.description}",
         )
-        yield subject.existence_fact(Sort.VERDICT, combination.makes_position.value, "makes_position")
+        yield subject.existence_fact(FactClass.VERDICT, combination.makes_position.value, "makes_position")
         yield from subject.stated_facts(combination)
 
 
@@ -170,10 +174,10 @@ def _condition_text(field: PlacedField, needed_value: int) -> str:
     return f"{bits(field.high, field.low)} = {bit_value}"
 
 
-def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
+def _interface_facts(reading: SpecReading, interface: Interface) -> Iterator[ComparedFact]:
     """Yield the facts about an interface other than its frames: its members, its parts, and the facts of its kind."""
     place: Path = ("interfaces", interface.name)
-    interface_subject = Subject(
+    interface_subject = FactSubject(
         reading,
         key=("interface", interface.name),
         place=place,
@@ -205,7 +209,7 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
             yield from _exchange_facts(interface)
 
 
-def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
+def _cable_clocks(reading: SpecReading, interface: Ssi) -> Iterator[ComparedFact]:
     """Yield a fact for each length of the cable: its highest clock, such as ``below 400000 Hz``.
 
     If that depends on the order code, the value is a map with the text for each code.
@@ -217,8 +221,8 @@ def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
     for length, index in first_index_by_length.items():
         rows = [row for row in interface.cable_lengths if row.shorter_than_m == length]
         rows_with_texts = [(row, f"below {row.below_hz} Hz") for row in rows]
-        yield Fact(
-            sort=Sort.CLOCK,
+        yield ComparedFact(
+            sort=FactClass.CLOCK,
             key=("cable", "ssi", length),
             value=_value_by_code(reading, interface.name, rows_with_texts),
             description=f"clock for a cable shorter than {length} m",
@@ -226,12 +230,14 @@ def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
         )
 
 
-def _value_by_code(reading: Reading, interface: str, rows_with_texts: Sequence[tuple[Restricted, str]]) -> Value:
+def _value_by_code(
+    reading: SpecReading, interface: str, rows_with_texts: Sequence[tuple[Restricted, str]]
+) -> FactValue:
     """Return the text of the only row, or a map with the text for each order code if rows are for different codes."""
     first_row, first_text = rows_with_texts[0]
     if len(rows_with_texts) == 1 and not first_row.only:
         return first_text
-    values: dict[Case, str] = {}
+    values: dict[CodeAndState, str] = {}
     for case in reading.cases(interface):
         for row, row_text in rows_with_texts:
             if fits(row.only, case.code):
@@ -239,7 +245,7 @@ def _value_by_code(reading: Reading, interface: str, rows_with_texts: Sequence[t
     return values
 
 
-def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
+def _biss_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFact]:
     """Yield the printed time-outs, each identified by its clock, and the fields of the control frame.
 
     A field of the control frame is identified by the number of bits sent before it.
@@ -247,8 +253,8 @@ def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
     for timeout in interface.timeouts:
         for index, printed in enumerate(timeout.printed):
             row_with_text = (timeout, f"{printed.timeout_ns} ns")
-            yield Fact(
-                sort=Sort.TIME,
+            yield ComparedFact(
+                sort=FactClass.TIME,
                 key=("timeout", "at", printed.clock_hz),
                 value=_value_by_code(reading, interface.name, [row_with_text]),
                 description=f"time-out over BiSS at {printed.clock_hz} Hz",
@@ -260,20 +266,20 @@ def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
         bits_before += control_field.bits
 
 
-def _control_field_facts(reading: Reading, control_field: ControlField, offset: int) -> Iterator[Fact]:
+def _control_field_facts(reading: SpecReading, control_field: ControlField, offset: int) -> Iterator[ComparedFact]:
     """Yield the facts of a field of the control frame: its bits, its values, and its CRC.
 
     ``offset`` is the number of bits sent before the field.
     """
     place: Path = ("interfaces", "biss", "control_data", "fields", control_field.name)
-    subject = Subject(
+    subject = FactSubject(
         reading, key=("control", offset), place=place, description=f"field of the control frame from bit {offset + 1}"
     )
-    yield from subject.all_facts(Sort.POSITION, control_field, f"{control_field.bits} bits")
+    yield from subject.all_facts(FactClass.POSITION, control_field, f"{control_field.bits} bits")
     for named_value in control_field.values:
         description = f"value {in_hex(named_value.value)} of {subject.description}"
         value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
-        yield from value_subject.all_facts(Sort.VALUE, named_value, "named")
+        yield from value_subject.all_facts(FactClass.VALUE, named_value, "named")
     if control_field.crc:
         # The parameters of a CRC are in the list of CRCs, outside the field.
         crc_subject = subject.inside(("crc",), (), "the control frame's CRC over BiSS")
@@ -281,7 +287,7 @@ def _control_field_facts(reading: Reading, control_field: ControlField, offset: 
         yield from crc_subject.stated_facts(reading.device.crc(control_field.crc))
 
 
-def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
+def _rs485_facts(reading: SpecReading, interface: Rs485) -> Iterator[ComparedFact]:
     """Yield the data IDs, and the contents of replies to memory accesses, such as while the memory is busy.
 
     A data ID is identified by its number, ``("data id", 3)``, with the value ``control field 0x1A``. A reply is
@@ -290,11 +296,13 @@ def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
     place: Path = ("interfaces", interface.name)
     for data_id in interface.data_ids:
         id_place = (*place, "data_ids", data_id.name)
-        subject = Subject(reading, key=("data id", data_id.id), place=id_place, description=f"data ID {data_id.id:X}")
-        yield from subject.all_facts(Sort.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
+        subject = FactSubject(
+            reading, key=("data id", data_id.id), place=id_place, description=f"data ID {data_id.id:X}"
+        )
+        yield from subject.all_facts(FactClass.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
     for index, access in enumerate(interface.memory_access):
-        yield Fact(
-            sort=Sort.SETTING,
+        yield ComparedFact(
+            sort=FactClass.SETTING,
             key=("memory", access.access, access.busy),
             value=f"address {comparable_text(access.address)}, data {comparable_text(access.data)}",
             description=f"reply to a {access.access} while the busy flag is {access.busy}",
@@ -302,7 +310,7 @@ def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
         )
 
 
-def _exchange_facts(interface: Rs485 | Spi) -> Iterator[Fact]:
+def _exchange_facts(interface: Rs485 | Spi) -> Iterator[ComparedFact]:
     """Yield the exchanges, such as ``read, with a reply, words of 8 bits``.
 
     An exchange is identified by the constants of its request: ``0x1A from bit 0``.
@@ -314,8 +322,8 @@ def _exchange_facts(interface: Rs485 | Spi) -> Iterator[Fact]:
         exchange_text = f"{exchange.purpose}, {with_or_without} a reply"
         if exchange.word_bits is not None:
             exchange_text += f", words of {exchange.word_bits.render()} bits"
-        yield Fact(
-            sort=Sort.SETTING,
+        yield ComparedFact(
+            sort=FactClass.SETTING,
             key=("exchange", interface.name, constants),
             value=exchange_text,
             description=f"request with {constants or 'no constant'}",
@@ -323,7 +331,7 @@ def _exchange_facts(interface: Rs485 | Spi) -> Iterator[Fact]:
         )
 
 
-def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[Fact]:
+def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[ComparedFact]:
     """Yield a fact for each bound of a timing with a symbol, and one fact for a timing without a symbol.
 
     With a symbol, the key has it and the bound: ``("time", "ssi", "tm", "at_least_us")``. Without one, only the numbers
@@ -343,9 +351,9 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
         if not timing.symbol:
             bound_words = {bound: bound.removesuffix("_us").replace("_", " ") for bound in time_by_bound}
             times_text = ", ".join(f"{bound_words[bound]} {time}" for bound, time in time_by_bound.items())
-            key: Key = ("time", interface, times_text)
-            yield Fact(
-                sort=Sort.TIME,
+            key: FactKey = ("time", interface, times_text)
+            yield ComparedFact(
+                sort=FactClass.TIME,
                 key=key,
                 value=times_text,
                 description=f"a time{interface_text}",
@@ -356,8 +364,8 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
             continue
         symbol = comparable_text(timing.symbol).replace(" ", "")
         for bound_name, bound_time in time_by_bound.items():
-            yield Fact(
-                sort=Sort.TIME,
+            yield ComparedFact(
+                sort=FactClass.TIME,
                 key=("time", interface, symbol, bound_name),
                 value=bound_time,
                 description=f"time {timing.symbol}{interface_text}, '{bound_name}'",

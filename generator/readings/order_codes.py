@@ -9,11 +9,11 @@ from ..language.problems import Path
 from ..model import CodePart, Interface, Layout, Parameter, Spelling, Variant
 from ..order_codes.labels import values_by_spelling
 from ..say.names_and_places import bits
-from .reading import FACTORY_DEFAULTS, Case, Fact, Facts, Reading, Sort, count_text
-from .stated import Subject
+from .reading import FACTORY_DEFAULTS, CodeAndState, ComparedFact, ComparedFacts, FactClass, SpecReading, count_text
+from .stated import FactSubject
 
 
-def add_codes(reading: Reading, facts: Facts) -> None:
+def add_codes(reading: SpecReading, facts: ComparedFacts) -> None:
     """Add the facts about order codes: notations, supplies, parameters, alternatives, measurements and the movement.
 
     Parameters with a formula follow from other parameters, so they only count as derived.
@@ -31,8 +31,8 @@ def add_codes(reading: Reading, facts: Facts) -> None:
     facts.add(
         iter(
             (
-                Fact(
-                    sort=Sort.MEASUREMENT,
+                ComparedFact(
+                    sort=FactClass.MEASUREMENT,
                     key=("movement",),
                     value=movement,
                     description="movement",
@@ -41,10 +41,10 @@ def add_codes(reading: Reading, facts: Facts) -> None:
             )
         )
     )
-    facts.derived[Sort.LIMIT] += len(reading.device.definitions)
+    facts.derived[FactClass.LIMIT] += len(reading.device.definitions)
 
 
-def _order_code_facts(reading: Reading) -> Iterator[Fact]:
+def _order_code_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield each order code with its interface, and each part whose values the manual leaves open.
 
     Such a part is identified by the values that the manual prints. If these values combine only with certain values of
@@ -53,8 +53,8 @@ def _order_code_facts(reading: Reading) -> Iterator[Fact]:
     place: Path = ("order_code", "parts")
     for variant in reading.device.variants:
         description = f"interface of the order code {variant.code}"
-        yield Fact(
-            sort=Sort.ORDER_CODE,
+        yield ComparedFact(
+            sort=FactClass.ORDER_CODE,
             key=("code", variant.code),
             value=variant.interface,
             description=description,
@@ -66,8 +66,8 @@ def _order_code_facts(reading: Reading) -> Iterator[Fact]:
         allowed_values = sorted(value for values in part.open_only_with.values() for value in values)
         with_text = f" with {', '.join(allowed_values)}" if allowed_values else ""
         printed_values = ", ".join(sorted(part_value.text for part_value in part.values))
-        yield Fact(
-            sort=Sort.ORDER_CODE,
+        yield ComparedFact(
+            sort=FactClass.ORDER_CODE,
             key=("open", printed_values),
             value=part.open + with_text,
             description=f"other values than {printed_values}",
@@ -75,16 +75,16 @@ def _order_code_facts(reading: Reading) -> Iterator[Fact]:
         )
 
 
-def _supply_facts(reading: Reading) -> Iterator[Fact]:
+def _supply_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield one fact with the supply of each order code: ``5000 to 30000 mV``, or nothing if none is stated."""
-    supplies: dict[Case, str] = {}
+    supplies: dict[CodeAndState, str] = {}
     for variant in reading.device.variants:
         supply = reading.device.supply_of(variant)
         if supply is not None:
-            supplies[Case(variant.code, FACTORY_DEFAULTS)] = f"{supply.min_mv} to {supply.max_mv} mV"
+            supplies[CodeAndState(variant.code, FACTORY_DEFAULTS)] = f"{supply.min_mv} to {supply.max_mv} mV"
     if supplies:
-        yield Fact(
-            sort=Sort.SUPPLY,
+        yield ComparedFact(
+            sort=FactClass.SUPPLY,
             key=("supply",),
             value=supplies,
             description="supply",
@@ -92,34 +92,34 @@ def _supply_facts(reading: Reading) -> Iterator[Fact]:
         )
 
 
-def _parameter_facts(reading: Reading) -> Iterator[Fact]:
+def _parameter_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield a fact for each parameter, with its value in each case of each order code.
 
     A parameter may be missing from the other reading, since readers choose their own. One name has one meaning.
     """
     for parameter in reading.device.parameters:
-        value_by_case: dict[Case, str] = {}
+        value_by_case: dict[CodeAndState, str] = {}
         for interface in reading.device.interfaces:
             for case, parameters in reading.cases(interface.name).items():
                 if parameter.name in parameters:
                     value_by_case[case] = count_text(parameters[parameter.name])
         place = ("parameters", parameter.name)
-        subject = Subject(
+        subject = FactSubject(
             reading, key=("parameter", parameter.name), place=place, description=f"the parameter '{parameter.name}'"
         )
-        yield replace(subject.existence_fact(Sort.ORDER_CODE, value_by_case), may_be_missing=True)
+        yield replace(subject.existence_fact(FactClass.ORDER_CODE, value_by_case), may_be_missing=True)
         yield from subject.stated_facts(parameter)
 
 
-def _add_alternatives(reading: Reading, facts: Facts) -> None:
+def _add_alternatives(reading: SpecReading, facts: ComparedFacts) -> None:
     """Add the names of the alternatives and of their answers, which are identified by their numbers from 1."""
     for number, alternative in enumerate(reading.device.alternatives, 1):
         place: Path = ("alternatives", alternative.name)
         description = f"name of alternative {number}"
         facts.add_name(
             ("alternative",),
-            Fact(
-                sort=Sort.ORDER_CODE,
+            ComparedFact(
+                sort=FactClass.ORDER_CODE,
                 key=(number,),
                 value=alternative.name,
                 description=description,
@@ -131,11 +131,13 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
             path = (*place, "values", answer.name)
             facts.add_name(
                 ("answer", number),
-                Fact(sort=Sort.ORDER_CODE, key=(index,), value=answer.name, description=description, place=path),
+                ComparedFact(
+                    sort=FactClass.ORDER_CODE, key=(index,), value=answer.name, description=description, place=path
+                ),
             )
 
 
-def _spelling_facts(reading: Reading) -> Iterator[Fact]:
+def _spelling_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield each label in an additional notation, with the order code that it stands for.
 
     A label is identified by its text and by what follows it (``then``).
@@ -146,7 +148,9 @@ def _spelling_facts(reading: Reading) -> Iterator[Fact]:
             label = _label_with_spelling(spelling, variant, reading.device.order_code.parts)
             if label is not None:
                 key = ("label", label, spelling.then)
-                yield Fact(sort=Sort.ORDER_CODE, key=key, value=variant.code, description=f"label {label}", place=place)
+                yield ComparedFact(
+                    sort=FactClass.ORDER_CODE, key=key, value=variant.code, description=f"label {label}", place=place
+                )
 
 
 def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[CodePart]) -> str | None:
@@ -167,7 +171,7 @@ def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[C
     return label
 
 
-def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
+def _held_parameter_facts(reading: SpecReading, parameter: Parameter) -> Iterator[ComparedFact]:
     """Yield the limits of a parameter in a register, such as ``minimum held in register 0x49 bits 7:4``.
 
     They are identified by the bits that hold the parameter.
@@ -176,8 +180,8 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fa
     register = reading.register(parameter.register)
     for bound_name, bound in (("min", parameter.min), ("max", parameter.max)):
         if bound is not None:
-            yield Fact(
-                sort=Sort.LIMIT,
+            yield ComparedFact(
+                sort=FactClass.LIMIT,
                 key=("held", bits_text, bound_name),
                 value=count_text(bound),
                 description=f"{bound_name}imum held in {bits_text}",  # minimum or maximum
@@ -186,7 +190,7 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fa
             )
 
 
-def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
+def _measurement_facts(reading: SpecReading, interface: Interface) -> Iterator[ComparedFact]:
     """Yield the facts about the position over an interface, and its bits in each frame that contains it.
 
     The measurement belongs to the interface, or else to the device.
@@ -197,7 +201,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
     measurement_place: Path = ("measurement",)
     if interface.measurement is not None:
         measurement_place = ("interfaces", interface.name, "measurement")
-    subject = Subject(
+    subject = FactSubject(
         reading,
         key=("measurement", interface.name),
         place=measurement_place,
@@ -205,10 +209,10 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
         interface=interface.name,
         joint=" of the ",
     )
-    yield from subject.all_facts(Sort.MEASUREMENT, measurement)
+    yield from subject.all_facts(FactClass.MEASUREMENT, measurement)
     for layout in interface.layouts:
         yield from _range_facts(subject, interface, layout)
-        position_bits: dict[Case, str] = {}
+        position_bits: dict[CodeAndState, str] = {}
         for case, parameters in reading.cases(interface.name).items():
             # The width is 0 if the frame lacks the position in this case.
             low_bit, width = layout.place(parameters).place_of(measurement.of)
@@ -218,8 +222,8 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
         if position_bits:
             position_key = (*subject.key, "of", layout.sender, *layout.selects)
             description = f"measured bits of '{layout.name}'"
-            yield Fact(
-                sort=Sort.MEASUREMENT,
+            yield ComparedFact(
+                sort=FactClass.MEASUREMENT,
                 key=position_key,
                 value=position_bits,
                 description=description,
@@ -228,7 +232,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
             )
 
 
-def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:
+def _range_facts(measured: FactSubject, interface: Interface, layout: Layout) -> Iterator[ComparedFact]:
     """Yield the facts about the range of the position in a layout, if the layout states its own."""
     if layout.position_range is None:
         return
@@ -236,4 +240,4 @@ def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Ite
     key = (*measured.key, "range", layout.sender, *layout.selects)
     description = f"position range of '{layout.name}'"
     subject = replace(measured, key=key, place=place, description=description, depends_on=measured.key)
-    yield from subject.all_facts(Sort.MEASUREMENT, layout.position_range)
+    yield from subject.all_facts(FactClass.MEASUREMENT, layout.position_range)

@@ -8,21 +8,21 @@ from dataclasses import replace
 from difflib import SequenceMatcher
 from typing import Any
 
-from .reading import Fact, Facts, Key, Value
+from .reading import ComparedFact, ComparedFacts, FactKey, FactValue
 
 #: Cells with numbers of a row, by column.
-_Row = tuple[tuple[int, Value], ...]
+_Row = tuple[tuple[int, FactValue], ...]
 #: Steps of the key that identifies a connector: ``("connector", "ssi", "cable", 1)``.
-_STEPS = 4
+_STEPS_TO_CONNECTOR = 4
 
 
-def with_rows_of(spec: Facts, second: Facts) -> Facts:
+def with_rows_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
     """Return the facts of a spec, in which a table has the rows numbered as in the second reading.
 
     This concerns tables with another number of rows with numbers than in the second reading, if it has some. Rows that
     only the spec has come last.
     """
-    new_keys: dict[Key, Key] = {}
+    new_keys: dict[FactKey, FactKey] = {}
     for table_key in [key for key in spec.facts if key[0] == "table" and len(key) == 2]:
         spec_rows, second_rows = _rows_of(spec, table_key), _rows_of(second, table_key)
         if len(spec_rows) == len(second_rows) or not second_rows:
@@ -40,13 +40,13 @@ def with_rows_of(spec: Facts, second: Facts) -> Facts:
     return replace(spec, facts=facts)
 
 
-def _cell_key(table_key: Key, row_number: int, column: int) -> Key:
+def _cell_key(table_key: FactKey, row_number: int, column: int) -> FactKey:
     return (*table_key, f"{row_number} {column}")
 
 
-def _rows_of(facts: Facts, table_key: Key) -> Mapping[int, _Row]:
+def _rows_of(facts: ComparedFacts, table_key: FactKey) -> Mapping[int, _Row]:
     """Return the rows of a table that have numbers, by their number in the file."""
-    cells_by_row: dict[int, list[tuple[int, Value]]] = defaultdict(list)
+    cells_by_row: dict[int, list[tuple[int, FactValue]]] = defaultdict(list)
     for key, fact in facts.facts.items():
         # The key of a cell ends with its row and column: ("table", "limits", "3 0").
         is_cell = key[:2] == table_key and len(key) == 3 and " " in str(key[2])
@@ -82,13 +82,13 @@ def _pairs(spec_rows: Sequence[_Row], second_rows: Sequence[_Row]) -> Iterator[t
         yield from zip(range(spec_start, spec_end), range(second_start, second_end), strict=False)
 
 
-def with_order_of(spec: Facts, second: Facts) -> Facts:
+def with_order_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
     """Return the facts of a spec with its connectors numbered as in a second reading that has the same names.
 
     Connectors that only the spec has come last. The order of a spec stays where a name of the second reading is not in
     the spec, because each reader chooses names freely.
     """
-    new_keys: dict[Key, Key] = {}
+    new_keys: dict[FactKey, FactKey] = {}
     for (_, interface, kind), keys_by_name in _connector_keys(spec).items():
         second_keys_by_name = _connector_keys(second).get(("connector", interface, kind), {})
         are_names_of_spec = second_keys_by_name.keys() <= keys_by_name.keys()
@@ -101,13 +101,13 @@ def with_order_of(spec: Facts, second: Facts) -> Facts:
     if all(key == new_key for key, new_key in new_keys.items()):
         return spec
 
-    def renumbered(key: Key) -> Key:
-        return (*new_keys.get(key[:_STEPS], key[:_STEPS]), *key[_STEPS:])
+    def renumbered(key: FactKey) -> FactKey:
+        return (*new_keys.get(key[:_STEPS_TO_CONNECTOR], key[:_STEPS_TO_CONNECTOR]), *key[_STEPS_TO_CONNECTOR:])
 
-    facts: dict[Key, Fact] = {}
+    facts: dict[FactKey, ComparedFact] = {}
     for key, fact in spec.facts.items():
         facts[renumbered(key)] = replace(fact, key=renumbered(fact.key), depends_on=renumbered(fact.depends_on))
-    names: dict[Key, dict[Key, Fact]] = {}
+    names: dict[FactKey, dict[FactKey, ComparedFact]] = {}
     for kind, names_of_kind in spec.names.items():
         names[kind] = {}
         for key, name_fact in names_of_kind.items():
@@ -115,10 +115,10 @@ def with_order_of(spec: Facts, second: Facts) -> Facts:
     return replace(spec, facts=facts, names=names)
 
 
-def _connector_keys(facts: Facts) -> dict[tuple[Any, ...], dict[str, Key]]:
+def _connector_keys(facts: ComparedFacts) -> dict[tuple[Any, ...], dict[str, FactKey]]:
     """Return the key of each connector by its name, by interface and kind, in the order of their numbers."""
-    keys_by_kind: dict[tuple[Any, ...], dict[str, Key]] = defaultdict(dict)
+    keys_by_kind: dict[tuple[Any, ...], dict[str, FactKey]] = defaultdict(dict)
     for kind, names in facts.names.items():
         for key, name in names.items() if kind[0] == "connector" else ():
-            keys_by_kind[key[: _STEPS - 1]].setdefault(str(name.value), key)
+            keys_by_kind[key[: _STEPS_TO_CONNECTOR - 1]].setdefault(str(name.value), key)
     return keys_by_kind

@@ -21,7 +21,7 @@ from ..say.names_and_places import bits
 NOTHING = "nothing"
 
 
-class Sort(Enum):
+class FactClass(Enum):
     """Classes of facts, in the order of display."""
 
     POSITION = "position"
@@ -57,35 +57,35 @@ class Sort(Enum):
     @property
     def is_needed(self) -> bool:
         """True if an error in this class corrupts a position or a transfer, so that it must be read twice."""
-        return self in _NEEDED
+        return self in _CLASSES_READ_TWICE
 
 
-_NEEDED = frozenset(list(Sort)[: list(Sort).index(Sort.VALUE)])  # from POSITION up to WAIT
+_CLASSES_READ_TWICE = frozenset(list(FactClass)[: list(FactClass).index(FactClass.VALUE)])  # from POSITION up to WAIT
 
 #: Key that identifies a fact within its family, without names.
-Key = tuple[str | int, ...]
+FactKey = tuple[str | int, ...]
 #: State of an encoder whose registers have the factory defaults.
 FACTORY_DEFAULTS = ""
 
 
-class Case(NamedTuple):
+class CodeAndState(NamedTuple):
     """An order code, and the state of its registers and alternatives, in words."""
 
     code: str
     state: str
 
     @property
-    def by_default(self) -> Case:
+    def by_default(self) -> CodeAndState:
         """The same order code with the factory defaults."""
-        return Case(self.code, FACTORY_DEFAULTS)
+        return CodeAndState(self.code, FACTORY_DEFAULTS)
 
 
 #: A value as shown in messages: a single value, or a value for each case.
-Value = str | Mapping[Case, str]
+FactValue = str | Mapping[CodeAndState, str]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Fact:
+class ComparedFact:
     """A fact. ``description`` is its name in messages, ``place`` its place in the spec.
 
     ``depends_on`` is the key of the fact on which this fact depends, such as the register of a default. A fact that
@@ -94,12 +94,12 @@ class Fact:
     another fact. If one reader still states it, the other must, too.
     """
 
-    sort: Sort
-    key: Key
-    value: Value
+    sort: FactClass
+    key: FactKey
+    value: FactValue
     description: str
     place: Path
-    depends_on: Key = ()
+    depends_on: FactKey = ()
     may_be_missing: bool = False
     name: str = ""
     name_place: Path = ()
@@ -107,11 +107,11 @@ class Fact:
 
 
 #: Facts about the names that a reader gives to items of one kind.
-Names = dict[Key, Fact]
+FactNames = dict[FactKey, ComparedFact]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Bit:
+class BitMeaning:
     """Meaning of a bit, such as ``bit 5 of a number``. ``fixed`` is its value if it is constant."""
 
     part: str
@@ -127,18 +127,18 @@ class WordCase:
     ``names`` contains the names of the fields, and of the values of each field.
     """
 
-    bits: tuple[Bit, ...]
-    fields: Mapping[tuple[int, int], Mapping[Key, Fact]]
-    names: Mapping[Key, Names]
+    bits: tuple[BitMeaning, ...]
+    fields: Mapping[tuple[int, int], Mapping[FactKey, ComparedFact]]
+    names: Mapping[FactKey, FactNames]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Word:
+class WordBits:
     """A frame or a register, bit by bit, in each case."""
 
     description: str
     place: Path
-    cases: Mapping[Case, WordCase]
+    cases: Mapping[CodeAndState, WordCase]
 
     @property
     def everywhere(self) -> WordCase | None:
@@ -150,7 +150,7 @@ class Word:
 
 
 @dataclasses.dataclass(slots=True)
-class Facts:
+class ComparedFacts:
     """All facts of a reading. ``derived`` counts the facts that follow from other facts.
 
     ``names`` contains the names of items of one kind, by interface if they belong to an interface. A second reading can
@@ -158,15 +158,15 @@ class Facts:
     ``sections``. ``decided`` contains the paths and classes of facts that no manual prints.
     """
 
-    facts: dict[Key, Fact] = dataclasses.field(default_factory=dict)
-    words: dict[Key, Word] = dataclasses.field(default_factory=dict)
-    derived: Counter[Sort] = dataclasses.field(default_factory=Counter)
-    names: dict[Key, Names] = dataclasses.field(default_factory=dict)
+    facts: dict[FactKey, ComparedFact] = dataclasses.field(default_factory=dict)
+    words: dict[FactKey, WordBits] = dataclasses.field(default_factory=dict)
+    derived: Counter[FactClass] = dataclasses.field(default_factory=Counter)
+    names: dict[FactKey, FactNames] = dataclasses.field(default_factory=dict)
     printed_numbers: Mapping[str, tuple[str, Path]] = dataclasses.field(default_factory=dict)
     sections: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
     decided: Sequence[str] = ()
 
-    def add(self, facts: Iterator[Fact]) -> None:
+    def add(self, facts: Iterator[ComparedFact]) -> None:
         """Add facts. A key that already exists gets the first free number: ``(*key, 2)``, ``(*key, 3)``."""
         for fact in facts:
             key = fact.key
@@ -178,14 +178,16 @@ class Facts:
             if fact.name:
                 self._add_name_of(key, fact)
 
-    def _add_name_of(self, key: Key, fact: Fact) -> None:
+    def _add_name_of(self, key: FactKey, fact: ComparedFact) -> None:
         """Add ``fact.name`` as the name of an item, under its kind: ``("register", "ssi")``, or ``("alarm",)``."""
         kind = key[:2] if key[0] in _BY_INTERFACE else key[:1]
         description = f"name of {fact.description}"
-        name_fact = Fact(sort=fact.sort, key=key, value=fact.name, description=description, place=fact.name_place)
+        name_fact = ComparedFact(
+            sort=fact.sort, key=key, value=fact.name, description=description, place=fact.name_place
+        )
         self.add_name(kind, name_fact)
 
-    def add_name(self, kind: Key, name: Fact) -> None:
+    def add_name(self, kind: FactKey, name: ComparedFact) -> None:
         """Add the name of an item."""
         self.names.setdefault(kind, {}).setdefault(name.key, name)
 
@@ -197,7 +199,7 @@ _BY_INTERFACE = frozenset(("connector", "frame", "procedure", "register", "time"
 _SHARE_OF_EQUAL_NAMES = 0.9
 
 
-def use_same_names(spec: Facts, second: Facts) -> bool:
+def use_same_names(spec: ComparedFacts, second: ComparedFacts) -> bool:
     """Return whether at least 90 % of the common names are equal, so that any other name is a mistake."""
     compared_count, equal_count = 0, 0
     for spec_names, second_names in _name_maps_of_both(spec, second):
@@ -208,7 +210,7 @@ def use_same_names(spec: Facts, second: Facts) -> bool:
     return equal_count >= _SHARE_OF_EQUAL_NAMES * compared_count
 
 
-def _name_maps_of_both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
+def _name_maps_of_both(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[FactNames, FactNames]]:
     """Yield the names of each kind in both readings, by key. For fields, the first common case of a word is enough."""
     yield from _names_by_kind(spec.names, second.names)
     for key in spec.words.keys() & second.words.keys():
@@ -219,12 +221,16 @@ def _name_maps_of_both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Name
             yield from _names_by_kind(spec_cases[first_case].names, second_cases[first_case].names)
 
 
-def _names_by_kind(spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> Iterator[tuple[Names, Names]]:
+def _names_by_kind(
+    spec: Mapping[FactKey, FactNames], second: Mapping[FactKey, FactNames]
+) -> Iterator[tuple[FactNames, FactNames]]:
     for kind in spec.keys() & second.keys():
         yield spec[kind], second[kind]
 
 
-def mistaken_pairs(spec_names: Names, second_names: Names, *, must_be_equal: bool) -> Iterator[tuple[Fact, Fact]]:
+def mistaken_pairs(
+    spec_names: FactNames, second_names: FactNames, *, must_be_equal: bool
+) -> Iterator[tuple[ComparedFact, ComparedFact]]:
     """Yield the names of an item in the spec and the second reading if they differ and one must be a mistake.
 
     This is the case if the second reader uses the name for another item, if the two differ in one letter, or if all
@@ -256,7 +262,7 @@ def _differ_in_one_letter(name: str, other_name: str) -> bool:
 Parameters = Mapping[str, int]
 
 #: Between alternative names in one language.
-_OR = " | "
+_BETWEEN_NAMES = " | "
 _PUNCTUATION = re.compile(r"[\W_]+")
 #: Prefix of the names of fields that the build adds for zero bits.
 _PREFIX_OF_ZERO_BITS = "zero"
@@ -265,13 +271,13 @@ _LEAST_IN_HEX = 10_000
 
 
 @dataclass(frozen=True)
-class Reading:
+class SpecReading:
     """A device and its file."""
 
     device: Device
     document: Document
 
-    def cases(self, interface: str) -> Mapping[Case, Parameters]:
+    def cases(self, interface: str) -> Mapping[CodeAndState, Parameters]:
         """Return the parameters in each case of an interface, or an empty map if no order code has it.
 
         The cases of an order code are the factory defaults, both ends of the range of each parameter in a register, and
@@ -280,16 +286,18 @@ class Reading:
         return self._parameters_by_case.get(interface, {})
 
     @cached_property
-    def _parameters_by_case(self) -> Mapping[str, Mapping[Case, Parameters]]:
+    def _parameters_by_case(self) -> Mapping[str, Mapping[CodeAndState, Parameters]]:
         """The parameters of every order code by its interface and by case, first with the factory defaults."""
         interfaces = {variant.interface for variant in self.device.variants}
         states_by_interface = {interface: list(self._states_to_compare(interface)) for interface in interfaces}
-        cases_by_interface: dict[str, dict[Case, Parameters]] = {interface: {} for interface in interfaces}
+        cases_by_interface: dict[str, dict[CodeAndState, Parameters]] = {interface: {} for interface in interfaces}
         for variant in self.device.variants:
             parameters_by_case = cases_by_interface[variant.interface]
-            parameters_by_case[Case(variant.code, FACTORY_DEFAULTS)] = variant.parameters
+            parameters_by_case[CodeAndState(variant.code, FACTORY_DEFAULTS)] = variant.parameters
             for state, changed_parameters in states_by_interface[variant.interface]:
-                parameters_by_case[Case(variant.code, state)] = with_changed(self.device, variant, changed_parameters)
+                parameters_by_case[CodeAndState(variant.code, state)] = with_changed(
+                    self.device, variant, changed_parameters
+                )
         return cases_by_interface
 
     def _states_to_compare(self, interface: str) -> Iterator[tuple[str, Parameters]]:
@@ -374,7 +382,7 @@ class Reading:
         printed_name = getattr(part, "printed_name", "")
         if printed_name:
             names_by_language.setdefault(self.device.manual.language, []).append(comparable_text(printed_name))
-        return {language: _OR.join(names) for language, names in names_by_language.items()}
+        return {language: _BETWEEN_NAMES.join(names) for language, names in names_by_language.items()}
 
     def first_existing(self, *places: Path) -> Path:
         """Return the first of these places that exists in the file, otherwise the last."""
@@ -383,7 +391,7 @@ class Reading:
                 return place
         return places[-1]
 
-    def key_of(self, register: Register) -> Key:
+    def key_of(self, register: Register) -> FactKey:
         """Return the key of a register: interface, bank, address, and readability if several share the address."""
         bank = -1 if register.bank is None else register.bank
         address_key = ("register", register.interface, bank, register.address)
@@ -440,7 +448,7 @@ def _documented_number(field: Field) -> int | None:
 
 def same_name(names: str, other_names: str) -> bool:
     """Return whether two readers have a printed name in common. Alternatives are as from ``printed_names``."""
-    common_names = set(names.split(_OR)) & set(other_names.split(_OR))
+    common_names = set(names.split(_BETWEEN_NAMES)) & set(other_names.split(_BETWEEN_NAMES))
     return bool(common_names)
 
 

@@ -10,43 +10,43 @@ from ..model import (
 )
 from ..model.registers import name_with_limits
 from ..say.names_and_places import bits
-from ..say.plain_text import counted
-from .frame_bits import word
+from ..say.plain_text import count_with_unit
+from .frame_bits import word_bits
 from .reading import (
     NOTHING,
-    Fact,
-    Facts,
-    Reading,
-    Sort,
+    ComparedFact,
+    ComparedFacts,
+    FactClass,
+    SpecReading,
     as_delivered,
     in_hex,
     register_text,
 )
-from .stated import Subject
+from .stated import FactSubject
 
 
-def add_registers(reading: Reading, facts: Facts) -> None:
+def add_registers(reading: SpecReading, facts: ComparedFacts) -> None:
     """Add the facts of every register, its names, and its word, bit by bit."""
     for register in reading.device.registers:
         key, place = reading.key_of(register), ("registers", register.name)
-        subject = Subject(
+        subject = FactSubject(
             reading, key=key, place=place, description=register_text(register), interface=register.interface
         )
         facts.add(_register_facts(subject, register))
         _add_names(subject, register, facts)
         # The bits of a joined number follow from its fields.
-        facts.derived[Sort.POSITION] += len(register.layout.joins)
-        facts.words[key] = word(subject, register.layout, register)
+        facts.derived[FactClass.POSITION] += len(register.layout.joins)
+        facts.words[key] = word_bits(subject, register.layout, register)
 
 
-def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
+def _add_names(subject: FactSubject, register: Register, facts: ComparedFacts) -> None:
     """Add the names that a register refers to: the field with limits, and the field that opens it.
 
     The first name is empty if the limits name no field, and the second name is "nothing" if no field opens the
     register.
     """
-    name_of_limited_field = Fact(
-        sort=Sort.LIMIT,
+    name_of_limited_field = ComparedFact(
+        sort=FactClass.LIMIT,
         key=subject.key,
         value=register.limits_of,
         description=f"field that the limits of {subject.description} apply to",
@@ -54,8 +54,8 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
     )
     facts.add_name(("bounded",), name_of_limited_field)
     if register.opened_by:
-        name_of_opening_field = Fact(
-            sort=Sort.BEHAVIOUR,
+        name_of_opening_field = ComparedFact(
+            sort=FactClass.BEHAVIOUR,
             key=subject.key,
             value=register.opened_by_field or NOTHING,
             description=f"field that opens {subject.description}",
@@ -64,10 +64,10 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
         facts.add_name(("opener",), name_of_opening_field)
 
 
-def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
+def _register_facts(subject: FactSubject, register: Register) -> Iterator[ComparedFact]:
     """Yield the facts of a register: its address and length, its stated members, default, opener and limits."""
-    length_text = counted(register.length, "byte")
-    yield subject.existence_fact(Sort.ADDRESS, length_text, at="address", name=register.name)
+    length_text = count_with_unit(register.length, "byte")
+    yield subject.existence_fact(FactClass.ADDRESS, length_text, at="address", name=register.name)
     # A single byte has no byte order.
     members_without_fact = ("byte_order",) if register.length == 1 else ()
     yield from subject.stated_facts(register, without=members_without_fact)
@@ -76,13 +76,13 @@ def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
         # Without a stated default, it is computed from the fixed values of the fields.
         stated_at = "fields" if register.default is None else "default"
         place = (*subject.place, stated_at)
-        yield subject.detail_fact(Sort.DEFAULT, "default", in_hex(default), "default", place)
+        yield subject.detail_fact(FactClass.DEFAULT, "default", in_hex(default), "default", place)
     if register.opened_by:
-        yield subject.detail_fact(Sort.BEHAVIOUR, "opened_by", _opener_text(subject.reading, register), "opener")
+        yield subject.detail_fact(FactClass.BEHAVIOUR, "opened_by", _opener_text(subject.reading, register), "opener")
     yield from _limit_facts(subject, register)
 
 
-def _opener_text(reading: Reading, register: Register) -> str:
+def _opener_text(reading: SpecReading, register: Register) -> str:
     """Return the value that opens a register, and its bits: ``0x5A in register 0x49 bits 7:0``.
 
     Without such a value, the text is only the register that must be written: ``register 0x49``.
@@ -100,7 +100,7 @@ def _opener_text(reading: Reading, register: Register) -> str:
     return register_text(opener)
 
 
-def _limit_facts(subject: Subject, register: Register) -> Iterator[Fact]:
+def _limit_facts(subject: FactSubject, register: Register) -> Iterator[ComparedFact]:
     """Yield the bits that limits of the register or its meanings apply to, and the facts of each meaning.
 
     A meaning is how the register is read while another register has a given value.
@@ -109,8 +109,8 @@ def _limit_facts(subject: Subject, register: Register) -> Iterator[Fact]:
     limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]
     if any(part.min is not None or part.max is not None for part in limited_parts):
         cases = reading.cases(register.interface)
-        yield Fact(
-            sort=Sort.LIMIT,
+        yield ComparedFact(
+            sort=FactClass.LIMIT,
             key=(*subject.key, "bounded"),
             value={case: _limited_bits_text(register, parameters) for case, parameters in cases.items()},
             description=f"bits that the limits of {subject.description} apply to",

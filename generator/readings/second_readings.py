@@ -10,7 +10,7 @@ from pathlib import Path as File
 
 from ..language.check import check_second
 from ..language.document import Document, Path
-from ..language.problems import Report, joined_lines, quoted
+from ..language.problems import ProblemReport, joined_lines, quoted
 from ..language.read import read_document
 from ..language.schema_files import second_reading_path
 from ..loading.device import build_device
@@ -19,17 +19,17 @@ from ..model import Manufacturer, TimesRead
 from ..model.record import dataclass
 from . import interfaces, order_codes, registers, stated, surroundings, texts
 from .compare import compare
-from .comparison import Comparison, Disagreement, Read
-from .reading import NOTHING, Facts, Reading, Sort
+from .comparison import Comparison, Disagreement, HowOftenRead
+from .reading import NOTHING, ComparedFacts, FactClass, SpecReading
 from .related import Related, group_by_cause
 
 
-def facts_of(reading: Reading) -> Facts:
+def facts_of(reading: SpecReading) -> ComparedFacts:
     """Return all facts of a reading that can be compared with another reading.
 
     ``decided`` lists facts that no manual prints, and is only in a second reading.
     """
-    facts = Facts()
+    facts = ComparedFacts()
     order_codes.add_codes(reading, facts)
     interfaces.add_interfaces(reading, facts)
     registers.add_registers(reading, facts)
@@ -49,26 +49,26 @@ class Coverage:
 
     family: Family
     outcome: Comparison
-    derived: Mapping[Sort, int]
+    derived: Mapping[FactClass, int]
 
     @property
     def spec(self) -> Document:
         return self.family.document
 
     @cached_property
-    def counts(self) -> Mapping[Sort, TimesRead]:
+    def counts(self) -> Mapping[FactClass, TimesRead]:
         """Counts of each class."""
-        return {sort: self._count_times_read(sort) for sort in Sort}
+        return {sort: self._count_times_read(sort) for sort in FactClass}
 
-    def _count_times_read(self, sort: Sort) -> TimesRead:
+    def _count_times_read(self, sort: FactClass) -> TimesRead:
         """Return how many facts of a class were read how often. Facts that were read differently are not counted."""
         all_reads = self.outcome.read_by_place.items()
         reads_of_sort = [read for (read_sort, _), read in all_reads if read_sort is sort]
         return TimesRead(
-            twice=reads_of_sort.count(Read.TWICE),
-            explained=reads_of_sort.count(Read.EXPLAINED),
-            decided=reads_of_sort.count(Read.DECIDED),
-            once=reads_of_sort.count(Read.ONCE),
+            twice=reads_of_sort.count(HowOftenRead.TWICE),
+            explained=reads_of_sort.count(HowOftenRead.EXPLAINED),
+            decided=reads_of_sort.count(HowOftenRead.DECIDED),
+            once=reads_of_sort.count(HowOftenRead.ONCE),
             derived=self.derived.get(sort, 0),
         )
 
@@ -78,18 +78,18 @@ class Coverage:
         return add_counts(self.counts.values())
 
     @cached_property
-    def once(self) -> Sequence[tuple[Sort, Path]]:
+    def once(self) -> Sequence[tuple[FactClass, Path]]:
         """Facts that were read once, in the order of the file."""
-        facts_read_once = [fact for fact, read in self.outcome.read_by_place.items() if read is Read.ONCE]
+        facts_read_once = [fact for fact, read in self.outcome.read_by_place.items() if read is HowOftenRead.ONCE]
         return sorted(facts_read_once, key=self._order_in_file)
 
-    def _order_in_file(self, fact: tuple[Sort, Path]) -> tuple[tuple[int, int], str]:
+    def _order_in_file(self, fact: tuple[FactClass, Path]) -> tuple[tuple[int, int], str]:
         """Return line, column and class of a fact, by which facts are sorted."""
         sort, place = fact
         return self.spec.position(place), sort.value
 
     @property
-    def lacking(self) -> list[tuple[Sort, Path]]:
+    def lacking(self) -> list[tuple[FactClass, Path]]:
         """Facts that must be read twice but were read once."""
         return [(sort, place) for sort, place in self.once if sort.is_needed]
 
@@ -108,9 +108,9 @@ def add_counts(counts: Iterable[TimesRead]) -> TimesRead:
 
 RULE = "readings-disagree"
 #: A number, and a value with its unit.
-_NUMBER = re.compile(r"(?<![\w.,])\d+(?:,\d{3})*(?:\.\d+)?(?![\d,.]*\d)")
-_QUANTITY = re.compile(rf"({_NUMBER.pattern}) ([µmn]?s|[kM]?Hz|m?V)(?!\w)")
-_ADVICE = "check the manual; if it prints both, add an erratum with both under 'readings'"
+_NUMBER_IN_TEXT = re.compile(r"(?<![\w.,])\d+(?:,\d{3})*(?:\.\d+)?(?![\d,.]*\d)")
+_QUANTITY_IN_TEXT = re.compile(rf"({_NUMBER_IN_TEXT.pattern}) ([µmn]?s|[kM]?Hz|m?V)(?!\w)")
+_ADVICE_TO_CHECK = "check the manual; if it prints both, add an erratum with both under 'readings'"
 
 _ADVICE_ON_TEXT = "remove entries for texts that the spec no longer has"
 
@@ -120,14 +120,14 @@ class SecondReading:
     """A second reading: its file and its facts, or no facts if it has problems."""
 
     document: Document
-    facts: Facts | None
+    facts: ComparedFacts | None
 
 
 #: Function that reads the second reading of a family, if it has one, and adds its problems to the report.
-Reader = Callable[[Family, Report], SecondReading | None]
+Reader = Callable[[Family, ProblemReport], SecondReading | None]
 
 
-def read_beside(family: Family, report: Report) -> SecondReading | None:
+def read_beside(family: Family, report: ProblemReport) -> SecondReading | None:
     """Return the second reading next to the spec of a family, or None if there is no file or it cannot be read.
 
     Problems of the file are added to ``report``.
@@ -137,7 +137,7 @@ def read_beside(family: Family, report: Report) -> SecondReading | None:
     return second_of(document, family.device.manufacturer, report) if document is not None else None
 
 
-def second_of(document: Document, manufacturer: Manufacturer, report: Report) -> SecondReading:
+def second_of(document: Document, manufacturer: Manufacturer, report: ProblemReport) -> SecondReading:
     """Return the second reading in a document, without facts if the document has problems.
 
     The problems are added to ``report``.
@@ -149,17 +149,17 @@ def second_of(document: Document, manufacturer: Manufacturer, report: Report) ->
     has_new_problems = len(report) != problem_count_before
     if device is None or has_new_problems:
         return SecondReading(document, facts=None)
-    return SecondReading(document, facts_of(Reading(device, document)))
+    return SecondReading(document, facts_of(SpecReading(device, document)))
 
 
-def comparable_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
+def comparable_specs(families: Iterable[Family], report: ProblemReport) -> frozenset[str]:
     """Return the files of the families whose documents have no faults in the report so far."""
     valid_families = (family for family in families if not report.faults((family.plain or family).document))
     return frozenset(family.document.file for family in valid_families)
 
 
 def compare_readings(
-    families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_beside
+    families: Iterable[Family], sound: Collection[str], report: ProblemReport, read: Reader = read_beside
 ) -> list[Coverage]:
     """Compare each family with its second reading, report the differences, and return the coverage.
 
@@ -175,14 +175,14 @@ def compare_readings(
         second = read(family, report) if not is_derived else None
         if second is None or second.facts is None or family.document.file not in sound:
             continue
-        facts = facts_of(Reading(family.device, family.document))
+        facts = facts_of(SpecReading(family.device, family.document))
         outcome = compare(facts, second.facts)
         explain(family.document, second.document, outcome, report)
         coverages.append(Coverage(family, outcome, facts.derived))
     return coverages
 
 
-def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
+def explain(spec: Document, second: Document, outcome: Comparison, report: ProblemReport) -> None:
     """Count the disagreements explained by errata of the spec, and report the remaining disagreements, each once.
 
     An erratum explains a disagreement with exactly its two values at a place that it affects. An erratum that explains
@@ -199,7 +199,7 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
         used_explanations.update(explanation.place for explanation in matching)
         # A fact that the spec lacks is counted at its place in the second reading.
         counted_place = disagreement.spec_place or ("second", *disagreement.second_place)
-        outcome.read_by_place[disagreement.sort, counted_place] = Read.EXPLAINED
+        outcome.read_by_place[disagreement.sort, counted_place] = HowOftenRead.EXPLAINED
     for disagreements in group_by_cause(unexplained):
         _report_disagreements(disagreements, spec, second, report)
     for explanation in explanations:
@@ -242,7 +242,7 @@ def _explained_differences(spec: Document) -> Iterator[_Explanation]:
             )
 
 
-def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: Report) -> None:
+def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: ProblemReport) -> None:
     """Report disagreements with one cause once: the first one, with the lines of the other ones.
 
     The report is about the spec, or about the second reading if only that has the fact.
@@ -251,7 +251,7 @@ def _report_disagreements(disagreements: Related, spec: Document, second: Docume
     first = disagreements.first_disagreement
     spec_place = first.spec_place_or_nearest
     others_text = _others_text(disagreements, spec, second)
-    advice = _ADVICE_ON_TEXT if disagreements.is_text_without_spec else _ADVICE
+    advice = _ADVICE_ON_TEXT if disagreements.is_text_without_spec else _ADVICE_TO_CHECK
     if first.spec_value == NOTHING:
         both_values = f"{first.second_value} here, {first.spec_value} in {_file_and_line(spec, spec_place)}"
         report.add(RULE, second, first.second_place, f"{first.description}: {both_values}{others_text}; {advice}")
@@ -300,7 +300,7 @@ def _others_text(disagreements: Related, spec: Document, second: Document) -> st
     return f", and {len(other_disagreements)} more with the same cause in {', '.join(places)}"
 
 
-def _check_explanation(explanation: _Explanation, spec: Document, report: Report, *, is_used: bool) -> None:
+def _check_explanation(explanation: _Explanation, spec: Document, report: ProblemReport, *, is_used: bool) -> None:
     """Report an erratum that explains no disagreement, or whose printed text has other values.
 
     In the second case, the printed text contains values with the same unit, but not the number of the second reading.
@@ -321,14 +321,14 @@ def _lacks_number(printed_text: str, value_with_unit: str) -> bool:
 
     A value without a unit is not checked.
     """
-    quantity = _QUANTITY.fullmatch(value_with_unit)
+    quantity = _QUANTITY_IN_TEXT.fullmatch(value_with_unit)
     if quantity is None:
         return False
     number, unit = quantity.groups()
-    units_in_text = {text_unit for _, text_unit in _QUANTITY.findall(printed_text)}
+    units_in_text = {text_unit for _, text_unit in _QUANTITY_IN_TEXT.findall(printed_text)}
     if unit not in units_in_text:
         return False
-    return _parse_number(number) not in map(_parse_number, _NUMBER.findall(printed_text))
+    return _parse_number(number) not in map(_parse_number, _NUMBER_IN_TEXT.findall(printed_text))
 
 
 def _parse_number(number_text: str) -> Decimal:

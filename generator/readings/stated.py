@@ -23,33 +23,44 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
-from ..model.members import PARTS_BY_CLASS, Member
+from ..model.members import PARTS_BY_CLASS, ModelMember
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
-from .reading import Case, Fact, Key, Reading, Sort, Value, count_text, in_hex, interface_label, register_text
+from .reading import (
+    CodeAndState,
+    ComparedFact,
+    FactClass,
+    FactKey,
+    FactValue,
+    SpecReading,
+    count_text,
+    in_hex,
+    interface_label,
+    register_text,
+)
 
 
 class _Detail(NamedTuple):
     """A fact about part of a procedure. Its key and its place are within the procedure."""
 
-    sort: Sort
-    key: Key
+    sort: FactClass
+    key: FactKey
     place: Path
     value: str
     description: str
 
 
-def procedures(reading: Reading) -> Iterator[Fact]:
+def procedures(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the facts of every procedure: its steps as text, and its argument limits, waits and repetitions.
 
     A procedure is identified by its interface and the text of its steps, such as ``write 0x49 = 05; read 0x4A``.
     """
     for procedure in reading.device.procedures:
         steps_text = program_text(reading, procedure)
-        procedure_key: Key = ("procedure", procedure.interface, steps_text)
+        procedure_key: FactKey = ("procedure", procedure.interface, steps_text)
         procedure_place: Path = ("procedures", procedure.name)
-        yield Fact(
-            sort=Sort.PROCEDURE,
+        yield ComparedFact(
+            sort=FactClass.PROCEDURE,
             key=procedure_key,
             value=steps_text,
             description=f"a procedure over {interface_label(procedure.interface)}",
@@ -58,7 +69,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
             name_place=(*procedure_place, "name"),
         )
         for detail in (*_argument_limits(reading, procedure), *_waits_and_repetitions(reading, procedure)):
-            yield Fact(
+            yield ComparedFact(
                 sort=detail.sort,
                 key=(*procedure_key, *detail.key),
                 value=detail.value,
@@ -68,7 +79,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
             )
 
 
-def _argument_limits(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
+def _argument_limits(reading: SpecReading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield for each argument the register whose limits apply to it: ``register 0x49``.
 
     For an argument that is meant in one of several ways, the condition follows: ``while register 0x4A bits 1:0 is 3``.
@@ -80,7 +91,7 @@ def _argument_limits(reading: Reading, procedure: Procedure) -> Iterator[_Detail
             if meaning.name == argument.meant_as:
                 while_text = f" while {reading.state(meaning.when, meaning.value)}"
         yield _Detail(
-            sort=Sort.LIMIT,
+            sort=FactClass.LIMIT,
             key=("argument", number),
             place=("arguments", argument.name, "of"),
             value=f"{register_text(register)}{while_text}",
@@ -88,7 +99,7 @@ def _argument_limits(reading: Reading, procedure: Procedure) -> Iterator[_Detail
         )
 
 
-def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
+def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield the waits, the bits that are read, and the repetitions of requests.
 
     Consecutive waits are added up. A step is identified by its number among the steps other than waits, and a wait by
@@ -105,7 +116,7 @@ def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_
                 description = f"wait {position_text} in the procedure '{procedure.name}'"
                 wait_text = f"{total_wait_us // 1000} ms"
                 yield _Detail(
-                    sort=Sort.WAIT,
+                    sort=FactClass.WAIT,
                     key=("wait", step_number),
                     place=(*step_place, "at_least_ms"),
                     value=wait_text,
@@ -119,7 +130,7 @@ def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_
             bits_read = _register_and_bits(reading, step.register, step.field)
             description = f"bits used by {step_text}"
             yield _Detail(
-                sort=Sort.PROCEDURE,
+                sort=FactClass.PROCEDURE,
                 key=("bits", step_number),
                 place=(*step_place, "field"),
                 value=bits_read,
@@ -134,7 +145,7 @@ def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_
 def _repetition_details(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
     """Yield how often a request is sent, at which interval, and whether in succession without other requests."""
     yield _Detail(
-        sort=Sort.PROCEDURE,
+        sort=FactClass.PROCEDURE,
         key=("times", step_number),
         place=(*place, "times"),
         value=str(step.times),
@@ -142,7 +153,7 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
     )
     if step.microseconds:
         yield _Detail(
-            sort=Sort.WAIT,
+            sort=FactClass.WAIT,
             key=("every", step_number),
             place=(*place, "every_at_least_us"),
             value=f"{step.microseconds} µs",
@@ -150,7 +161,7 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
         )
     if step.in_succession:
         yield _Detail(
-            sort=Sort.PROCEDURE,
+            sort=FactClass.PROCEDURE,
             key=("succession", step_number),
             place=(*place, "in_succession"),
             value="yes",
@@ -158,13 +169,13 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
         )
 
 
-def program_text(reading: Reading, procedure: Procedure) -> str:
+def program_text(reading: SpecReading, procedure: Procedure) -> str:
     """Return the steps of a procedure as text, without waits and repetitions: ``write 0x49 = 05; read 0x4A``."""
     texts = (_step_text(reading, step, procedure) for step in procedure.steps)
     return "; ".join(text for text in texts if text)
 
 
-def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
+def _step_text(reading: SpecReading, step: Step, procedure: Procedure) -> str:
     """Return a step in words without names, such as ``set 0x49 bits 3:0 to argument 1``, or "" for a wait."""
     match step:
         case WriteStep(register, name, value):
@@ -194,7 +205,7 @@ def _argument_text(procedure: Procedure, value_name: str) -> str:
     return f"argument {names.index(value_name) + 1}" if value_name in names else value_name
 
 
-def _register_and_bits(reading: Reading, register_name: str, field_name: str) -> str:
+def _register_and_bits(reading: SpecReading, register_name: str, field_name: str) -> str:
     """Return ``0x49 bits 3:0``, or only ``0x49`` for a field that is the whole register, or without a field."""
     register = reading.device.register(register_name)
     bits_text = ""
@@ -206,38 +217,38 @@ def _register_and_bits(reading: Reading, register_name: str, field_name: str) ->
     return f"{register_text(register).removeprefix('register ')}{bits_text}"
 
 
-def program_texts(reading: Reading, names: tuple[str, ...]) -> str:
+def program_texts(reading: SpecReading, names: tuple[str, ...]) -> str:
     """Return the steps of several procedures as text, in the order of these texts: ``read 0x4A | write 0x49 = 05``."""
     procedures_by_name = {procedure.name: procedure for procedure in reading.device.procedures}
     texts = [program_text(reading, procedures_by_name[name]) for name in names if name in procedures_by_name]
     return " | ".join(sorted(texts))
 
 
-_UNITS = {"mv": " mV", "us": " µs", "ms": " ms", "hz": " Hz", "ns": " ns"}
+_UNIT_BY_ENDING = {"mv": " mV", "us": " µs", "ms": " ms", "hz": " Hz", "ns": " ns"}
 
 
 @dataclass(frozen=True)
-class Subject:
+class FactSubject:
     """Something that facts are about: its key without names, its place in the file, and its name in messages.
 
     ``interface`` determines the order codes for which its expressions have values. ``depends_on`` is the key of the
     fact that its other facts depend on, by default its own. ``joint`` precedes its name.
     """
 
-    reading: Reading
-    key: Key
+    reading: SpecReading
+    key: FactKey
     place: Path
     description: str
     interface: str = ""
-    depends_on: Key | None = None
+    depends_on: FactKey | None = None
     joint: str = " of "
 
-    def inside(self, key: Key, place: Path, description: str) -> Subject:
+    def inside(self, key: FactKey, place: Path, description: str) -> FactSubject:
         """Return a part of the subject, whose facts depend on the fact that the subject exists.
 
         Key and place are within the key and place of the subject.
         """
-        return Subject(
+        return FactSubject(
             self.reading,
             key=(*self.key, *key),
             place=(*self.place, *place),
@@ -246,13 +257,15 @@ class Subject:
             depends_on=self.key,
         )
 
-    def existence_fact(self, sort: Sort, value: Value, at: str = "", name: str = "", depends_on: Key = ()) -> Fact:
+    def existence_fact(
+        self, sort: FactClass, value: FactValue, at: str = "", name: str = "", depends_on: FactKey = ()
+    ) -> ComparedFact:
         """Return the fact that the subject exists, with a value such as "present".
 
         ``at`` is the member at which the file states it, and ``name`` is the reader's name of the subject.
         """
         place = (*self.place, at) if at else self.place
-        return Fact(
+        return ComparedFact(
             sort=sort,
             key=self.key,
             value=value,
@@ -263,14 +276,22 @@ class Subject:
             name_place=(*self.place, "name"),
         )
 
-    def all_facts(self, sort: Sort, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
+    def all_facts(
+        self, sort: FactClass, model_part: Any, value: str = "present", at: str = ""
+    ) -> Iterator[ComparedFact]:
         """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
         yield self.existence_fact(sort, value, at, getattr(model_part, "name", ""))
         yield from self.stated_facts(model_part)
 
     def detail_fact(
-        self, sort: Sort, name: str, value: Value, noun: str, at: Path | None = None, may_be_missing: bool = False
-    ) -> Fact:
+        self,
+        sort: FactClass,
+        name: str,
+        value: FactValue,
+        noun: str,
+        at: Path | None = None,
+        may_be_missing: bool = False,
+    ) -> ComparedFact:
         """Return another fact about the subject, whose description is ``noun``, ``joint`` and the subject's.
 
         ``name`` identifies it, such as ``default`` for "default of register 0x49". ``at`` is its place, by default the
@@ -278,7 +299,7 @@ class Subject:
         """
         depends_on = self.key if self.depends_on is None else self.depends_on
         place = (*self.place, name) if at is None else at
-        return Fact(
+        return ComparedFact(
             sort=sort,
             key=(*self.key, name),
             value=value,
@@ -288,7 +309,7 @@ class Subject:
             may_be_missing=may_be_missing,
         )
 
-    def stated_facts(self, model_part: Any, without: Collection[str] = ()) -> Iterator[Fact]:
+    def stated_facts(self, model_part: Any, without: Collection[str] = ()) -> Iterator[ComparedFact]:
         """Yield a fact for each member that the spec states, and for each printed name of the part.
 
         The table of members states the class of a fact in ``read``. Members without a class and members in ``without``
@@ -304,28 +325,30 @@ class Subject:
                 place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
                 text = _value_text(self.reading, member, member_value, self.interface)
                 noun = member.noun or member.words
-                yield self.detail_fact(Sort(member.read), member.name, text, noun, place)
+                yield self.detail_fact(FactClass(member.read), member.name, text, noun, place)
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
             place = self.reading.first_existing(*places)
             yield self.detail_fact(
-                Sort.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True
+                FactClass.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True
             )
 
-    def stated_facts_by_code(self, rows: Sequence[Any]) -> Iterator[Fact]:
+    def stated_facts_by_code(self, rows: Sequence[Any]) -> Iterator[ComparedFact]:
         """Yield a fact for each member of rows that apply to different order codes, with its value for each code."""
         for member in PARTS_BY_CLASS[type(rows[0]).__name__].members:
-            values: dict[Case, str] = {}
+            values: dict[CodeAndState, str] = {}
             for case in self.reading.cases(self.interface):
                 for row in facts_for_code(rows, case.code):
                     member_value = getattr(row, member.attribute)
                     if member.read and member.is_stated(member_value):
                         values[case] = str(_value_text(self.reading, member, member_value, self.interface))
             if values:
-                yield self.detail_fact(Sort(member.read), member.name, values, member.noun or member.words, self.place)
+                yield self.detail_fact(
+                    FactClass(member.read), member.name, values, member.noun or member.words, self.place
+                )
 
 
-def _value_text(reading: Reading, member: Member, member_value: Any, interface: str) -> Value:
+def _value_text(reading: SpecReading, member: ModelMember, member_value: Any, interface: str) -> FactValue:
     """Return a stated value in words without names, or a text for each case if it is an expression.
 
     Numbers come with the unit of the member: ``16 µs``, ``0x1A``, ``yes``.
@@ -339,13 +362,17 @@ def _value_text(reading: Reading, member: Member, member_value: Any, interface: 
     if isinstance(member_value, bool):
         return _bool_text(member, member_value)
     if isinstance(member_value, int):
-        return in_hex(member_value) if member.notation == "hex" else f"{member_value}{_UNITS.get(member.notation, '')}"
+        return (
+            in_hex(member_value)
+            if member.notation == "hex"
+            else f"{member_value}{_UNIT_BY_ENDING.get(member.notation, '')}"
+        )
     if isinstance(member_value, float):
         return f"{member_value:g}"
     if isinstance(member_value, Enum):
         return str(member_value.value)
     if isinstance(member_value, tuple):
-        return f"{' '.join(map(_part_text, member_value))}{_UNITS.get(member.notation, '')}"
+        return f"{' '.join(map(_part_text, member_value))}{_UNIT_BY_ENDING.get(member.notation, '')}"
     if isinstance(member_value, Scale):
         # Two readers may write the same formula with different numbers, so it is reduced to a factor and an offset.
         factor = member_value.quantity(1) - member_value.quantity(0)
@@ -357,7 +384,7 @@ def _value_text(reading: Reading, member: Member, member_value: Any, interface: 
     return kind_of_unit(member_value) if member.form == "unit" else str(member_value)
 
 
-def _bool_text(member: Member, is_true: bool) -> str:
+def _bool_text(member: ModelMember, is_true: bool) -> str:
     """Return ``low`` or ``high`` for a level, ``yes`` or ``no`` for a property, else ``true`` or ``false``."""
     if member.form == "level":
         return "low" if is_true else "high"
@@ -371,7 +398,7 @@ def _part_text(value_or_part: object) -> str:
     return str(value_or_part.digits if isinstance(value_or_part, Digits) else value_or_part)
 
 
-def _referred_text(reading: Reading, member: Member, referred_names: Any, interface: str) -> str:
+def _referred_text(reading: SpecReading, member: ModelMember, referred_names: Any, interface: str) -> str:
     """Return the things that a member names, in words without names, sorted.
 
     Registers give their addresses, register fields and flags of frames their bits, and procedures their steps.
@@ -394,7 +421,7 @@ def _referred_text(reading: Reading, member: Member, referred_names: Any, interf
     return ", ".join(sorted(thing_texts))
 
 
-def _register_text(reading: Reading, register_name: str) -> str:
+def _register_text(reading: SpecReading, register_name: str) -> str:
     """Return the address of a register, or its name if there is no such register."""
     register = reading.register(register_name)
     return register_text(register) if register is not None else register_name

@@ -8,12 +8,12 @@ from dataclasses import replace
 
 from ..language.document import Path
 from ..model import Alarm, Connector, Edition, Manual
-from .reading import Fact, Key, Reading, Sort, comparable_text, interface_label, register_text
-from .stated import Subject
+from .reading import ComparedFact, FactClass, FactKey, SpecReading, comparable_text, interface_label, register_text
+from .stated import FactSubject
 from .texts import numbers_in
 
 
-def surroundings(reading: Reading) -> Iterator[Fact]:
+def surroundings(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the facts about connectors, alarms, inputs, editions, characteristics, tables and LEDs.
 
     An alarm is identified by the place of its bits, of which it can have several.
@@ -21,25 +21,25 @@ def surroundings(reading: Reading) -> Iterator[Fact]:
     yield from _connector_facts(reading)
     for alarm in reading.device.alarms:
         for bits_text in _alarm_bits_texts(reading, alarm):
-            subject = Subject(
+            subject = FactSubject(
                 reading, key=("alarm", bits_text), place=("alarms", alarm.name), description=f"the alarm '{alarm.name}'"
             )
             yield replace(
-                subject.existence_fact(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {bits_text}"
+                subject.existence_fact(FactClass.ALARM, "present", name=alarm.name), description=f"alarm at {bits_text}"
             )
             yield from subject.stated_facts(alarm)
     for number, hardware_input in enumerate(reading.device.inputs, 1):
-        subject = Subject(
+        subject = FactSubject(
             reading, key=("input", number), place=("inputs", hardware_input.name), description=f"input {number}"
         )
-        yield from subject.all_facts(Sort.INPUT, hardware_input)
+        yield from subject.all_facts(FactClass.INPUT, hardware_input)
     yield from _history_facts(reading, reading.device.manual)
     yield from _characteristic_facts(reading)
     yield from _table_facts(reading)
     yield from _led_facts(reading)
 
 
-def _connector_facts(reading: Reading) -> Iterator[Fact]:
+def _connector_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the connectors and cables of each interface with their contacts.
 
     They are numbered from 1 for each interface and kind. One without interfaces belongs to the interface "".
@@ -51,7 +51,9 @@ def _connector_facts(reading: Reading) -> Iterator[Fact]:
             yield from _contact_facts(reading, connector, interface, counts[interface, connector.kind])
 
 
-def _contact_facts(reading: Reading, connector: Connector, interface: str, connector_number: int) -> Iterator[Fact]:
+def _contact_facts(
+    reading: SpecReading, connector: Connector, interface: str, connector_number: int
+) -> Iterator[ComparedFact]:
     """Yield a connector or cable of an interface, and its contacts with their signals.
 
     A contact is identified by its pin or colour, such as ``("connector", "ssi", "connector", 1, "3")``.
@@ -59,11 +61,11 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, conne
     connector_text = f"{connector.kind} {connector_number}"
     if interface:
         connector_text += f" for {interface_label(interface)}"
-    key: Key = ("connector", interface, connector.kind, connector_number)
-    owner = Subject(reading, key=key, place=("connectors", connector.name), description=connector_text)
-    yield from owner.all_facts(Sort.PIN, connector)
+    key: FactKey = ("connector", interface, connector.kind, connector_number)
+    owner = FactSubject(reading, key=key, place=("connectors", connector.name), description=connector_text)
+    yield from owner.all_facts(FactClass.PIN, connector)
     for contact in connector.contacts:
-        subject = Subject(
+        subject = FactSubject(
             reading,
             key=(*owner.key, comparable_text(contact.contact)),
             place=(*owner.place, "contacts", contact.contact),
@@ -72,11 +74,11 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, conne
         )
         # Two readers differ in capitals and blanks, but not in the sign of a signal.
         signal = "".join(contact.signal.casefold().split())
-        yield subject.existence_fact(Sort.PIN, signal, at="signal", depends_on=owner.key)
+        yield subject.existence_fact(FactClass.PIN, signal, at="signal", depends_on=owner.key)
         yield from subject.stated_facts(contact)
 
 
-def _alarm_bits_texts(reading: Reading, alarm: Alarm) -> Iterator[str]:
+def _alarm_bits_texts(reading: SpecReading, alarm: Alarm) -> Iterator[str]:
     """Yield the places of an alarm: ``register 0x49 bit 3``, a whole register, and its bit in each frame.
 
     A bit in a frame is the bit of the alarm's field in a field group, with the interface: ``bit 3 of … over SSI``.
@@ -95,65 +97,65 @@ def _alarm_bits_texts(reading: Reading, alarm: Alarm) -> Iterator[str]:
                     yield f"{bit_text} over {interface.short}"
 
 
-def _history_facts(reading: Reading, manual: Manual) -> Iterator[Fact]:
+def _history_facts(reading: SpecReading, manual: Manual) -> Iterator[ComparedFact]:
     """Yield the revisions of the editions that were read, by language, and those that the manual lists."""
     editions: list[tuple[Path, Manual | Edition]] = [(("manual",), manual)]
     editions += [(("manual", "editions", edition.revision), edition) for edition in manual.editions]
     for place, edition in editions:
-        subject = Subject(
+        subject = FactSubject(
             reading, key=("edition", edition.language), place=place, description=f"the edition '{edition.language}'"
         )
-        revision = subject.existence_fact(Sort.HISTORY, edition.revision, at="revision")
+        revision = subject.existence_fact(FactClass.HISTORY, edition.revision, at="revision")
         yield replace(revision, description=f"revision of {subject.description}")
         yield from subject.stated_facts(edition)
     for row in manual.history:
         row_place = ("manual", "history", row.revision)
-        row_subject = Subject(
+        row_subject = FactSubject(
             reading, key=("revision", row.revision), place=row_place, description=f"revision {row.revision}"
         )
-        yield from row_subject.all_facts(Sort.HISTORY, row, "listed")
+        yield from row_subject.all_facts(FactClass.HISTORY, row, "listed")
 
 
-def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
+def _characteristic_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the facts of every characteristic, identified by its name, and of its quantities, numbered in the text."""
     for characteristic in reading.device.characteristics:
         key = ("characteristic", characteristic.name)
         place = ("characteristics", characteristic.name)
-        subject = Subject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
-        yield from subject.all_facts(Sort.CHARACTERISTIC, characteristic)
+        subject = FactSubject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
+        yield from subject.all_facts(FactClass.CHARACTERISTIC, characteristic)
         for index, quantity_value in enumerate(characteristic.values):
             description = f"{quantity_value.quantity} {index + 1} of {subject.description}"
             yield from subject.inside((index,), ("values", index), description).stated_facts(quantity_value)
 
 
-def _table_facts(reading: Reading) -> Iterator[Fact]:
+def _table_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield every table, identified by its name, and the numbers of each cell with numbers, by row and column."""
     for table in reading.device.tables:
-        subject = Subject(
+        subject = FactSubject(
             reading, key=("table", table.name), place=("tables", table.name), description=f"the table '{table.name}'"
         )
-        yield from subject.all_facts(Sort.TABLE, table, f"{len(table.rows)} rows")
+        yield from subject.all_facts(FactClass.TABLE, table, f"{len(table.rows)} rows")
         for row_index, row in enumerate(table.rows):
             for column_index, cell in enumerate(row):
                 cell_numbers = numbers_in(cell)  # A text, such as "5V 10ms", or "".
                 if cell_numbers:
                     place = (*subject.place, "rows", row_index, column_index)
                     noun = f"row {row_index + 1}, column {column_index + 1}"
-                    yield subject.detail_fact(Sort.TABLE, f"{row_index} {column_index}", cell_numbers, noun, place)
+                    yield subject.detail_fact(FactClass.TABLE, f"{row_index} {column_index}", cell_numbers, noun, place)
 
 
-def _led_facts(reading: Reading) -> Iterator[Fact]:
+def _led_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield every LED, identified by its name, and its states, numbered in the order of the manual."""
     for led in reading.device.leds:
-        led_subject = Subject(
+        led_subject = FactSubject(
             reading, key=("led", led.name), place=("leds", led.name), description=f"the LED '{led.name}'"
         )
-        yield from led_subject.all_facts(Sort.LED, led, f"{len(led.states)} states")
+        yield from led_subject.all_facts(FactClass.LED, led, f"{len(led.states)} states")
         for index, led_state in enumerate(led.states):
             state_subject = led_subject.inside(
                 key=(index,),
                 place=("states", index),
                 description=f"state {index + 1} of {led_subject.description}",
             )
-            yield state_subject.detail_fact(Sort.LED, "state", led_state.state.casefold(), noun="words")
+            yield state_subject.detail_fact(FactClass.LED, "state", led_state.state.casefold(), noun="words")
             yield from state_subject.stated_facts(led_state)

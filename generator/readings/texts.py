@@ -12,30 +12,30 @@ from typing import Any
 from ..language.document import Path, label_of
 from ..language.schema_files import PROSE
 from ..loading.from_mapping import parse_sources
-from .reading import Fact, Reading, Sort
+from .reading import ComparedFact, FactClass, SpecReading
 
 #: First part of the keys of numbers in texts, and of cited sections.
 NUMBERS, CITED = "numbers", "cited"
 _UNITS = (
     r"(?:[mµ]?[VA](?:pp)?|[km]?Nm|[mckµ]?m(?:²|/s)?|[mµn]?s|min(?:ute)?s?|[kMG]?Hz|°[CF]?|%|[kM]?Ω(?:/km)?|AWG|k?g)"
 )
-_NUMBER = re.compile(rf"[±−+-]?(?:[^\W\d_][\w-]*)?\d[\w.,-]*(?:/s|/km|²| ?{_UNITS}(?!\w))?")
+_NUMBER_IN_TEXT = re.compile(rf"[±−+-]?(?:[^\W\d_][\w-]*)?\d[\w.,-]*(?:/s|/km|²| ?{_UNITS}(?!\w))?")
 #: Maps of a second reading by path, which are not texts.
-_WITHOUT = frozenset((("found",), ("sections",)))
-_TEXTS = PROSE | {"printed", "used"}
-_COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
+_MAPS_WITHOUT_TEXTS = frozenset((("found",), ("sections",)))
+_KEYS_OF_TEXTS = PROSE | {"printed", "used"}
+_THOUSANDS_COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
 
 
 def numbers_in(text: str) -> str:
     """Return the numbers in a text in their order, each with its unit: ``5V 10ms``. Empty if there is none."""
     # 4,096 is read as 4096.
-    without_commas = _COMMA.sub("", text)
+    without_commas = _THOUSANDS_COMMA.sub("", text)
     # The expression may include punctuation after a number.
-    numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER.findall(without_commas))
+    numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER_IN_TEXT.findall(without_commas))
     return " ".join(numbers).replace("−", "-")
 
 
-def content_facts(reading: Reading) -> Iterator[Fact]:
+def content_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the page of every section and of every entry in the table of contents, if it has one."""
     for section, section_contents in reading.document.data["manual"].get("contents", {}).items():
         place: Path = ("manual", "contents", section)
@@ -45,8 +45,8 @@ def content_facts(reading: Reading) -> Iterator[Fact]:
         for page_place, page in pages.items():
             if page is not None:
                 description = f"page of {dotted_path(page_place[2:])} in the contents"
-                yield Fact(
-                    sort=Sort.CONTENTS,
+                yield ComparedFact(
+                    sort=FactClass.CONTENTS,
                     key=("contents", *page_place),
                     value=str(page),
                     description=description,
@@ -54,23 +54,23 @@ def content_facts(reading: Reading) -> Iterator[Fact]:
                 )
 
 
-def text_facts(reading: Reading) -> Iterator[Fact]:
+def text_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield a fact for every text with numbers, and one for every source with sections, identified by their places."""
     for place, text in prose_texts((), reading.document.data):
         numbers_or_sections = _compared_text(place[-1], text)
         if not numbers_or_sections:
             continue
         if is_source(place[-1]):
-            yield Fact(
-                sort=Sort.SECTION,
+            yield ComparedFact(
+                sort=FactClass.SECTION,
                 key=(CITED, *place),
                 value=numbers_or_sections,
                 description=f"section cited at {dotted_path(place)}",
                 place=place,
             )
         else:
-            yield Fact(
-                sort=Sort.TEXT,
+            yield ComparedFact(
+                sort=FactClass.TEXT,
                 key=(NUMBERS, *place),
                 value=numbers_or_sections,
                 description=f"numbers in {dotted_path(place)}",
@@ -91,7 +91,7 @@ def _compared_text(key: str | int, text: str) -> str:
     return ", ".join(sorted(sections))
 
 
-def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
+def by_path(reading: SpecReading) -> dict[str, tuple[str, Path]]:
     """Return what a second reading gives for texts and sources by their paths, with the places there.
 
     ``{"registers.mode.meaning": ("5V 10ms", ("found", "registers.mode.meaning"))}``
@@ -103,7 +103,7 @@ def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
     return numbers_and_places
 
 
-def sections_by_path(reading: Reading) -> dict[str, list[str]]:
+def sections_by_path(reading: SpecReading) -> dict[str, list[str]]:
     """Return the sections that a second reading gives for everything under a path: ``{"registers": ["4.3"]}``."""
     cited_sections: dict[str, list[str]] = {}
     for section, paths in reading.document.data.get("sections", {}).items():
@@ -120,14 +120,14 @@ def prose_texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
     """
     if isinstance(node, dict):
         for key, member in node.items():
-            if (*place, key) not in _WITHOUT:
+            if (*place, key) not in _MAPS_WITHOUT_TEXTS:
                 yield from prose_texts((*place, key), member)
     elif isinstance(node, list):
         for index, member in enumerate(node):
             yield from prose_texts((*place, label_of(member) or index), member)
     elif isinstance(node, str):
         is_characteristic = (place[0], place[-1]) == ("characteristics", "value")
-        if is_characteristic or place[-1] in _TEXTS:
+        if is_characteristic or place[-1] in _KEYS_OF_TEXTS:
             yield place, node
 
 

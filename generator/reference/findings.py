@@ -26,15 +26,15 @@ from ..model import (
 )
 from ..model.order_codes import fits
 from ..model.record import dataclass
-from ..order_codes.labels import Match, edition_before, tests_of
+from ..order_codes.labels import LabelMatch, edition_before, tests_of
 from ..say import report
-from ..say.report import alarm_of, meaning, of_older_edition, remedy, source
-from .codec import Decoded, DecodedField, number_of_text
+from ..say.report import alarm_of, alarm_source, meaning, of_older_edition, remedy
+from .codec import DecodedField, DecodedFrame, number_of_text
 from .codec import decode as decode_word
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class FrameReport:
     """An active flag, or unused bits that differ from the manual. ``makes_position`` is None without a position."""
 
     field: str
@@ -46,7 +46,7 @@ class Report:
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class ValueDifference:
     """A value that differs from the manual. ``is_register`` is true if it is in a register."""
 
     field: str
@@ -60,12 +60,12 @@ class Difference:
 class Findings:
     """Findings in a frame or register. ``verdict`` is None without a position or for an invalid frame."""
 
-    reports: tuple[Report, ...] = ()
+    reports: tuple[FrameReport, ...] = ()
     verdict: Verdict | None = None
-    differences: tuple[Difference, ...] = ()
+    differences: tuple[ValueDifference, ...] = ()
 
 
-def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
+def findings(device: Device, variant: Variant, decoded: DecodedFrame) -> Findings:
     """Return the findings in ``decoded``, a frame of the encoder or a register.
 
     An invalid frame has no findings, since none of its bits can be trusted. A frame of the master has no findings
@@ -103,7 +103,7 @@ def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedFie
     return active_fields
 
 
-def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[Field]) -> Iterator[Report]:
+def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[Field]) -> Iterator[FrameReport]:
     """Yield a report for each active field, except fields with which the position stays usable without a warning."""
     for field in active_fields:
         if field.kind.makes_position is not Verdict.USABLE:
@@ -112,7 +112,7 @@ def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[
 
 def _reports_of_register(
     device: Device, variant: Variant, active_fields: Sequence[Field], register: str
-) -> Iterator[Report]:
+) -> Iterator[FrameReport]:
     """Yield a report for each active field that is an alarm of the manual. Other flags may mean "ready" or the like."""
     for field in active_fields:
         alarm = _alarm_for(device, variant, field, register)
@@ -159,15 +159,15 @@ def _decoded_value(field: Field, number: int) -> str | bool:
     return field.value_of(number).name
 
 
-def _build_report(field: Field, alarm: Alarm | None) -> Report:
+def _build_report(field: Field, alarm: Alarm | None) -> FrameReport:
     """Return the report of an active field, with the texts of its alarm, if any."""
-    return Report(
+    return FrameReport(
         field=field.name,
         printed_name=field.printed_name,
         meaning=meaning(field, alarm),
         remedy=remedy(field, alarm),
         makes_position=field.kind.makes_position,
-        source=cite(source(field, alarm)),
+        source=cite(alarm_source(field, alarm)),
     )
 
 
@@ -189,8 +189,8 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
 
 
 def _yield_differences(
-    variant: Variant, decoded: Decoded, decoded_fields: Mapping[str, DecodedField], is_register: bool
-) -> Iterator[Difference]:
+    variant: Variant, decoded: DecodedFrame, decoded_fields: Mapping[str, DecodedField], is_register: bool
+) -> Iterator[ValueDifference]:
     """Yield the fields whose documented value for this order code differs from the actual value.
 
     ``is_register`` is true for the fields of a register, for which the message has other words.
@@ -204,7 +204,7 @@ def _yield_differences(
         # A documented string is a text or the name of a value. A number equals the number formed by the bits.
         actual = decoded_field.value if isinstance(documented, str) else decoded_field.raw
         if actual != documented:
-            yield Difference(
+            yield ValueDifference(
                 field=placed_field.name,
                 actual=actual,
                 documented=documented,
@@ -246,12 +246,12 @@ def _list_addresses(register: Register) -> range:
     return range(register.address, register.last_address + 1)
 
 
-def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[Difference, ...]:
+def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[ValueDifference, ...]:
     """Return the fields of identifying registers whose contents contradict this order code.
 
     Bytes at addresses that ``bytes_by_address`` does not contain are unknown, and contradict nothing.
     """
-    differences: list[Difference] = []
+    differences: list[ValueDifference] = []
     for register in _identity_registers(device, variant):
         differences += _compare_register(variant, register, bytes_by_address)
     return tuple(differences)
@@ -259,7 +259,7 @@ def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int
 
 def _compare_register(
     variant: Variant, register: Register, bytes_by_address: Mapping[int, int]
-) -> Iterator[Difference]:
+) -> Iterator[ValueDifference]:
     """Yield the fields of a register whose known bytes differ from the order code's bytes.
 
     The message shows the whole field in hexadecimal, or dots for digits that are unknown.
@@ -288,7 +288,7 @@ def _compare_register(
             actual_digits = _known_digits(actual_bits, known_bits, placed_field.width)
             documented_digits = _known_digits(documented_bits, known_bits, placed_field.width)
             message = f"{path}: the given part is {actual_digits}, {variant.code} has {documented_digits}"
-        yield Difference(path, actual=actual_bits, documented=documented_bits, message=message, is_register=True)
+        yield ValueDifference(path, actual=actual_bits, documented=documented_bits, message=message, is_register=True)
 
 
 def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
@@ -305,7 +305,7 @@ def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
     return digits + "h"
 
 
-def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
+def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDifference]:
     """Yield register values that are impossible in this edition and therefore show that an older edition applies.
 
     A value is impossible if it fails the test of an edition: the field ``run`` is not from ``min`` to ``max``.
@@ -321,10 +321,10 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
             bounds = f"{test.min} to {test.max}"
             older_edition = edition_before(device, revision)
             message = of_older_edition(test.run, f"{raw}", bounds, revision, register, older_edition)
-            yield Difference(test.run, actual=raw, documented=bounds, message=message, is_register=True)
+            yield ValueDifference(test.run, actual=raw, documented=bounds, message=message, is_register=True)
 
 
-def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping[int, int]) -> str:
+def edition_by_registers(device: Device, match: LabelMatch, bytes_by_address: Mapping[int, int]) -> str:
     """Return the revision of the latest edition with which the registers of an encoder are compatible.
 
     This is the revision before the first edition with a test that the registers fail, or the spec's revision if they

@@ -21,15 +21,15 @@ from ..model import (
     number_to_bytes,
 )
 from ..model.expressions import Expression
-from ..model.registers import bounds, name_with_limits
+from ..model.registers import name_with_limits, value_bounds
 from ..order_codes.parameters import RegisterError, after_write
 from ..say import report
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from ..say.report import register_length
 from . import codec
 
 
-def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.Decoded:
+def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.DecodedFrame:
     """Decode a register from its bytes in ascending order of address. Capitals in ``name`` do not matter.
 
     Raises:
@@ -45,8 +45,8 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
         raise RegisterError(f"{variant.code} has no register '{name}'; {available}")
     register = registers[name.lower()]
     if len(data) != register.length:
-        needed = counted(register.length, "byte")
-        actual = counted(len(data), "byte")
+        needed = count_with_unit(register.length, "byte")
+        actual = count_with_unit(len(data), "byte")
         raise RegisterError(register_length(register.name, needed, actual))
     placed = register.layout.place(variant.parameters)
     return codec.decode(device, placed, number_from_bytes(register.layout, data))
@@ -172,7 +172,7 @@ def _check_argument(register: Register, field_name: str, argument: int, placed: 
     allowed_values = [choice.value for field in fields for choice in field.values]
     if allowed_values and argument not in allowed_values:
         raise codec.EncodeError(f"{argument} is not a value of '{field_name}'")
-    lowest, highest = bounds(register, placed, limits, placed.parameters)
+    lowest, highest = value_bounds(register, placed, limits, placed.parameters)
     # The limits of a meaning apply to the field or register to which the argument is written.
     has_limits_of_meaning = limits != (register.min, register.max)
     is_limited = has_limits_of_meaning or field_name == name_with_limits(register)

@@ -29,17 +29,17 @@ from ..model import (
     assert_never,
 )
 from ..model.record import dataclass
-from .errata import errata, erratum
+from .errata import describe_erratum, errata
 from .names_and_places import heading, register_at, register_field
-from .names_and_places import register as reference_to_register
-from .text import Code, Part, Ref, Statement, list_parts, microseconds, sentence, spec_text, statement
+from .names_and_places import register_reference as reference_to_register
+from .text import CodeText, Reference, Statement, TextPart, as_sentence, list_parts, spec_text, statement, time_text
 
 
-def procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
+def describe_procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
     """Yield all statements about a procedure that follow its title, without arguments and steps."""
     yield from about_procedure(sequence)
     yield from spec_text(sequence.note)
-    yield from map(erratum, errata(device, f"procedures.{sequence.name}"))
+    yield from map(describe_erratum, errata(device, f"procedures.{sequence.name}"))
 
 
 def about_procedure(sequence: Procedure) -> Iterator[Statement]:
@@ -48,24 +48,26 @@ def about_procedure(sequence: Procedure) -> Iterator[Statement]:
     yield from spec_text(sequence.result, label="Result")
 
 
-def argument(device: Device, parameter: Argument) -> Statement:
+def describe_argument(device: Device, parameter: Argument) -> Statement:
     """Return the meaning of an argument, the register to which it is written, and which of its meanings applies."""
-    sentence_parts: list[Part] = [f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "]
+    sentence_parts: list[TextPart] = [
+        f"{as_sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "
+    ]
     sentence_parts.append(reference_to_register(device, parameter.of))
     if parameter.meant_as:
-        sentence_parts += [" as its ", Code(parameter.meant_as)]
+        sentence_parts += [" as its ", CodeText(parameter.meant_as)]
     return statement(*sentence_parts)
 
 
-def step(device: Device, procedure_step: Step) -> Statement:
+def describe_step(device: Device, procedure_step: Step) -> Statement:
     """Return a step as an instruction, such as ``Wait at least 20 ms`` or ``Write save to command, address 77h``."""
     match procedure_step:
         case WaitStep():
-            return statement(f"Wait at least {microseconds(procedure_step.microseconds)}")
+            return statement(f"Wait at least {time_text(procedure_step.microseconds)}")
         case SendStep():
-            request_bytes = Code(procedure_step.request.hex(" ").upper())
+            request_bytes = CodeText(procedure_step.request.hex(" ").upper())
             repetition = _repetition_text(procedure_step)
-            return statement("Send the request ", Code(procedure_step.data_id), f"{repetition}: ", request_bytes)
+            return statement("Send the request ", CodeText(procedure_step.data_id), f"{repetition}: ", request_bytes)
         case _:
             return statement(*_register_access(device, procedure_step))
 
@@ -79,7 +81,7 @@ def _repetition_text(send_step: SendStep) -> str:
         return ""
     repetition_text = f" {send_step.times} times"
     if send_step.microseconds:
-        repetition_text += f", at least {microseconds(send_step.microseconds)} apart"
+        repetition_text += f", at least {time_text(send_step.microseconds)} apart"
     if send_step.in_succession:
         repetition_text += ", with no other request between them"
     return repetition_text
@@ -93,7 +95,7 @@ def read_back(device: Device, register: Register, field: str) -> Statement:
     )
 
 
-def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[Part]:
+def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[TextPart]:
     """Yield the parts of the instruction to read, poll or write a register or a field of it.
 
     Only a fixed value of a whole register is also shown as bytes.
@@ -113,7 +115,7 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[P
             else:
                 yield from (reference_to_register(device, register.name), address_text)
             if value is not None:
-                yield from (": ", Code(register.bytes_of(value).hex(" ").upper()))
+                yield from (": ", CodeText(register.bytes_of(value).hex(" ").upper()))
         case ModifyStep(field=field, value_name=name, value=value):
             yield from ("Write ", *_value_or_argument(name, value), " to ")
             yield from (_register_or_field(device, register.name, field), address_text)
@@ -122,25 +124,25 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[P
             assert_never(procedure_step)
 
 
-def _value_or_argument(name: str, value: int | None) -> tuple[Part, ...]:
+def _value_or_argument(name: str, value: int | None) -> tuple[TextPart, ...]:
     """Return the name of a value or, if ``value`` is None, the name of the argument whose value is written."""
-    return ("the argument ", Code(name)) if value is None else (Code(name),)
+    return ("the argument ", CodeText(name)) if value is None else (CodeText(name),)
 
 
-def _register_or_field(device: Device, register: str, field: str) -> Part:
+def _register_or_field(device: Device, register: str, field: str) -> TextPart:
     """Return a reference to a field of a register, or to the register if ``field`` is empty."""
     return register_field(device, f"{register}.{field}" if field else register)
 
 
 #: Words of manuals for changing the position, in names and texts.
-_PRESET = re.compile(
+_PRESET_WORDS = re.compile(
     r"(?i)preset|pres(?:\b|_)|zero|offset|origin|datum|home|referenc|position to 0|set[ _-]?(?:the )?position"
 )
 #: Words of manuals for keeping settings when the power is off. A request that writes a byte of a memory saves nothing.
-_SAVE = re.compile(r"(?i)\bsav(?:e|ing)|_save|stor(?:e|ing)|permanent|programming")
-_SAVE_TO = re.compile(rf"{_SAVE.pattern}|eeprom|flash|non-?volatile")
+_SAVE_WORDS = re.compile(r"(?i)\bsav(?:e|ing)|_save|stor(?:e|ing)|permanent|programming")
+_SAVE_TO = re.compile(rf"{_SAVE_WORDS.pattern}|eeprom|flash|non-?volatile")
 #: Purposes of requests that change nothing.
-_READING = frozenset(("position", "read", "capture"))
+_READING_PURPOSES = frozenset(("position", "read", "capture"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,14 +171,14 @@ class Commands:
         """True if something, other than a reset, may change the position."""
         if self.settings or self.inputs:
             return True
-        return any(_PRESET.search(text) for text in (*self._texts_on_commands(), *self._request_texts()))
+        return any(_PRESET_WORDS.search(text) for text in (*self._texts_on_commands(), *self._request_texts()))
 
     @property
     def may_save(self) -> bool:
         """True if something may save settings."""
         if self.settings or any(_SAVE_TO.search(text) for text in self._texts_on_commands()):
             return True
-        return any(_SAVE.search(text) for text in self._request_texts())
+        return any(_SAVE_WORDS.search(text) for text in self._request_texts())
 
     @property
     def resets(self) -> tuple[DataId, ...]:
@@ -230,7 +232,9 @@ def commands_over(device: Device, interface: Interface) -> Commands:
         procedures=tuple(procedure for procedure in procedures if _changes_encoder(procedure)),
         registers=tuple(command_registers),
         settings=tuple(settings),
-        requests=tuple(request for request in _requests_of_interface(interface) if request.purpose not in _READING),
+        requests=tuple(
+            request for request in _requests_of_interface(interface) if request.purpose not in _READING_PURPOSES
+        ),
         inputs=device.inputs,
         has_control_data=isinstance(interface, Biss) and bool(interface.control_data),
     )
@@ -265,8 +269,8 @@ def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
     if not names:
         yield from spec_text(text, label="Remedy")
         return
-    steps = list_parts([Ref("by-hand", name, heading(name)) for name in names], " or ")
-    introduction = f"{sentence(text)} Steps: " if text else "Steps: "
+    steps = list_parts([Reference("by-hand", name, heading(name)) for name in names], " or ")
+    introduction = f"{as_sentence(text)} Steps: " if text else "Steps: "
     yield statement(introduction, *steps, label="Remedy")
 
 
@@ -275,4 +279,4 @@ def with_steps(text: str, names: Sequence[str]) -> str:
     if not names:
         return text
     titles = " or ".join(map(heading, names))
-    return f"{sentence(text)} Steps on the hardware page: {titles}".strip()
+    return f"{as_sentence(text)} Steps on the hardware page: {titles}".strip()

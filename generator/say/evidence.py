@@ -11,11 +11,11 @@ from enum import Enum
 from functools import lru_cache
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest, Interface
-from .errata import erratum
-from .names_and_places import words
-from .text import Code, Ref, Statement, sentence, statement
+from .errata import describe_erratum
+from .names_and_places import name_in_words
+from .text import CodeText, Reference, Statement, as_sentence, statement
 
-_MEANING = {
+_MEANING_BY_GRADE = {
     "manual": "all pages of the manufacturer's document were read",
     "quoted": "every fact is in the manufacturer's words, and an independent implementation and data from real"
     " hardware agree",
@@ -26,13 +26,13 @@ _MEANING = {
     "uncorroborated": "the facts have a single source, so do not rely on them",
 }
 #: All grades, from the highest to the lowest.
-GRADES = tuple(_MEANING)
+GRADES = tuple(_MEANING_BY_GRADE)
 
 
-def grade(device: Device) -> Statement:
+def describe_grade(device: Device) -> Statement:
     """Return the grade of the evidence, with its meaning, and the values that are still the template's."""
     grade_name = device.evidence.grade
-    grade_text = f"{grade_name} ({_MEANING[grade_name]})"
+    grade_text = f"{grade_name} ({_MEANING_BY_GRADE[grade_name]})"
     if device.evidence.placeholders:
         grade_text = f"{grade_text}. {placeholders(device)}"
     return statement(grade_text, label="Evidence")
@@ -41,12 +41,12 @@ def grade(device: Device) -> Statement:
 def grade_below_manual(device: Device) -> Iterator[Statement]:
     """Yield the grade of the evidence as ``grade`` does, or nothing if the whole manual was read."""
     if device.evidence.grade != "manual":
-        yield grade(device)
+        yield describe_grade(device)
 
 
 def lowest_grade() -> str:
     """Return the lowest grade, with its meaning."""
-    return f"{GRADES[-1]} ({_MEANING[GRADES[-1]]})"
+    return f"{GRADES[-1]} ({_MEANING_BY_GRADE[GRADES[-1]]})"
 
 
 def mark_in_lists(device: Device) -> str:
@@ -70,7 +70,7 @@ def placeholders(device: Device) -> str:
     return f"{len(names)} {verb} still from the template, not from the manufacturer: {', '.join(names)}"
 
 
-def document(device: Device) -> str:
+def word_for_document(device: Device) -> str:
     """Return the word for what does not state a fact: the manual, if all of it was read, otherwise the spec."""
     return "manual" if device.evidence.grade == "manual" else "spec"
 
@@ -96,16 +96,16 @@ def origin(device: Device) -> Iterator[Statement]:
     """Yield how the family differs from its manual: as a special model, as another edition, and by overlays."""
     specials = [overlay.special for overlay in device.overlays if overlay.special]
     if specials:
-        suffix = Code(f"/{specials[0]}")
+        suffix = CodeText(f"/{specials[0]}")
         yield statement(
-            "Only for encoders whose order code ends in ", suffix, ". For all others use ", Code(device.base)
+            "Only for encoders whose order code ends in ", suffix, ". For all others use ", CodeText(device.base)
         )
     if device.edition:
         date = f" of {device.manual.date}" if device.manual.date else ""
         yield statement(
             f"Describes encoders of edition {device.edition} of the manual{date}, as far as they are known. "
             "The edition that the spec transcribes is ",
-            Code(device.base),
+            CodeText(device.base),
             ". Each difference is given with its source. Unknown parts are omitted",
         )
     for overlay in device.overlays:
@@ -121,7 +121,7 @@ def other_editions(device: Device, where: str = "inline") -> Iterator[Statement]
         example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
         yield statement(
             f"Differences from other editions of the manual are noted {where}. For the files of another edition, use ",
-            Code(example),
+            CodeText(example),
         )
 
 
@@ -136,21 +136,21 @@ def removals(device: Device) -> Iterator[Statement]:
         has_no_place = device.base or correction.overlay or not correction.affects
         is_removed = correction.used in (LEFT_OUT, NOT_KNOWN)
         if is_change and has_no_place and is_removed and correction.severity != "wording":
-            yield erratum(correction)
+            yield describe_erratum(correction)
 
 
 def edition_test(revision: str, test: EditionTest) -> Statement:
     """Return the register test for an encoder older than an edition: the digits, their range, and the conclusion."""
-    register = Ref("register", test.register, words(test.register))
+    register = Reference("register", test.register, name_in_words(test.register))
     return statement(
         register,
-        f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Any other value means that the encoder is "
+        f": {test.run} is {test.min} to {test.max}. {as_sentence(test.why)} Any other value means that the encoder is "
         f"older than edition {revision}. A value in this range is not conclusive",
         source=test.source,
     )
 
 
-class Subject(Enum):
+class Topic(Enum):
     """A subject, with the words of manuals for it."""
 
     REPLY_TIME = (
@@ -166,10 +166,10 @@ class Subject(Enum):
 
 
 #: Place of a text that is not in a list of its own.
-_NOTE = "note on the interface"
+_PLACE_OF_NOTE = "note on the interface"
 
 
-def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
+def mentions(device: Device, interface: Interface, subject: Topic) -> bool:
     """Return whether a text about the device or this interface contains words of the subject.
 
     The texts are those about times, characteristics, tables and notes, not about frames and registers.
@@ -177,12 +177,12 @@ def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
     return bool(place_of_mention(device, interface, subject))
 
 
-def place_of_mention(device: Device, interface: Interface, subject: Subject) -> str:
+def place_of_mention(device: Device, interface: Interface, subject: Topic) -> str:
     """Return the part of the spec whose text has words of the subject, such as ``times``, or an empty string."""
     return _place_with_words(subject, tuple(_interface_texts(device, interface)))
 
 
-def reference_to_mention(device: Device, interface: Interface, subject: Subject) -> str:
+def reference_to_mention(device: Device, interface: Interface, subject: Topic) -> str:
     """Return where to read about a subject, such as ``see the times in the manual``, or an empty string.
 
     A note on the interface is quoted, since commands do not show it.
@@ -190,12 +190,12 @@ def reference_to_mention(device: Device, interface: Interface, subject: Subject)
     place = place_of_mention(device, interface, subject)
     if not place:
         return ""
-    reference = f"see the {place} in the {document(device)}"
-    return f"{reference}: {interface.note.rstrip('.')}" if place == _NOTE else reference
+    reference = f"see the {place} in the {word_for_document(device)}"
+    return f"{reference}: {interface.note.rstrip('.')}" if place == _PLACE_OF_NOTE else reference
 
 
 @lru_cache
-def _place_with_words(subject: Subject, places_and_texts: tuple[tuple[str, str], ...]) -> str:
+def _place_with_words(subject: Topic, places_and_texts: tuple[tuple[str, str], ...]) -> str:
     """Return the place of the first text with words of the subject. The order codes of a family share their texts."""
     words_of_subject = re.compile(subject.value)
     for place, text in places_and_texts:
@@ -219,7 +219,7 @@ def _interface_texts(device: Device, interface: Interface) -> Iterator[tuple[str
         yield "tables", " ".join([table.title, *table.columns, *first_cells, table.note])
     for connector in device.connectors:
         yield "notes on the connectors", connector.note
-    yield _NOTE, interface.note
+    yield _PLACE_OF_NOTE, interface.note
 
 
 def _with_spaces(name: str) -> str:

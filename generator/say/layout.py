@@ -18,26 +18,36 @@ from ..model import (
     Rs485,
     Sign,
     Unused,
-    choices,
+    answer_combinations,
 )
 from ..model.expressions import Expression
-from .errata import answer_names, deciding_alternatives, errata, erratum, needed_answers
-from .plain_text import counted
-from .report import conditions
-from .text import VERDICT_CLAUSES, Code, Part, Statement, join_groups, list_parts, sentence, spec_text, statement
+from .errata import answer_names, deciding_alternatives, describe_erratum, errata, needed_answers
+from .plain_text import count_with_unit
+from .report import conditions_text
+from .text import (
+    VERDICT_CLAUSES,
+    CodeText,
+    Statement,
+    TextPart,
+    as_sentence,
+    join_groups,
+    list_parts,
+    spec_text,
+    statement,
+)
 
 
-def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequence[Alternative] = ()) -> Statement:
+def head(interface: Interface, layout: Layout, name: TextPart, alternatives: Sequence[Alternative] = ()) -> Statement:
     """Return the frame's ``name``, sender, interface and length.
 
     If the length depends only on ``alternatives``, each possible length is followed by its answers.
     """
     channel = f", data channel {layout.channel}" if layout.channel is not None else ""
     sender_text = f", sent by the {layout.sender} over {interface.title}{channel}: "
-    return statement(name, sender_text, *size(layout, alternatives), source=layout.source)
+    return statement(name, sender_text, *describe_size(layout, alternatives), source=layout.source)
 
 
-def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part, ...]:
+def describe_size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[TextPart, ...]:
     """Return the length and the transmission order of a frame as parts of a statement.
 
     For example ``25 bits, most significant first``, ``4 bytes, low byte first``, or ``45 bits in 6 bytes, …``.
@@ -45,7 +55,7 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
     """
     if not layout.in_bytes:
         return *_number_of_bits(layout, alternatives), " bits, most significant first"
-    length_text = counted(layout.widest // 8, "byte")
+    length_text = count_with_unit(layout.widest // 8, "byte")
     if layout.widest > 8:
         length_text += f", {layout.byte_order.replace('_', ' ')}"
     # The line may carry fewer bits than the bytes.
@@ -54,7 +64,7 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
     return (length_text,)
 
 
-def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]:
+def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[TextPart]:
     """Yield the number of bits of a frame as parts of a statement.
 
     If answers to ``alternatives`` alone decide it, these are ``25 (a) or 26 (b)`` with the names of the answers. If
@@ -64,17 +74,17 @@ def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iter
     if not deciding:
         yield layout.bits
         return
-    possible_lengths: list[list[Part]] = []
-    for answers, answered_parameters in choices(deciding):
+    possible_lengths: list[list[TextPart]] = []
+    for answers, answered_parameters in answer_combinations(deciding):
         bits = layout.bits.value(answered_parameters)
         possible_lengths.append([f"{bits} (", *answer_names(answers), ")"])
     yield from join_groups(possible_lengths, " or ")
 
 
-def layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
+def describe_layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
     """Yield all statements about a frame that follow its head in running text."""
     yield from spec_text(frame.printed_name, label="In the manual")
-    yield from facts(interface, frame)
+    yield from describe_layout_facts(interface, frame)
     yield from needed_answers(device, frame)
     yield from spec_text(frame.note)
     yield from errata_of(device, interface, frame)
@@ -82,7 +92,7 @@ def layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Stat
 
 def errata_of(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
     """Yield the errata of the whole frame."""
-    yield from map(erratum, errata(device, f"interfaces.{interface.name}.{frame.name}"))
+    yield from map(describe_erratum, errata(device, f"interfaces.{interface.name}.{frame.name}"))
 
 
 def has_excess(layout: Layout) -> bool:
@@ -99,16 +109,16 @@ def _has_parity_over_gray(layout: Layout) -> bool:
     return False
 
 
-def _excess_number_or_parameter(layout: Layout) -> str | Code:
+def _excess_number_or_parameter(layout: Layout) -> str | CodeText:
     """Return the number that is added before the position is sent in Gray code, or the parameter with this number.
 
     Without an excess, it is ``0``.
     """
     excess = layout.gray_excess or Expression(0)
-    return str(excess.constant) if excess.is_constant else Code(excess.render())
+    return str(excess.constant) if excess.is_constant else CodeText(excess.render())
 
 
-def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
+def describe_layout_facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
     """Yield the selector of a frame, its Gray code, its gaps, its joined numbers and its combinations of values."""
     yield from carries(interface, layout)
     yield from _gray_code(layout)
@@ -116,12 +126,12 @@ def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
         yield statement("A parity bit covers the bits as they are sent, before Gray code is converted")
     if layout.gaps:
         yield statement(f"Bits without a field are {layout.gaps}")
-    yield from joins(layout)
+    yield from describe_joins(layout)
     combinations = {value_combination.name: value_combination for value_combination in layout.combinations}
     # Each combination is also a sign, whose flag has the name of the combination. Other signs are of single fields.
     for sign in layout.signs:
         if sign.flag.name in combinations:
-            yield combination(layout, sign, combinations[sign.flag.name])
+            yield describe_combination(layout, sign, combinations[sign.flag.name])
 
 
 def _gray_code(layout: Layout) -> Iterator[Statement]:
@@ -129,9 +139,9 @@ def _gray_code(layout: Layout) -> Iterator[Statement]:
 
     Nothing is yielded for a frame without Gray code.
     """
-    number_name = Code(layout.gray_of)
+    number_name = CodeText(layout.gray_of)
     if layout.gray_when:
-        parameter = Code(layout.gray_when)
+        parameter = CodeText(layout.gray_when)
         yield statement(number_name, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
         if has_excess(layout):
             excess = _excess_number_or_parameter(layout)
@@ -143,15 +153,15 @@ def _gray_code(layout: Layout) -> Iterator[Statement]:
         yield statement(number_name, " is in Gray code")
 
 
-def combination(layout: Layout, sign: Sign, value_combination: Combination) -> Statement:
+def describe_combination(layout: Layout, sign: Sign, value_combination: Combination) -> Statement:
     """Return a statement such as ``While a is 1 and b is 0, the position is not usable: …``, with the meaning.
 
     ``sign`` has the values of the combination, ``{field name: value}`` as pairs. The remedy and the note follow.
     """
-    value_parts = conditions((layout.field(name), value) for name, value in sign.conditions).parts
+    value_parts = conditions_text((layout.field(name), value) for name, value in sign.conditions).parts
     manual_texts = (value_combination.meaning, value_combination.remedy, value_combination.note)
     # A statement has no full stop at its end.
-    description = " ".join(sentence(manual_text) for manual_text in manual_texts if manual_text).removesuffix(".")
+    description = " ".join(as_sentence(manual_text) for manual_text in manual_texts if manual_text).removesuffix(".")
     return statement(
         "While ",
         *value_parts,
@@ -175,10 +185,10 @@ def carries(interface: Interface, layout: Layout) -> Iterator[Statement]:
     selector_values = []
     for value in layout.selects:
         selector_values.append(f"{value:X} ({data_id_names[value]})" if value in data_id_names else f"{value:X}")
-    yield statement("Its ", Code(layout.selector), " is ", *list_parts(selector_values, " or "))
+    yield statement("Its ", CodeText(layout.selector), " is ", *list_parts(selector_values, " or "))
 
 
-def joins(layout: Layout) -> Iterator[Statement]:
+def describe_joins(layout: Layout) -> Iterator[Statement]:
     """Yield the numbers that are joined from fields, without those that only are one field of the same name."""
     for joined_number in layout.joins:
         is_one_field = joined_number.fields == (joined_number.name,)
@@ -188,8 +198,8 @@ def joins(layout: Layout) -> Iterator[Statement]:
 
 def join(joined_number: Join) -> Statement:
     """Return the fields that form a number."""
-    names = list_parts([Code(name) for name in joined_number.fields])
-    return statement(Code(joined_number.name), " consists of ", *names, ", most significant first")
+    names = list_parts([CodeText(name) for name in joined_number.fields])
+    return statement(CodeText(joined_number.name), " consists of ", *names, ", most significant first")
 
 
 def as_one_number(parts: str) -> str:
@@ -197,17 +207,17 @@ def as_one_number(parts: str) -> str:
     return f"{parts} as one number"
 
 
-def crc(device: Device, checksum: Crc) -> Iterator[Statement]:
+def describe_crc(device: Device, checksum: Crc) -> Iterator[Statement]:
     """Yield all statements about a CRC in order, for running text."""
     yield crc_head(device, checksum)
     yield from spec_text(checksum.note)
-    yield from map(erratum, errata(device, f"crcs.{checksum.name}"))
+    yield from map(describe_erratum, errata(device, f"crcs.{checksum.name}"))
 
 
 def crc_head(device: Device, checksum: Crc) -> Statement:
     """Return the name, the width and the parameters of a CRC in one sentence."""
     return statement(
-        f"CRC {checksum.name} of {counted(checksum.width, 'bit')}: {crc_parameters(device, checksum)}",
+        f"CRC {checksum.name} of {count_with_unit(checksum.width, 'bit')}: {crc_parameters(device, checksum)}",
         source=checksum.source,
     )
 

@@ -10,31 +10,31 @@ from functools import lru_cache
 from html import escape as escape_xml
 
 from ..model import Source, Sources, cite
-from .plain_text import one_line, plain
-from .text import Ref, Style
+from .plain_text import one_line, text_on_one_line
+from .text import Reference, Style
 
-_MARKS = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})
-_ENTITIES = {ord(mark): f"&#{ord(mark)};" for mark in r"\`*[]|~$"}
+_MARKUP_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})
+_MARKUP_ENTITIES = {ord(mark): f"&#{ord(mark)};" for mark in r"\`*[]|~$"}
 #: An underscore starts emphasis at the edge of a word, but not inside it.
 _EDGE_UNDERSCORE = re.compile(r"(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
 #: Columns of a wrapped paragraph.
-_WIDTH = 132
+_PARAGRAPH_WIDTH = 132
 _BLOCK_START = re.compile(r"^(\d+)([.)])(?=\s|$)|^([-+#=])")
 
 
 def escape(value: object) -> str:
     """Return one line of text with all Markdown and HTML markup escaped."""
-    return _escape_markdown(plain(value))
+    return _escape_markdown(text_on_one_line(value))
 
 
 @lru_cache(4096)
 def _escape_markdown(value: str) -> str:
-    return _EDGE_UNDERSCORE.sub(r"\\_", value.translate(_MARKS))
+    return _EDGE_UNDERSCORE.sub(r"\\_", value.translate(_MARKUP_ESCAPES))
 
 
-def code(value: object) -> str:
+def code_span(value: object) -> str:
     """Return a code span that is safe inside a table, where a vertical bar would end the cell."""
-    return _code_span(plain(value))
+    return _code_span(text_on_one_line(value))
 
 
 @lru_cache(4096)
@@ -51,9 +51,9 @@ def _code_span(code_text: str) -> str:
     return f"{fence}{space}{code_text}{space}{fence}".replace("|", "\\|")
 
 
-def paragraph(value: str) -> str:
+def wrap_markdown(value: str) -> str:
     """Wrap Markdown without code spans, so that no line starts a list, a heading or a rule."""
-    lines = textwrap.wrap(value, _WIDTH, break_long_words=False, break_on_hyphens=False)
+    lines = textwrap.wrap(value, _PARAGRAPH_WIDTH, break_long_words=False, break_on_hyphens=False)
     return "\n".join(_BLOCK_START.sub(_escaped_start, line) for line in lines)
 
 
@@ -89,10 +89,10 @@ _SECTION_NUMBER = re.compile(r"\d+(?![\dx])")
 
 def escape_html(value: object) -> str:
     """Return one line of text for an HTML element or attribute, with Markdown characters escaped as entities."""
-    return escape_xml(plain(value)).translate(_ENTITIES)
+    return escape_xml(text_on_one_line(value)).translate(_MARKUP_ENTITIES)
 
 
-def link(label: str, target: str) -> str:
+def markdown_link(label: str, target: str) -> str:
     """Return a link whose ``label`` is already Markdown."""
     return f"[{label}]({target})"
 
@@ -102,7 +102,7 @@ def link_list(links: Iterable[str]) -> str:
     return " · ".join(links)
 
 
-def anchor(name: str) -> str:
+def anchor_of(name: str) -> str:
     """Return the anchor to which links refer."""
     return f'<a id="{name}"></a>'
 
@@ -130,17 +130,17 @@ def join_filled(parts: Iterable[str], between: str = "<br>") -> str:
     return between.join(part for part in parts if part)
 
 
-def reference(ref: Ref) -> str:
+def reference(ref: Reference) -> str:
     """Return a name with a link to its description. Manual steps are on the hardware page."""
     if ref.kind == "by-hand":
-        return link(escape(ref.title), f"hardware.md#{ref.anchor}")
-    return link(code(ref.name), f"#{ref.anchor}")
+        return markdown_link(escape(ref.title), f"hardware.md#{ref.anchor}")
+    return markdown_link(code_span(ref.name), f"#{ref.anchor}")
 
 
 #: Style of statements on a Markdown page.
 MARKDOWN = Style(
     text=lambda part: _escape_markdown(one_line(part)),
-    code=code,
+    code=code_span,
     ref=reference,
     cited=lambda sources: f"({citation(sources)})" if sources else "",
 )

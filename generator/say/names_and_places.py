@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
 
-from ..model import Alternative, Biss, Device, Field, Interface, Layout, Register, Rs485, choices
+from ..model import Alternative, Biss, Device, Field, Interface, Layout, Register, Rs485, answer_combinations
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .errata import answer_names, deciding_alternatives
-from .text import Code, Part, Ref, Statement, join_groups, statement
+from .text import CodeText, Reference, Statement, TextPart, join_groups, statement
 
 _ACRONYMS = {
     "biss": "BiSS",
@@ -36,65 +36,65 @@ class Titled(Protocol):
     def printed_name(self) -> str: ...
 
 
-class Named(Titled, Protocol):
+class HasOtherNames(Titled, Protocol):
     """Item that may also have other names in other editions of the manual."""
 
     @property
     def names(self) -> Mapping[str, str]: ...
 
 
-def words(name: str) -> str:
+def name_in_words(name: str) -> str:
     """Return a name as words in a sentence: ``encoder_id`` as ``encoder ID``."""
     return " ".join(_ACRONYMS.get(word, word) for word in name.split("_"))
 
 
 def heading(name: str) -> str:
     """Return a name as a heading: ``Encoder ID``."""
-    text = words(name)
+    text = name_in_words(name)
     return text[0].upper() + text[1:]
 
 
-def title(titled: Titled) -> str:
+def title_of(titled: Titled) -> str:
     """Return the name used in the manual, or our name if the manual gives none."""
     return titled.printed_name or heading(titled.name)
 
 
-def printed(named: Named) -> str:
+def printed_name_of(named: HasOtherNames) -> str:
     """Return the name used in any edition of the manual, or an empty string."""
     return named.printed_name or ", ".join(named.names.values())
 
 
-def own_names(named: Named) -> str:
+def own_names(named: HasOtherNames) -> str:
     """Return the names used in the manual and its other editions: ``Command, it: Comando``."""
     names = [named.printed_name] if named.printed_name else []
     names += [f"{language}: {name}" for language, name in named.names.items()]
     return ", ".join(names)
 
 
-def full_title(named: Named) -> str:
+def full_title(named: HasOtherNames) -> str:
     """Return the title, followed by the names used in other editions: ``Command (it: Comando)``."""
-    own_title = title(named)
+    own_title = title_of(named)
     other_names = [f"{language}: {name}" for language, name in named.names.items() if name != own_title]
     return f"{own_title} ({'; '.join(other_names)})" if other_names else own_title
 
 
-def register(device: Device, name: str) -> Ref:
-    return Ref("register", name, title(device.register(name)))
+def register_reference(device: Device, name: str) -> Reference:
+    return Reference("register", name, title_of(device.register(name)))
 
 
-def register_field(device: Device, path: str) -> Ref:
+def register_field(device: Device, path: str) -> Reference:
     """Return a reference to ``register.field``, or to the register if no field is given."""
     name, _, field = path.partition(".")
     if not field:
-        return register(device, name)
+        return register_reference(device, name)
     owner = device.register(name)
-    return Ref("register", path, f"{title(owner.layout.field(field))} in {title(owner)}")
+    return Reference("register", path, f"{title_of(owner.layout.field(field))} in {title_of(owner)}")
 
 
-def only(codes: str) -> Iterator[Statement]:
+def order_codes_text(codes: str) -> Iterator[Statement]:
     """Yield the order codes, unless the item applies to all of them."""
     if codes:
-        yield statement("Only with ", Code(codes))
+        yield statement("Only with ", CodeText(codes))
 
 
 def hexadecimal(value: int, digits: int = 2) -> str:
@@ -102,7 +102,7 @@ def hexadecimal(value: int, digits: int = 2) -> str:
     return f"{value:0{digits}X}h"
 
 
-def addresses(register: Register) -> str:
+def addresses_text(register: Register) -> str:
     """Return the addresses of a register as text: ``49h`` or ``11h to 17h``."""
     first_address = hexadecimal(register.address)
     if register.last_address == register.address:
@@ -113,7 +113,7 @@ def addresses(register: Register) -> str:
 def register_at(register: Register) -> str:
     """Return a register with its addresses as text: ``register 49h`` or ``registers 11h to 17h``."""
     noun = "registers" if register.last_address > register.address else "register"
-    return f"{noun} {addresses(register)}"
+    return f"{noun} {addresses_text(register)}"
 
 
 def field_at(device: Device, path: str) -> str:
@@ -181,7 +181,7 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
     return place if is_one_bit else f"{place}:{low % 8}"
 
 
-def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[Part]:
+def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[TextPart]:
     """Yield the location of a field with its padding, in bytes for a frame of bytes, otherwise in bits.
 
     If the location depends only on ``alternatives``, each possible location is followed by its answer. If it depends on
@@ -194,11 +194,11 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
     if deciding_parameters and not deciding:
         yield from ("starting at bit ", field.low)
         return
-    possible_places: list[list[Part]] = []
+    possible_places: list[list[TextPart]] = []
     # If nothing decides, there is one place, without answers.
-    for answers, answered_parameters in choices(deciding):
+    for answers, answered_parameters in answer_combinations(deciding):
         place = _place_text(layout, high.value(answered_parameters), field.low.value(answered_parameters))
-        explanation: list[Part] = [" (", *answer_names(answers), ")"] if answers else []
+        explanation: list[TextPart] = [" (", *answer_names(answers), ")"] if answers else []
         possible_places.append([place, *explanation])
     yield from join_groups(possible_places, " or ")
 
@@ -214,7 +214,7 @@ def _place_text(layout: Layout, high: int, low: int) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Term:
+class GlossaryTerm:
     """Term with its meaning, and the parts of a spec from which it is linked.
 
     A term of an interface has ``over`` and the ``section`` that covers it. All other terms have ``spelled``, the names
@@ -229,150 +229,150 @@ class Term:
 
 
 TERMS = (
-    Term(
+    GlossaryTerm(
         "ALMC",
         "The byte of an RS-485 reply that has a bit for each alarm. It identifies the alarm when a status bit only "
         "indicates that an alarm is active.",
         ("almc",),
     ),
-    Term(
+    GlossaryTerm(
         "Acknowledge, start bit",
         "In a BiSS frame, SLO stays low until the encoder's data is ready. The start bit (high) announces the data.",
         over=Biss,
         section="timings",
     ),
-    Term(
+    GlossaryTerm(
         "Bank",
         "One of several sets of registers at the same addresses. A separate register selects the bank that answers.",
         ("bank", "bank select"),
     ),
-    Term(
+    GlossaryTerm(
         "CDM",
         "Control data, master: the bit of control data that the master sends with each BiSS frame. It is the inverse "
         "of the level of MA during the time-out.",
         over=Biss,
         section="timings",
     ),
-    Term(
+    GlossaryTerm(
         "CDS",
         "Control data, slave: the bit of control data that the encoder sends. It directly follows the start bit of a "
         "BiSS frame.",
         over=Biss,
         section="timings",
     ),
-    Term(
+    GlossaryTerm(
         "Control data",
         "Access to registers over BiSS without interrupting the position data. Each frame carries one bit in each "
         "direction, CDM and CDS, until address, direction, data and their own CRC are complete.",
         over=Biss,
         section="control-data",
     ),
-    Term(
+    GlossaryTerm(
         "Control field, data ID",
         "The first byte of an RS-485 request and its reply. The data ID in this byte selects the requested data.",
         ("control field", "data id"),
     ),
-    Term(
+    GlossaryTerm(
         "CRC",
         "Checksum that detects disturbed bits: the remainder of a division of the preceding bits. It is defined by "
         "its polynomial, start value, bit order and final XOR.",
         ("crc",),
     ),
-    Term(
+    GlossaryTerm(
         "CRC polynomial",
         "The divisor of a CRC. Masters expect it with its top bit, without its top bit, or without its "
         "trailing 1 (Koopman notation): three numbers for the same polynomial.",
         ("crc",),
     ),
-    Term(
+    GlossaryTerm(
         "CRC sent inverted",
         "Each bit of the CRC is sent inverted. Tools call this a final XOR with all ones.",
         ("crc",),
     ),
-    Term(
+    GlossaryTerm(
         "CRC reflected",
         "The input or the result of the division is processed least significant bit first, as a serial port sends it.",
         ("crc",),
     ),
-    Term(
+    GlossaryTerm(
         "Counts",
         "The steps into which a revolution or a length is divided, used as the unit of a position.",
         ("position", "singleturn"),
     ),
-    Term(
+    GlossaryTerm(
         "Device ID, manufacturer ID, profile ID",
         "Registers with the same content in all encoders of a type. A master reads them to identify the encoder.",
         ("device id", "manufacturer id", "profile id"),
     ),
-    Term(
+    GlossaryTerm(
         "Error bit, warning bit",
         "Two active-low bits after the position in a BiSS frame: nE (0 = error, do not use the position) and nW "
         "(0 = warning).",
         over=Biss,
         section="frames",
     ),
-    Term(
+    GlossaryTerm(
         "Gray code",
         "A code in which only one bit changes between consecutive numbers. Convert it to binary before you "
         "calculate with it.",
         ("gray",),
     ),
-    Term(
+    GlossaryTerm(
         "MA, SLO",
         "The two BiSS lines: clock from the master (MA) and data from the encoder (SLO).",
         over=Biss,
         section="wiring",
     ),
-    Term(
+    GlossaryTerm(
         "MEM BUSY",
         "A bit in replies about the EEPROM. While it is set, the memory is busy and the request is not carried out.",
         ("mem busy",),
     ),
-    Term("Multiturn", "The number of whole revolutions, or an encoder that counts them.", ("multiturn",)),
-    Term(
+    GlossaryTerm("Multiturn", "The number of whole revolutions, or an encoder that counts them.", ("multiturn",)),
+    GlossaryTerm(
         "Offset",
         "A number that the encoder adds to each position.",
         ("offset",),
     ),
-    Term(
+    GlossaryTerm(
         "Preset",
         "Value that the encoder reports at the current shaft position once the preset is activated. All other "
         "positions shift accordingly.",
         ("preset",),
     ),
-    Term(
+    GlossaryTerm(
         "Profile",
         "Standardized selection and order of the fields in single cycle data.",
         over=Biss,
         section="frames",
     ),
-    Term(
+    GlossaryTerm(
         "Single cycle data, SCD",
         "The data in each BiSS frame: position, error bit, warning bit, and a CRC over them.",
         over=Biss,
         section="frames",
     ),
-    Term(
+    GlossaryTerm(
         "Singleturn", "The position within one revolution, or an encoder without a revolution counter.", ("singleturn",)
     ),
-    Term(
+    GlossaryTerm(
         "Status field",
         "The byte of an RS-485 reply that summarizes errors and warnings.",
         ("status field",),
     ),
-    Term(
+    GlossaryTerm(
         "Time-out",
         "The pause at the end of a BiSS frame, without clocks on MA, before the encoder is ready for the next frame.",
         over=Biss,
         section="timings",
     ),
-    Term(
+    GlossaryTerm(
         "Tm, monoflop time",
         "SSI: the time for which the data line stays low after the last clock.",
         ("tm",),
     ),
-    Term("Tp, pause", "SSI: the minimum time between two words.", ("tp",)),
-    Term(
+    GlossaryTerm("Tp, pause", "SSI: the minimum time between two words.", ("tp",)),
+    GlossaryTerm(
         "Repeated request",
         "RS-485: a reset is a request that is sent several times in succession, with a pause after each request and "
         "no other request in between.",

@@ -39,24 +39,24 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..model.order_codes import Restricted
-from .errata import errata, erratum
-from .names_and_places import hexadecimal, printed, register_at, register_field, words
-from .names_and_places import register as reference_to_register
-from .plain_text import counted, number
-from .register import limits, value
+from .errata import describe_erratum, errata
+from .names_and_places import hexadecimal, name_in_words, printed_name_of, register_at, register_field
+from .names_and_places import register_reference as reference_to_register
+from .plain_text import count_with_unit, group_digits
+from .register import describe_range, describe_value
 from .text import (
-    Code,
-    Part,
-    Ref,
+    CodeText,
+    Reference,
     Statement,
+    TextPart,
+    as_sentence,
     hertz,
     join_groups,
     list_parts,
-    microseconds,
     printed_timeout_words,
-    sentence,
     spec_text,
     statement,
+    time_text,
     timeout_words,
 )
 
@@ -64,15 +64,15 @@ from .text import (
 def order_code(device: Device) -> Iterator[Statement]:
     """Yield all statements about the order codes, for running text."""
     code = device.order_code
-    yield statement(Code(code.pattern), label="Order codes", source=code.source)
+    yield statement(CodeText(code.pattern), label="Order codes", source=code.source)
     for code_part in code.parts:
         yield part(code_part)
         yield from open_values(code_part)
-    yield from map(spelling, code.also_written)
+    yield from map(describe_spelling, code.also_written)
     yield from not_on_label(device)
     yield from spec_text(code.note)
     yield from spec_text(code.special)
-    yield from map(erratum, errata(device, "order_code", "parameters"))
+    yield from map(describe_erratum, errata(device, "order_code", "parameters"))
 
 
 def not_on_label(device: Device) -> Iterator[Statement]:
@@ -86,28 +86,28 @@ def part(code_part: CodePart) -> Statement:
     return statement(f"{code_part.meaning}: ", *values, label=code_part.name)
 
 
-def _value_with_meaning(value: CodeValue) -> tuple[Part, ...]:
+def _value_with_meaning(value: CodeValue) -> tuple[TextPart, ...]:
     """Return a value of a part of the order code, with its meaning if it has one: ``A = SSI``."""
-    return (Code(value.text), f" = {value.meaning}") if value.meaning else (Code(value.text),)
+    return (CodeText(value.text), f" = {value.meaning}") if value.meaning else (CodeText(value.text),)
 
 
 def open_values(code_part: CodePart) -> Iterator[Statement]:
     """Yield the rule for values that the manual does not list."""
     if code_part.open:
-        yield statement("Other values that match ", Code(code_part.open), " are accepted and shown as unlisted")
+        yield statement("Other values that match ", CodeText(code_part.open), " are accepted and shown as unlisted")
 
 
-def spelling(label_spelling: Spelling) -> Statement:
+def describe_spelling(label_spelling: Spelling) -> Statement:
     """Return the pattern of another spelling found on labels, and where it is used."""
     return statement(
-        Code(label_spelling.pattern),
+        CodeText(label_spelling.pattern),
         f", as in {label_spelling.where}",
         label="Also written",
         source=label_spelling.source,
     )
 
 
-def parameter(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
+def describe_parameter(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
     """Yield all statements about a parameter, for running text."""
     yield from spec_text(device_parameter.meaning, source=device_parameter.source)
     yield from spec_text(device_parameter.unit, label="Unit")
@@ -126,10 +126,10 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
     if device_parameter.read_from:
         register_text = register_at(device.register(device_parameter.register))
         field_reference = register_field(device, device_parameter.read_from)
-        origin_parts: list[Part] = [f"Read at run time from {register_text} (", field_reference, ")"]
+        origin_parts: list[TextPart] = [f"Read at run time from {register_text} (", field_reference, ")"]
         lowest = Expression(device_parameter.min) if device_parameter.min is not None else None
         highest = Expression(device_parameter.max) if device_parameter.max is not None else None
-        range_parts = limits(lowest, highest)
+        range_parts = describe_range(lowest, highest)
         # A register with a code lists its values below.
         if range_parts and not device_parameter.by_code:
             origin_parts += [", ", *range_parts]
@@ -141,24 +141,24 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
         yield statement(f"The register holds a code: {', '.join(code_meanings)}")
 
 
-def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator[Part]:
+def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator[TextPart]:
     """Yield the parts of a text about the alternative that sets a parameter: a reference to it, and the values.
 
     The values follow only if the alternative has a default: ``first_bit: 0 for low (default), 1 for high``.
     """
     name = device_parameter.alternative
-    yield Ref("alternative", name, name)
+    yield Reference("alternative", name, name)
     # Only alternatives with a default are optional.
     for alternative in device.optional_alternatives:
         if alternative.name != name:
             continue
         default_answer, *other_answers = alternative.answers
         yield f": {default_answer.sets[device_parameter.name]} for "
-        yield Code(default_answer.name)
+        yield CodeText(default_answer.name)
         yield " (default)"
         for answer in other_answers:
             yield f", {answer.sets[device_parameter.name]} for "
-            yield Code(answer.name)
+            yield CodeText(answer.name)
 
 
 def initial(device: Device) -> str:
@@ -175,10 +175,10 @@ def initial(device: Device) -> str:
 
 def parameter_value(device_parameter: Parameter, count: int) -> str:
     """Return the value of a parameter for an order code. IDs and other codes are hexadecimal, such as ``3Fh``."""
-    return hexadecimal(count) if device_parameter.hexadecimal else number(count)
+    return hexadecimal(count) if device_parameter.hexadecimal else group_digits(count)
 
 
-def timing(printed_time: Timing) -> Statement:
+def describe_timing(printed_time: Timing) -> Statement:
     """Return the limits of a time with its meaning and order codes, labelled with the manual's symbol or our name."""
     description = f": {printed_time.meaning}" if printed_time.meaning else ""
     description += _only_with(printed_time)
@@ -200,15 +200,15 @@ def bounds(printed_time: Timing) -> str:
     """Return the limits of a duration and its typical value as text, such as ``at least 12 µs, typically 20 µs``."""
     limit_texts = []
     if printed_time.at_least_us is not None:
-        limit_texts.append(f"at least {microseconds(printed_time.at_least_us)}")
+        limit_texts.append(f"at least {time_text(printed_time.at_least_us)}")
     if printed_time.typical_us is not None:
-        limit_texts.append(f"typically {microseconds(printed_time.typical_us)}")
+        limit_texts.append(f"typically {time_text(printed_time.typical_us)}")
     if printed_time.at_most_us is not None:
-        limit_texts.append(f"at most {microseconds(printed_time.at_most_us)}")
+        limit_texts.append(f"at most {time_text(printed_time.at_most_us)}")
     return ", ".join(limit_texts)
 
 
-_ALIGNMENT = {
+_ALIGNMENT_IN_WORDS = {
     "msb_left": "left: the most significant bit comes with the first clock, and zeros follow the word",
     "lsb_right": "right: zeros come before the word",
 }
@@ -217,23 +217,23 @@ REPLIES = {
     "same_word": "each reply is in the same word as its request",
     "next_word": "each reply is in the word after its request",
 }
-_CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}
+_CODING_IN_WORDS = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}
 
 
 #: Effects of requests.
 PURPOSES = {"position": "requests the position", "read": "reads a register", "write": "writes a register", "other": ""}
 
 
-def interface(device: Device, line: Interface) -> Iterator[Statement]:
+def describe_interface(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield all statements about an interface that follow its title, without the errata."""
     yield from spec_text(line.note)
-    yield from facts(device, line)
+    yield from describe_interface_facts(device, line)
 
 
-def facts(device: Device, line: Interface) -> Iterator[Statement]:
+def describe_interface_facts(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield the settings and times of an interface, and the requests or control data that are sent over it, if any."""
-    yield from settings(device, line)
-    yield from map(timing, line.timings)
+    yield from describe_settings(device, line)
+    yield from map(describe_timing, line.timings)
     match line:
         case Ssi():
             pass
@@ -241,23 +241,23 @@ def facts(device: Device, line: Interface) -> Iterator[Statement]:
             yield from spec_text(line.control_data_note, label="Control data")
             yield from map(control_field, line.control_data)
         case Rs485():
-            yield from map(data_id, line.data_ids)
+            yield from map(describe_data_id, line.data_ids)
             yield from map(memory_access, line.memory_access)
-            yield from map(exchange, line.exchanges)
+            yield from map(describe_exchange, line.exchanges)
         case Spi():
-            yield from map(exchange, line.exchanges)
+            yield from map(describe_exchange, line.exchanges)
         case _:
             assert_never(line)
 
 
-def settings(device: Device, line: Interface) -> Iterator[Statement]:
+def describe_settings(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield the settings and electrical characteristics of an interface, each with its label, such as ``Clock``."""
     for fact in line.facts():
         label, content = _label_and_content(device, fact)
         yield statement(content, label=label, source=fact.source)
 
 
-def _label_and_content(device: Device, fact: Fact) -> tuple[str, Part]:
+def _label_and_content(device: Device, fact: Fact) -> tuple[str, TextPart]:
     """Return a fact about an interface as a label and its text, such as ``Clock`` and ``100 kHz to 4 MHz``."""
     match fact:
         case Clock():
@@ -283,14 +283,14 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, Part]:
 
 
 def _label_and_text(fact: Signals | Alignment | OutputCode | Profile | DescriptionFile) -> tuple[str, str]:
-    """Return a label and a text for a fact that the spec states as a word or a text, such as ``Code`` and ``Gray``."""
+    """Return a label and a text for a fact that the spec states as a word or a text, such as ``CodeText`` and ``Gray``."""
     match fact:
         case Signals(text):
             return "Signals", text
         case Alignment(end):
-            return "Alignment", _ALIGNMENT[end]
+            return "Alignment", _ALIGNMENT_IN_WORDS[end]
         case OutputCode(code):
-            return "Code", _CODE[code]
+            return "Code", _CODING_IN_WORDS[code]
         case Profile(text):
             return "Profile", text
         case DescriptionFile(text):
@@ -374,8 +374,8 @@ def _port_words(port: Port) -> str:
     """Return the settings of a serial port, such as ``115,200 Bd, 8 data bits, no parity, 1 stop bit, ...``."""
     parity = f"{port.parity.replace('none', 'no')} parity"
     flow_control = f"{port.flow_control.replace('none', 'no')} flow control"
-    stop_bits = counted(port.stop_bits, "stop bit")
-    return f"{number(port.baud)} Bd, {port.data_bits} data bits, {parity}, {stop_bits}, {flow_control}"
+    stop_bits = count_with_unit(port.stop_bits, "stop bit")
+    return f"{group_digits(port.baud)} Bd, {port.data_bits} data bits, {parity}, {stop_bits}, {flow_control}"
 
 
 def _network_words(network: Network) -> str:
@@ -394,7 +394,7 @@ def _channel_words(channels: DataChannels) -> str:
     return f"{order}. The highest {bits} bits of {fields} must agree{tolerance}"
 
 
-def data_id(request: DataId) -> Statement:
+def describe_data_id(request: DataId) -> Statement:
     """Return a T-format request: its control field, such as ``1Ah``, purpose and meaning, labelled with its ID."""
     meaning_text = f". {request.meaning}" if request.meaning else ""
     return statement(
@@ -405,15 +405,15 @@ def data_id(request: DataId) -> Statement:
 
 
 def memory_access(access: MemoryAccess) -> Statement:
-    text = f"{sentence(access.meaning)} Address: {access.address}. Data: {access.data}"
+    text = f"{as_sentence(access.meaning)} Address: {access.address}. Data: {access.data}"
     return statement(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
 
 
-def exchange(request: Exchange) -> Statement:
+def describe_exchange(request: Exchange) -> Statement:
     """Return a request and its reply, with the effect of the request and the length of their words if it is fixed."""
-    exchange_parts: list[Part] = [Code(request.request)]
+    exchange_parts: list[TextPart] = [CodeText(request.request)]
     if request.reply:
-        exchange_parts += [" is answered by ", Code(request.reply)]
+        exchange_parts += [" is answered by ", CodeText(request.reply)]
     else:
         exchange_parts.append(" has no reply")
     effect = PURPOSES[request.purpose]
@@ -426,11 +426,11 @@ def exchange(request: Exchange) -> Statement:
 
 def control_field(bits_field: ControlField) -> Statement:
     """Return the width, the meaning and the values of a field of the control frame."""
-    width_and_meaning = counted(bits_field.bits, "bit")
+    width_and_meaning = count_with_unit(bits_field.bits, "bit")
     if bits_field.meaning:
         width_and_meaning += f": {bits_field.meaning}"
-    parts_of_values = [value(named_value, bits_field.bits).parts for named_value in bits_field.values]
-    label = printed(bits_field) or words(bits_field.name)
+    parts_of_values = [describe_value(named_value, bits_field.bits).parts for named_value in bits_field.values]
+    label = printed_name_of(bits_field) or name_in_words(bits_field.name)
     return statement(
         *join_groups([(width_and_meaning,), *parts_of_values], "; "), label=label, source=bits_field.source
     )
@@ -441,7 +441,7 @@ def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
     yield from spec_text(hardware_input.low, label="Low level")
     yield from spec_text(hardware_input.high, label="High level")
     if hardware_input.pulse_at_least_us is not None:
-        yield statement(f"at least {microseconds(hardware_input.pulse_at_least_us)}", label="Pulse")
+        yield statement(f"at least {time_text(hardware_input.pulse_at_least_us)}", label="Pulse")
     if hardware_input.inverts:
         yield statement("A high level inverts ", register_field(device, hardware_input.inverts))
     if hardware_input.needs:

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 
 #: Decimals of a number that has no exact decimal, such as 1/3.
-_ROUNDED = 6
+_ROUNDED_DECIMALS = 6
 
 
-def number(value: int) -> str:
+def group_digits(value: int) -> str:
     """Return a number in groups of three digits."""
     return f"{value:,}"
 
@@ -28,7 +28,7 @@ def decimal(value: Fraction) -> str:
     If the decimals never end, return six of them after ``≈``.
     """
     exact_decimals = _number_of_decimals(value)
-    decimals = _ROUNDED if exact_decimals is None else exact_decimals
+    decimals = _ROUNDED_DECIMALS if exact_decimals is None else exact_decimals
     # As a whole number of the last decimal: 12345 for 1234.5 with one decimal.
     shifted_value = round(abs(value) * 10**decimals)
     whole_number, fraction = divmod(shifted_value, 10**decimals)
@@ -39,7 +39,7 @@ def decimal(value: Fraction) -> str:
     return f"≈ {decimal_text}" if exact_decimals is None else decimal_text
 
 
-def quantity(scale: Scale, value: int) -> str:
+def quantity_text(scale: Scale, value: int) -> str:
     """Return the quantity that a number represents: ``26.9 °C``. Begin with ``≈`` if the decimals are rounded."""
     text = f"{scale.decimal(value)} {scale.unit}"
     return text if scale.is_exact(value) else f"≈ {text}"
@@ -109,7 +109,7 @@ def _number_of_decimals(value: Fraction) -> int | None:
     return None
 
 
-def counted(count: int | str, unit: str) -> str:
+def count_with_unit(count: int | str, unit: str) -> str:
     """Return a count with its unit: ``1 bit``, ``8 bits`` or ``position_bits bits``."""
     return f"{count} {unit}" if count == 1 else f"{count} {unit}s"
 
@@ -183,26 +183,26 @@ def in_ascii(text: str, replacements: Mapping[str, str]) -> str:
 
 #: Columns of a terminal.
 WIDTH = 80
-_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]+")
+_CONTROL_CHARACTERS = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]+")
 
 
 def one_line(text: object) -> str:
     """Return the text on one line. Control characters, line ends and direction marks become spaces."""
     line = str(text)
-    return line if line.isprintable() else _CONTROL.sub(" ", line)
+    return line if line.isprintable() else _CONTROL_CHARACTERS.sub(" ", line)
 
 
-def plain(text: object) -> str:
+def text_on_one_line(text: object) -> str:
     """Return the text on one line, without spaces at its ends."""
     return one_line(text).strip()
 
 
-def wrapped(text: object, width: int, prefix: str = "", first: str | None = None) -> str:
+def wrap_text(text: object, width: int, prefix: str = "", first: str | None = None) -> str:
     """Return a paragraph of at most ``width`` columns, or wider if a word needs that.
 
     Lines start with ``prefix``, the first with ``first`` if it is given. A text without words is empty.
     """
-    words = [word for word in plain(text).split(" ") if word]
+    words = [word for word in text_on_one_line(text).split(" ") if word]
     if not words:
         return ""
     lines: list[str] = []
@@ -236,7 +236,7 @@ def two_columns(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
     for name, text in row_list:
         if text:
             name_column = f"{margin}{name.ljust(name_width)}  "
-            lines.append(wrapped(text, WIDTH, prefix=text_margin, first=name_column))
+            lines.append(wrap_text(text, WIDTH, prefix=text_margin, first=name_column))
         else:
             lines.append(f"{margin}{name}")
     return lines

@@ -25,30 +25,30 @@ from ..model import (
     Value,
     Verdict,
     assert_never,
-    first_of,
+    first_or_raise,
 )
 from ..model.expressions import Expression
 from .commands import remedied
-from .errata import errata, erratum, needed_answers
-from .names_and_places import Named, hexadecimal, own_names, printed, register_at, register_field
-from .names_and_places import register as reference_to_register
+from .errata import describe_erratum, errata, needed_answers
+from .names_and_places import HasOtherNames, hexadecimal, own_names, printed_name_of, register_at, register_field
+from .names_and_places import register_reference as reference_to_register
 from .plain_text import formula
 from .text import (
     VERDICT_CLAUSES,
     Amount,
-    Code,
+    CodeText,
     Hex,
     Level,
-    Part,
-    Ref,
+    Reference,
     Statement,
+    TextPart,
     join_groups,
     list_parts,
     spec_text,
     statement,
 )
 
-_ACCESS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
+_ACCESS_IN_WORDS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
 #: Phrases for registers and fields that only one party may use.
 USERS = {"maker": "manufacturer"}
 _ABOVE_MAX = {
@@ -57,25 +57,27 @@ _ABOVE_MAX = {
 }
 
 
-def access(register: Register) -> str:
-    return _ACCESS[register.access]
+def describe_access(register: Register) -> str:
+    return _ACCESS_IN_WORDS[register.access]
 
 
-def head(device: Device, register: Register, name: Part) -> Statement:
+def head(device: Device, register: Register, name: TextPart) -> Statement:
     """Return the register's ``name``, address, access and interface."""
     interface = device.interface(register.interface).title
-    return statement(name, f", {register_at(register)}, {access(register)}, over {interface}", source=register.source)
+    return statement(
+        name, f", {register_at(register)}, {describe_access(register)}, over {interface}", source=register.source
+    )
 
 
-def register(device: Device, device_register: Register) -> Iterator[Statement]:
+def describe_register(device: Device, device_register: Register) -> Iterator[Statement]:
     """Yield all statements about a register that follow its head in running text."""
     yield from spec_text(device_register.meaning)
-    yield from facts(device, device_register)
+    yield from describe_register_facts(device, device_register)
     yield from spec_text(device_register.note)
-    yield from map(erratum, errata(device, f"registers.{device_register.name}"))
+    yield from map(describe_erratum, errata(device, f"registers.{device_register.name}"))
 
 
-def facts(device: Device, register: Register) -> Iterator[Statement]:
+def describe_register_facts(device: Device, register: Register) -> Iterator[Statement]:
     """Yield the content of a register, the rules for reading and writing it, and what it means in each mode."""
     yield from _content_facts(register)
     yield from needed_answers(device, register.layout)
@@ -91,18 +93,18 @@ def _content_facts(register: Register) -> Iterator[Statement]:
         yield statement(order_text, label="Byte order")
     default = register.default_bytes()
     if default is not None:
-        yield statement(Code(default.hex(" ").upper()), label="Default")
+        yield statement(CodeText(default.hex(" ").upper()), label="Default")
     has_limits = register.min is not None or register.max is not None
     # Each meaning has limits of its own.
     if has_limits and not register.meanings:
-        range_parts = limits(register.min, register.max)
+        range_parts = describe_range(register.min, register.max)
         # The limits may apply to one field.
         if register.limits_of != register.name:
-            range_parts = (*range_parts, " for ", Code(register.limits_of))
+            range_parts = (*range_parts, " for ", CodeText(register.limits_of))
         yield statement(*range_parts, label="Limits")
 
 
-def limits(low: Expression | None, high: Expression | None) -> tuple[Part, ...]:
+def describe_range(low: Expression | None, high: Expression | None) -> tuple[TextPart, ...]:
     """Return a range as parts of a statement: ``(0, " to ", 7)``, ``("at least ", 0)``, or ``()`` without limits."""
     if low is not None and high is not None:
         return low, " to ", high
@@ -119,10 +121,10 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
     if register.bank is not None:
         facts_of_interface = device.interface(register.interface).facts()
         bank_selects = (fact for fact in facts_of_interface if isinstance(fact, BankSelect))
-        bank_select = first_of(bank_selects, f"register that selects the bank of '{register.name}'")
+        bank_select = first_or_raise(bank_selects, f"register that selects the bank of '{register.name}'")
         yield statement(f"First select bank {register.bank} with ", reference_to_register(device, bank_select.register))
     if register.reserved:
-        yield reserved(register.reserved)
+        yield describe_reserved_bits(register.reserved)
     if register.opened_by:
         yield _opening_condition(device, register)
     if register.wait_at_least_ms is not None:
@@ -141,7 +143,7 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
         )
 
 
-def reserved(user: str) -> Statement:
+def describe_reserved_bits(user: str) -> Statement:
     return statement(f"Reserved for the {USERS[user]}")
 
 
@@ -172,7 +174,7 @@ def _opening_condition(device: Device, register: Register) -> Statement:
         digits = 2 * opening_register.length
         value_text = hexadecimal(opening_field.value_named(value_name).value, digits)
     reference = register_field(device, opener_path)
-    return statement("Can be written only while ", reference, f" is {value_text} (", Code(value_name), ")")
+    return statement("Can be written only while ", reference, f" is {value_text} (", CodeText(value_name), ")")
 
 
 def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Statement:
@@ -184,9 +186,9 @@ def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Stat
     selecting_field = device.register(register_name).layout.field(field_name)
     selecting_value = selecting_field.value_named(register_meaning.value).value
     reference = register_field(device, register_meaning.when)
-    meaning_parts: list[Part] = ["While ", reference, f" is {selecting_value} (", Code(register_meaning.value)]
-    meaning_parts += ["), the register holds ", Code(register_meaning.name)]
-    range_parts = limits(register_meaning.min, register_meaning.max)
+    meaning_parts: list[TextPart] = ["While ", reference, f" is {selecting_value} (", CodeText(register_meaning.value)]
+    meaning_parts += ["), the register holds ", CodeText(register_meaning.name)]
+    range_parts = describe_range(register_meaning.min, register_meaning.max)
     if range_parts:
         meaning_parts += [", ", *range_parts]
     if register_meaning.meaning:
@@ -194,16 +196,16 @@ def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Stat
     return statement(*meaning_parts, source=register_meaning.source)
 
 
-def field(device: Device, frame_field: Field) -> Iterator[Statement]:
+def describe_field(device: Device, frame_field: Field) -> Iterator[Statement]:
     """Yield all statements about a field, for running text."""
-    yield from meaning(frame_field, frame_field.meaning)
+    yield from describe_meaning(frame_field, frame_field.meaning)
     yield from rules(device, frame_field)
     yield from spec_text(frame_field.note)
 
 
-def meaning(named_item: Named, text: str) -> Iterator[Statement]:
+def describe_meaning(named_item: HasOtherNames, text: str) -> Iterator[Statement]:
     """Yield the meaning ``text``, labelled with the manual's name of a part, or the name alone if it is empty."""
-    manual_name = printed(named_item)
+    manual_name = printed_name_of(named_item)
     if text:
         yield statement(text, label=manual_name)
     elif manual_name:
@@ -222,7 +224,7 @@ def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
     if not frame_field.implemented and "not implemented" not in frame_field.meaning.lower():
         yield statement("Not implemented in this encoder")
     if frame_field.reserved:
-        yield reserved(frame_field.reserved)
+        yield describe_reserved_bits(frame_field.reserved)
     if frame_field.equals is not None:
         expected = _expected_value(frame_field.equals, frame_field.widest)
         yield statement("Holds ", expected, ", which identifies the encoder. The decoder also accepts other values")
@@ -263,12 +265,12 @@ def _rules_of_kind(device: Device, frame_field: Field) -> Iterator[Statement]:
 def _constant_rule(frame_field: Field, value: int) -> Iterator[Statement]:
     """Yield the value of a constant, unless the meaning of the field already says what it always is."""
     if "always" not in frame_field.meaning.lower():
-        yield statement(f"Always {short(value)}")
+        yield statement(f"Always {short_number(value)}")
 
 
 def _covered_by_crc(crc_value: CrcValue) -> Statement:
-    covered: list[Part] = _names_as_code(crc_value.of) if crc_value.of else ["everything before it"]
-    return statement("CRC ", Ref("crc", crc_value.crc, crc_value.crc), " over ", *covered)
+    covered: list[TextPart] = _names_as_code(crc_value.of) if crc_value.of else ["everything before it"]
+    return statement("CRC ", Reference("crc", crc_value.crc, crc_value.crc), " over ", *covered)
 
 
 def covered_by_parity_bit(frame_field: Field) -> Statement | None:
@@ -283,16 +285,16 @@ def _covered_by_parity(parity: Parity) -> Statement:
     return statement(polarity, f" parity of {counted_bits}", *_names_as_code(parity.covers))
 
 
-def _names_as_code(names: Iterable[str]) -> list[Part]:
+def _names_as_code(names: Iterable[str]) -> list[TextPart]:
     """Return the parts of a list of names, separated by commas."""
-    return list(join_groups([Code(name)] for name in names))
+    return list(join_groups([CodeText(name)] for name in names))
 
 
 def _unused_rules(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
     """Yield the documented value of unused bits, and the effect of other values: a verdict if there is a position."""
-    yield statement(f"Unused, documented as {short(unused.value)}")
+    yield statement(f"Unused, documented as {short_number(unused.value)}")
     if _is_in_frame_with_position(device, frame_field):
-        verdict = Code(unused.makes_position.value)
+        verdict = CodeText(unused.makes_position.value)
         yield statement("Frames with other values are still decoded, with the verdict ", verdict)
     else:
         yield statement("Other values are still decoded")
@@ -326,7 +328,7 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
     """
     yield from _flag_levels(flag, is_implemented=is_implemented)
     if flag.sums_up:
-        yield statement("Combines ", *list_parts([Code(name) for name in flag.sums_up]))
+        yield statement("Combines ", *list_parts([CodeText(name) for name in flag.sums_up]))
     if is_implemented:
         yield from _flag_verdict(flag)
     if flag.only:
@@ -334,7 +336,7 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
         verdict_without_meaning = flag.unexplained.makes_position
         if verdict_without_meaning is not None:
             remark += f", and {VERDICT_CLAUSES[verdict_without_meaning]}"
-        yield statement("This applies only to ", Code(flag.only), remark)
+        yield statement("This applies only to ", CodeText(flag.only), remark)
 
 
 def _flag_verdict(flag: Flag) -> Iterator[Statement]:
@@ -347,7 +349,9 @@ def _flag_verdict(flag: Flag) -> Iterator[Statement]:
             verdict_text += ". If a flag that it combines is active in the same frame, that flag decides instead"
         yield statement("While it is ", Level.WHILE_ACTIVE, verdict_text)
     if flag.verdict_if_set is not None:
-        yield statement("If you set ", Code(flag.verdict_parameter), f" to 1, {VERDICT_CLAUSES[flag.verdict_if_set]}")
+        yield statement(
+            "If you set ", CodeText(flag.verdict_parameter), f" to 1, {VERDICT_CLAUSES[flag.verdict_if_set]}"
+        )
 
 
 def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
@@ -362,37 +366,37 @@ def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
         yield statement(Level.INACTIVE, f" when {inactive_level}: {flag.when_inactive}")
 
 
-def _run_of_digits(digit_run: Digits) -> tuple[Part, ...]:
+def _run_of_digits(digit_run: Digits) -> tuple[TextPart, ...]:
     """Return the name of a run of digits, their number and their meaning, such as ``year 2 (of manufacture)``."""
     meaning_text = f" ({digit_run.meaning})" if digit_run.meaning else ""
-    return Code(digit_run.name), f" {digit_run.digits}", meaning_text
+    return CodeText(digit_run.name), f" {digit_run.digits}", meaning_text
 
 
 def _hex_digits_for(bits: int) -> int:
     return (bits + 3) // 4
 
 
-def _expected_value(value: Expression | int | str, bits: int) -> Part:
+def _expected_value(value: Expression | int | str, bits: int) -> TextPart:
     """Return the constant value of a field of ``bits`` bits, as text or as a hexadecimal number."""
     if isinstance(value, str):
-        return Code(value)
+        return CodeText(value)
     number = value if isinstance(value, Expression) else Expression(value)
     return Hex(number, _hex_digits_for(bits))
 
 
 def choices(values: tuple[Value, ...]) -> Statement:
     """Return all named values in one statement, such as ``0 off, 1 on, 1Fh test``."""
-    numbers_and_names = [(f"{short(named_value.value)} ", Code(named_value.name)) for named_value in values]
+    numbers_and_names = [(f"{short_number(named_value.value)} ", CodeText(named_value.name)) for named_value in values]
     return statement(*join_groups(numbers_and_names), label="Values")
 
 
-def value(named_value: Value, bits: int) -> Statement:
+def describe_value(named_value: Value, bits: int) -> Statement:
     """Return a value of a field of ``bits`` bits: its number, names, meaning and verdict: ``1Fh test (TST): …``."""
     manual_names = own_names(named_value)
     names_text = f" ({manual_names})" if manual_names else ""
     meaning_text = f": {named_value.meaning}" if named_value.meaning else ""
     number_text = hexadecimal(named_value.value, _hex_digits_for(bits))
-    name = Code(named_value.name)
+    name = CodeText(named_value.name)
     return statement(f"{number_text} ", name, names_text, meaning_text, effect(named_value), source=named_value.source)
 
 
@@ -401,18 +405,18 @@ def effect(named_value: Value) -> str:
     return f" ({VERDICT_CLAUSES[named_value.makes_position]})" if named_value.makes_position is not None else ""
 
 
-def short(number: int) -> str:
+def short_number(number: int) -> str:
     """Return a number below 10 in decimal, and any other number in the hexadecimal notation of manuals."""
     return f"{number}" if number < 10 else f"{number:X}h"
 
 
-def measurement(unit_and_range: Measurement) -> Statement:
+def describe_measurement(unit_and_range: Measurement) -> Statement:
     """Return the resolution and the range of a position, as far as they are given.
 
     These are counts per revolution and revolutions, or the length of a count, and then the whole counts and the
     highest position.
     """
-    quantities: list[tuple[Part, ...]] = []
+    quantities: list[tuple[TextPart, ...]] = []
     if unit_and_range.counts_per_turn is not None:
         quantities.append((Amount(unit_and_range.counts_per_turn, "counts"), " per revolution"))
     if unit_and_range.turns is not None:
@@ -432,11 +436,11 @@ def measurement(unit_and_range: Measurement) -> Statement:
     return statement(*join_groups(quantities), source=unit_and_range.source)
 
 
-def position_range(layout_range: LayoutRange) -> Statement:
+def describe_position_range(layout_range: LayoutRange) -> Statement:
     """Return the range of the position in one layout: that it never wraps, or its revolutions, counts and maximum."""
     if not layout_range.wraps:
         return statement("never wraps around", source=layout_range.source)
-    quantities: list[tuple[Part, ...]] = []
+    quantities: list[tuple[TextPart, ...]] = []
     if layout_range.turns is not None:
         quantities.append((Amount(layout_range.turns, "revolutions"),))
     if layout_range.modulus is not None:

@@ -14,24 +14,37 @@ from ..model import (
     member_named,
 )
 from .commands import remedied, with_steps
-from .errata import errata, erratum
-from .names_and_places import only, register_field, title
-from .register import short
-from .text import Code, Part, Ref, Statement, join_groups, list_parts, sentence, spec_text, statement, volts
+from .errata import describe_erratum, errata
+from .names_and_places import order_codes_text, register_field, title_of
+from .register import short_number
+from .text import (
+    CodeText,
+    Reference,
+    Statement,
+    TextPart,
+    as_sentence,
+    join_groups,
+    list_parts,
+    spec_text,
+    statement,
+    volts,
+)
 
 
-def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
+def describe_alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     """Yield all statements about an alarm that follow its name in running text."""
     yield from spec_text(device_alarm.meaning, source=device_alarm.source)
     yield from alarm_facts(device, device_alarm)
-    yield from map(erratum, errata(device, f"alarms.{device_alarm.name}"))
+    yield from map(describe_erratum, errata(device, f"alarms.{device_alarm.name}"))
 
 
 def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     """Yield the flag that shows an alarm, its cause, duration and remedy, and the procedures that clear it."""
     if device_alarm.group:
         group = member_named(device.field_groups, device_alarm.group, "field group")
-        yield statement(Code(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
+        yield statement(
+            CodeText(device_alarm.field), " in ", Reference("group", group.name, title_of(group)), label="Flag"
+        )
     elif device_alarm.register:
         # Without a field, the whole register is the flag.
         flag_path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
@@ -46,9 +59,9 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     elif device_alarm.latch is False:
         yield statement("Clears itself when its cause is gone")
     yield from remedied(device_alarm.remedy, device_alarm.by_hand)
-    yield from only(device_alarm.only)
+    yield from order_codes_text(device_alarm.only)
     if device_alarm.cleared_by:
-        procedures = [Ref("procedure", name, name) for name in device_alarm.cleared_by]
+        procedures = [Reference("procedure", name, name) for name in device_alarm.cleared_by]
         yield statement(*list_parts(procedures, " or "), label="Cleared by")
 
 
@@ -68,7 +81,7 @@ def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
     return None
 
 
-def states(field: Field) -> tuple[str, str]:
+def flag_state_meanings(field: Field) -> tuple[str, str]:
     """Return the meanings of the active and the inactive flag, or two empty texts for other fields."""
     if not isinstance(field.kind, Flag):
         return "", ""
@@ -83,13 +96,13 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     manual explains its active level.
     """
     if isinstance(field.kind, Unused):
-        difference = f"unused bits differ from the documented value {short(field.kind.value)}"
-        return f"{difference}. {sentence(field.meaning)}" if field.meaning else difference
-    when_active, _ = states(field)
+        difference = f"unused bits differ from the documented value {short_number(field.kind.value)}"
+        return f"{difference}. {as_sentence(field.meaning)}" if field.meaning else difference
+    when_active, _ = flag_state_meanings(field)
     if not field.implemented:
         return when_active or "active, although the manual says that this encoder does not have it"
     if when_active and field.meaning:
-        return f"{sentence(when_active)} {sentence(field.meaning)}"
+        return f"{as_sentence(when_active)} {as_sentence(field.meaning)}"
     alarm_meaning = alarm.meaning if alarm is not None else ""
     return when_active or field.meaning or alarm_meaning or "active"
 
@@ -104,12 +117,12 @@ def deciding_bits(field: Field) -> str:
             return "0" if is_active_low else "1"
         case Unused(value=documented_value):
             is_one_bit = field.widest == 1
-            return f"{1 - documented_value}" if is_one_bit else f"not {short(documented_value)}"
+            return f"{1 - documented_value}" if is_one_bit else f"not {short_number(documented_value)}"
         case _:
             return ""
 
 
-def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
+def conditions_text(values: Iterable[tuple[Field, int]]) -> Statement:
     """Return the values that together lead to a verdict, such as ``error is 0 and mode is 5h (test)``.
 
     In ``values``, 1 represents an active flag. The text has its bit.
@@ -118,7 +131,7 @@ def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
     return statement(*join_groups(phrases, " and "))
 
 
-def _condition_parts(field: Field, value: int) -> tuple[Part, ...]:
+def _condition_parts(field: Field, value: int) -> tuple[TextPart, ...]:
     """Return a field with its bit or value: ``error is 0`` or ``mode is 5h (test)``.
 
     ``value`` is 1 for an active flag, whose bit is 0 if it is active low.
@@ -127,8 +140,8 @@ def _condition_parts(field: Field, value: int) -> tuple[Part, ...]:
         is_active = bool(value)
         # The bit is 1 for an active flag that is active high, and for an inactive one that is active low.
         bit = int(is_active != field.kind.active_low)
-        return Code(field.name), f" is {bit}"
-    return Code(field.name), f" is {short(value)} (", Code(field.value_of(value).name), ")"
+        return CodeText(field.name), f" is {bit}"
+    return CodeText(field.name), f" is {short_number(value)} (", CodeText(field.value_of(value).name), ")"
 
 
 def remedy(field: Field, alarm: Alarm | None) -> str:
@@ -146,12 +159,12 @@ def manual_steps(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
     return field.by_hand or (alarm.by_hand if alarm is not None else ())
 
 
-def source(field: Field, alarm: Alarm | None) -> Sources:
+def alarm_source(field: Field, alarm: Alarm | None) -> Sources:
     """Return the source of the alarm if it has one, otherwise the source of the flag."""
     return alarm.source if alarm is not None and alarm.source else field.source
 
 
-def length(frame: str, needed: str, actual: str) -> str:
+def wrong_length_message(frame: str, needed: str, actual: str) -> str:
     """Return the message for a wrong length. ``needed`` includes its unit, such as ``45 bits``."""
     return f"'{frame}' has {needed}, got {actual}"
 
@@ -162,7 +175,7 @@ def length_of_channels(channels: str, needed: str, actual: str, difference: str)
     return f"{channels} have {needed} together, got {actual}: {difference}. {remedy}"
 
 
-def crc(received: str, computed: str) -> str:
+def wrong_crc_message(received: str, computed: str) -> str:
     return f"expected CRC {computed}, got {received}"
 
 

@@ -8,11 +8,11 @@ from enum import Enum
 from ..model import PrintedTimeout, Sources, Timeout, Verdict, cite
 from ..model.expressions import Expression
 from ..model.record import dataclass
-from .plain_text import counted as counted
-from .plain_text import number as number
+from .plain_text import count_with_unit as count_with_unit
+from .plain_text import group_digits as group_digits
 from .plain_text import with_unit as with_unit
 
-_RULE = {"follows_clock": "varies with the clock", "fixed": "fixed"}
+_TIMEOUT_RULE_IN_WORDS = {"follows_clock": "varies with the clock", "fixed": "fixed"}
 #: Verdicts on the position, as clauses.
 VERDICT_CLAUSES = {
     Verdict.NOT_USABLE: "the position is not usable",
@@ -20,7 +20,7 @@ VERDICT_CLAUSES = {
     Verdict.USABLE: "the position is usable",
     Verdict.UNKNOWN: "no bit of this frame confirms that the position is usable",
 }
-_LANGUAGES = {
+_LANGUAGE_NAMES = {
     "de": "German",
     "en": "English",
     "es": "Spanish",
@@ -43,7 +43,7 @@ def volts(millivolts: int) -> str:
     return f"{millivolts / 1000:g} V"
 
 
-def microseconds(value: int) -> str:
+def time_text(value: int) -> str:
     """Return a time in the largest unit in which it is a whole number: 1500 is ``1500 µs``, and 2000 is ``2 ms``."""
     for factor, unit in ((1_000_000, "s"), (1_000, "ms")):
         if value >= factor and value % factor == 0:
@@ -54,7 +54,7 @@ def microseconds(value: int) -> str:
 def nanoseconds(value: int) -> str:
     """Return a time in ns or, if it is at least 1 µs, in µs. Whole numbers of µs may also be in ms or s."""
     if value % 1000 == 0:
-        return microseconds(value // 1000)
+        return time_text(value // 1000)
     return f"{value / 1000:g} µs" if value > 1000 else f"{value} ns"
 
 
@@ -69,7 +69,7 @@ def timeout_words(timeout: Timeout) -> str:
     Without a number of clock periods, the values in the manual follow.
     """
     if timeout.half_clock_periods is None:
-        rule_and_limits = [_RULE.get(timeout.rule, timeout.rule)]
+        rule_and_limits = [_TIMEOUT_RULE_IN_WORDS.get(timeout.rule, timeout.rule)]
     else:
         rule_and_limits = [f"{timeout.half_clock_periods / 2:g} clock periods"]
     if timeout.typical_ns is not None:
@@ -82,25 +82,25 @@ def timeout_words(timeout: Timeout) -> str:
     return ", ".join(rule_and_limits)
 
 
-def language(key: str) -> str:
+def language_name(key: str) -> str:
     """Return the name of a language, or its code if there is no name for it."""
-    return _LANGUAGES.get(key, key)
+    return _LANGUAGE_NAMES.get(key, key)
 
 
-def sentence(text: str) -> str:
+def as_sentence(text: str) -> str:
     """Return the text with a full stop, unless it already ends with punctuation."""
     return text if not text or text.endswith((".", "!", "?", ":")) else f"{text}."
 
 
 @dataclass(frozen=True, slots=True)
-class Code:
+class CodeText:
     """Name or bytes as written in code or on a label."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
-class Ref:
+class Reference:
     """Reference to another item of the device: a register, a CRC, a procedure or an erratum.
 
     ``name`` is the name in the spec, such as ``configuration.enable_preset`` for a field of a register. ``title`` is
@@ -143,7 +143,7 @@ class Level(Enum):
 
 
 #: An expression with parameters is a separate part, because some outputs know the values of the parameters.
-Part = str | Code | Ref | Expression | Amount | Hex | Level
+TextPart = str | CodeText | Reference | Expression | Amount | Hex | Level
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +154,7 @@ class Statement:
     can.
     """
 
-    parts: tuple[Part, ...]
+    parts: tuple[TextPart, ...]
     label: str = ""
     source: Sources = ()
     #: Short form for an output that prints the full statement elsewhere. None if there is no short form.
@@ -162,7 +162,7 @@ class Statement:
     below: tuple[Statement, ...] = ()
 
 
-def statement(*parts: Part, label: str = "", source: Sources = ()) -> Statement:
+def statement(*parts: TextPart, label: str = "", source: Sources = ()) -> Statement:
     """Return the statement formed by these parts."""
     return Statement(parts, label, source)
 
@@ -173,7 +173,7 @@ def spec_text(text: str, label: str = "", source: Sources = ()) -> Iterator[Stat
         yield statement(text, label=label, source=source)
 
 
-def list_parts(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
+def list_parts(items: Sequence[TextPart], last: str = " and ") -> Iterator[TextPart]:
     """Yield the items as the parts of a list: ``a, b and c``."""
     for index, part in enumerate(items):
         is_last = index == len(items) - 1
@@ -183,7 +183,7 @@ def list_parts(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
         yield part
 
 
-def join_groups(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
+def join_groups(groups: Iterable[Sequence[TextPart]], between: str = ", ") -> Iterator[TextPart]:
     """Yield the parts of all non-empty groups, with the separator ``between`` after each group except the last."""
     is_first = True
     for group in groups:
@@ -205,7 +205,7 @@ class Style:
 
     text: Callable[[str], str]
     code: Callable[[str], str]
-    ref: Callable[[Ref], str]
+    ref: Callable[[Reference], str]
     cited: Callable[[Sources], str] = _bracketed_sources
     #: Function that fills known values into an expression, for an output about one order code.
     resolve: Callable[[Expression], Expression] = lambda expression: expression
@@ -227,9 +227,9 @@ class Style:
         phrase = self.phrase(statement)
         source = self.cited(statement.source)
         if not source:
-            return f"{label}{sentence(phrase)}"
+            return f"{label}{as_sentence(phrase)}"
         # ``sentence`` adds a full stop only to a text without punctuation at its end.
-        ends_with_punctuation = sentence(phrase) == phrase
+        ends_with_punctuation = as_sentence(phrase) == phrase
         return f"{label}{phrase} {source}" if ends_with_punctuation else f"{label}{phrase} {source}."
 
     def head(self, statement: Statement) -> str:
@@ -250,17 +250,17 @@ class Style:
         """Return a number, or as code an expression that still contains parameters after known values are filled in."""
         resolved = self.resolve(expression)
         if resolved.is_constant:
-            return number(resolved.constant)
+            return group_digits(resolved.constant)
         return self.code(resolved.render())
 
-    def _write_part(self, part: Part) -> str:
+    def _write_part(self, part: TextPart) -> str:
         """Return a part of a statement in the syntax of the output."""
         match part:
             case str():
                 return self.text(part)
-            case Code(text):
+            case CodeText(text):
                 return self.code(text)
-            case Ref():
+            case Reference():
                 return self.ref(part)
             case Expression():
                 return self.number(part)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ..model import Constant, Crc, Device, Layout, PlacedLayout, Variant
 from ..order_codes.parameters import possible_states, run_time_widths, with_changed
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .texts import TEXTS
 
@@ -70,7 +70,7 @@ def _too_long_hypothesis(
     frame = number >> extra_bits
     shape = _possible_shape(shapes, frame)
     length_text = TEXTS["bits"].format(shape.placed_layout.bits)
-    mistake_text = TEXTS["read_too_long"].format(counted(extra_bits, "bit"))
+    mistake_text = TEXTS["read_too_long"].format(count_with_unit(extra_bits, "bit"))
     hypothesis = frame_hypothesis(
         _mistake_kind(shape.order_codes),
         f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
@@ -95,7 +95,7 @@ def _too_short_hypothesis(
     frame = number << lost_bits
     shape = _possible_shape(shapes, frame)
     length_text = TEXTS["bits"].format(shape.placed_layout.bits)
-    mistake_text = TEXTS["read_too_short"].format(counted(lost_bits, "bit"))
+    mistake_text = TEXTS["read_too_short"].format(count_with_unit(lost_bits, "bit"))
     hypothesis = frame_hypothesis(
         _mistake_kind(shape.order_codes),
         f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",

@@ -18,7 +18,7 @@ from .hypotheses import Hypothesis, TypedFrame, frame_hypothesis
 
 
 @dataclass(frozen=True, slots=True)
-class Recording:
+class BitPattern:
     """Bits around a frame, as a regular expression over the bits in the order received.
 
     Each group is a part of the recording, and ``#`` in the pattern is the number of bits of the frame. The bits in the
@@ -67,14 +67,14 @@ class Incomplete:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class LineMistakes:
     """Mistakes with the bits around a frame on one kind of line, in the order in which they are tried.
 
     ``slips`` are the offsets by one or two bits.
     """
 
     slips: tuple[FrameOffset, ...]
-    recordings: tuple[Recording, ...]
+    recordings: tuple[BitPattern, ...]
     incomplete: tuple[Incomplete, ...]
 
 
@@ -123,29 +123,29 @@ _BISS_SLIPS = (
     FrameOffset("last_bits_missing", text="the last two bits are missing", lost=2),
 )
 
-_BISS = Line(
+_BISS = LineMistakes(
     slips=_BISS_SLIPS,
     recordings=(
         # The rule of the C receiver: the start bit is the first 1 after a 0.
-        Recording(
+        BitPattern(
             "raw_buffer",
             "a raw buffer: acknowledge, start bit and CDS are in front of the frame",
             f"^(?P<idle>1*)(?P<acknowledge>0+)(?P<start>1)(?P<CDS>[01]){_FRAME}(?P<stop>0?){_TAIL}",
             proof=("stop",),
         ),
-        Recording(
+        BitPattern(
             "bits_around",
             "start bit and CDS are in front of the frame, and stop bit and time-out follow",
             f"^(?P<start>1)(?P<CDS>[01]){_FRAME}(?P<stop>0){_TAIL}",
             proof=("start", "stop"),
         ),
-        Recording(
+        BitPattern(
             "bits_around",
             "CDS is in front of the frame, and stop bit and time-out follow",
             f"^(?P<CDS>[01]){_FRAME}(?P<stop>0){_TAIL}",
             proof=("stop",),
         ),
-        Recording(
+        BitPattern(
             "bits_around",
             "stop bit and time-out follow the frame",
             f"^{_FRAME}(?P<stop>0){_TAIL}",
@@ -163,34 +163,36 @@ _BISS = Line(
     ),
 )
 
-_WORD_FIRST = Recording(
+_WORD_FIRST = BitPattern(
     "zeros_behind", "the word comes first, and the other clocks read 0", f"^{_FRAME}(?P<zeros>0+)$", proof=("zeros",)
 )
-_WORD_TWICE = Recording(
+_WORD_TWICE = BitPattern(
     "word_twice",
     "the word is repeated after its last bit",
     # Fewer repeated bits prove too little. The position is the same as with any other bits behind the word.
     f"^{_FRAME}(?P<gap>0?)(?P<again>[01]{{4,}})$",
     proof=("gap", "again"),
 )
-_BIT_IN_FRONT = Recording(
+_BIT_IN_FRONT = BitPattern(
     "bits_in_front",
     "the first clock carries no data, and the word follows",
     f"^(?P<front>[01]){_FRAME}(?P<zeros>0*)$",
     proof=("zeros",),
 )
-_BITS_AROUND = Recording(
+_BITS_AROUND = BitPattern(
     "bits_around",
     "the first clock carries no data, and other bits follow the word",
     # Before the first bit, the line is idle, which is high.
     f"^(?P<front>1){_FRAME}(?P<other>[01]+)$",
     proof=("front",),
 )
-_WORD_LAST = Recording(
+_WORD_LAST = BitPattern(
     "zeros_in_front", "zeros come first, and then the word", f"^(?P<zeros>0+){_FRAME}$", proof=("zeros",)
 )
-_OTHERS_BEHIND = Recording("bits_behind", "the word comes first, and other bits follow", f"^{_FRAME}(?P<other>[01]+)$")
-_OTHERS_IN_FRONT = Recording("bits_in_front", "other bits come first, and then the word", f"^(?P<other>[01]+){_FRAME}$")
+_OTHERS_BEHIND = BitPattern("bits_behind", "the word comes first, and other bits follow", f"^{_FRAME}(?P<other>[01]+)$")
+_OTHERS_IN_FRONT = BitPattern(
+    "bits_in_front", "other bits come first, and then the word", f"^(?P<other>[01]+){_FRAME}$"
+)
 _TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks still needed: {2}", "^(?P<frame>[01]*)$")
 
 
@@ -208,18 +210,18 @@ def _one_clock_offsets(cause: str) -> tuple[FrameOffset, ...]:
 
 
 #: Lines by name: an interface and, for SSI, the alignment of the word.
-LINES: Mapping[str, Line] = MappingProxyType(
+LINES: Mapping[str, LineMistakes] = MappingProxyType(
     {
         "biss": _BISS,
-        "ssi_msb_left": Line(
+        "ssi_msb_left": LineMistakes(
             _one_clock_offsets(""),
             (_WORD_TWICE, _WORD_FIRST, _BIT_IN_FRONT, _OTHERS_BEHIND, _BITS_AROUND),
             (_TOO_SHORT,),
         ),
-        "ssi_lsb_right": Line(
+        "ssi_lsb_right": LineMistakes(
             _one_clock_offsets(""), (_WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_IN_FRONT), (_TOO_SHORT,)
         ),
-        "spi": Line(
+        "spi": LineMistakes(
             _one_clock_offsets(", as with the other clock edge"),
             (_WORD_FIRST, _BIT_IN_FRONT, _WORD_LAST, _OTHERS_BEHIND, _OTHERS_IN_FRONT),
             (_TOO_SHORT,),
@@ -255,7 +257,7 @@ def recorded_bits(typed_frame: TypedFrame, frame_length: int) -> str:
 
 
 def recording_hypotheses(
-    line: Line, placed_layout: PlacedLayout, crc: Crc | None, received_bits: str
+    line: LineMistakes, placed_layout: PlacedLayout, crc: Crc | None, received_bits: str
 ) -> Iterator[Hypothesis]:
     """Yield a hypothesis with the frame that each recording rule of the line finds in the received bits.
 
@@ -305,7 +307,7 @@ def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str)
         )
 
 
-def missing_part(line: Line, frame_length: int, received_bits: str) -> str:
+def missing_part(line: LineMistakes, frame_length: int, received_bits: str) -> str:
     """Return what a recording without a complete frame lacks, or "" if no pattern of the line matches.
 
     The group ``frame`` has those bits of the frame that were received. A pattern with a complete frame does not count.

@@ -18,7 +18,7 @@ import pytest
 from codewheel.model import Device, Layout, PlacedLayout, Register, Variant, number_to_bytes
 from codewheel.reference import codec
 from codewheel.reference.findings import findings, strange_values
-from codewheel.say.plain_text import quantity
+from codewheel.say.plain_text import quantity_text
 from rust_frames import numbers
 from test_c_codec import run_time_variants
 from working_tools import require
@@ -68,7 +68,7 @@ class Case:
         data = (data + bytes(8))[: bits // 8]
         return data.hex(" ") if number % 2 else data.hex().upper()
 
-    def decoded(self, number: int, other_bits: int = 0) -> codec.Decoded:
+    def decoded(self, number: int, other_bits: int = 0) -> codec.DecodedFrame:
         """Return the result of the reference for that text."""
         if not self.layout.in_bytes:
             bits = self.placed.bits + other_bits
@@ -88,7 +88,7 @@ class Case:
         """Return True if a word that is too long is written without its leading zeros."""
         return other_bits > 0 and number % 3 == 0
 
-    def result_text(self, decoded: codec.Decoded) -> str:
+    def result_text(self, decoded: codec.DecodedFrame) -> str:
         """Return the whole result as one text."""
         report = findings(self.device, self.variant, decoded)
         strange = strange_values(self.device, decoded) if not decoded.problems else ()
@@ -103,7 +103,7 @@ class Case:
 
 
 def _field_row(field: codec.DecodedField) -> Sequence[object]:
-    amount = quantity(field.scale, int(field.value)) if field.scale is not None else ""
+    amount = quantity_text(field.scale, int(field.value)) if field.scale is not None else ""
     return (field.name, field.raw, _value_text(field.value), field.unit, amount, field.meaning, field.high, field.low)
 
 

@@ -6,14 +6,14 @@ import pytest
 from codewheel.model.expressions import Expression
 from codewheel.targets.c.comments import break_lines, end_comment
 from codewheel.targets.c.names import (
-    Call,
-    Cast,
+    CCall,
+    CCast,
+    CExpression,
+    CName,
+    CNumber,
     Conditional,
-    Expr,
-    Name,
-    Number,
-    Operation,
-    Scope,
+    COperation,
+    ParameterSpelling,
     join_operands,
     masked,
     shifted_left,
@@ -62,25 +62,25 @@ def test_a_comment_behind_a_long_line_moves_above_it() -> None:
     assert end_comment("*/ int x;") == " /* * / int x; */"
 
 
-A, B, C = Name("a"), Name("b"), Name("c")
+A, B, C = CName("a"), CName("b"), CName("c")
 
 
 @pytest.mark.parametrize(
     ("tree", "text"),
     [
-        (Operation("|", (shifted_left(A, 3), B)), "(a << 3U) | b"),
-        (shifted_left(Operation("|", (shifted_left(A, 3), B)), 4), "((a << 3U) | b) << 4U"),
-        (Cast("uint8_t", shifted_right(A, 2)), "(uint8_t)(a >> 2U)"),
-        (shifted_right(Cast("uint8_t", A), 2), "(uint8_t)a >> 2U"),
-        (masked(Call("f", (join_operands("+", (A, B)),)), 7), "f(a + b) & 0x07U"),
-        (Operation("-", (Operation("+", (A, B)), C)), "a + b - c"),
-        (Operation("-", (A, Operation("+", (B, C)))), "a - (b + c)"),
-        (Cast("int", Conditional(Operation("==", (A, Number(0))), B, C)), "(int)((a == 0U) ? b : c)"),
-        (join_operands("&&", (Operation("!=", (A, B)), Operation("!=", (A, C)))), "(a != b) && (a != c)"),
+        (COperation("|", (shifted_left(A, 3), B)), "(a << 3U) | b"),
+        (shifted_left(COperation("|", (shifted_left(A, 3), B)), 4), "((a << 3U) | b) << 4U"),
+        (CCast("uint8_t", shifted_right(A, 2)), "(uint8_t)(a >> 2U)"),
+        (shifted_right(CCast("uint8_t", A), 2), "(uint8_t)a >> 2U"),
+        (masked(CCall("f", (join_operands("+", (A, B)),)), 7), "f(a + b) & 0x07U"),
+        (COperation("-", (COperation("+", (A, B)), C)), "a + b - c"),
+        (COperation("-", (A, COperation("+", (B, C)))), "a - (b + c)"),
+        (CCast("int", Conditional(COperation("==", (A, CNumber(0))), B, C)), "(int)((a == 0U) ? b : c)"),
+        (join_operands("&&", (COperation("!=", (A, B)), COperation("!=", (A, C)))), "(a != b) && (a != c)"),
         (shifted_right(A, 0), "a"),
     ],
 )
-def test_operations_within_others_stand_in_parentheses(tree: Expr, text: str) -> None:
+def test_operations_within_others_stand_in_parentheses(tree: CExpression, text: str) -> None:
     assert str(tree) == text
 
 
@@ -98,6 +98,6 @@ def test_operations_within_others_stand_in_parentheses(tree: Expr, text: str) ->
     ],
 )  # fmt: skip
 def test_parameters_are_members_of_the_variant_or_functions_of_it(text: str, unsigned: str, signed: str) -> None:
-    scope = Scope("m_d", {"set": 255}, {})
+    scope = ParameterSpelling("m_d", {"set": 255}, {})
     assert str(scope.expression_of(Expression.parse(text))) == unsigned
     assert str(scope.signed(Expression.parse(text))) == signed

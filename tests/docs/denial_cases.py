@@ -488,11 +488,15 @@ case(
 case("one_slave", lambda: network_text(False), lambda: network_text(True))
 case("no_reply", lambda: exchange_text(""), lambda: exchange_text("answer"))
 case("gaps", lambda: gaps_text("zero"), lambda: gaps_text(""))
-case("only", lambda: printed(names_and_places.only("A-x")), lambda: printed(names_and_places.only("")))
+case(
+    "only",
+    lambda: printed(names_and_places.order_codes_text("A-x")),
+    lambda: printed(names_and_places.order_codes_text("")),
+)
 case(
     "only_timing",
-    lambda: PLAIN_STYLE.sentence(timing.timing(a_timing("Pause", "A-x"))),
-    lambda: PLAIN_STYLE.sentence(timing.timing(a_timing("Pause"))),
+    lambda: PLAIN_STYLE.sentence(timing.describe_timing(a_timing("Pause", "A-x"))),
+    lambda: PLAIN_STYLE.sentence(timing.describe_timing(a_timing("Pause"))),
 )
 case(
     "open_part",
@@ -547,16 +551,16 @@ def alarm_row(implemented: bool) -> str:
 
 def network_text(several: bool) -> str:
     kind = replace(biss(), network=Network(topology="point_to_point", multiple_slaves=several, source=()))
-    return printed(interface.settings(tv62(), kind))
+    return printed(interface.describe_settings(tv62(), kind))
 
 
 def exchange_text(reply: str) -> str:
-    return PLAIN_STYLE.sentence(interface.exchange(Exchange("ask", None, reply, "other", ())))
+    return PLAIN_STYLE.sentence(interface.describe_exchange(Exchange("ask", None, reply, "other", ())))
 
 
 def gaps_text(value: str) -> str:
     word = replace(interface_of("ssi").layouts[0], gaps=value)
-    return printed(layout.layout(tv62(), interface_of("ssi"), word))
+    return printed(layout.describe_layout(tv62(), interface_of("ssi"), word))
 
 
 def open_part(pattern: str) -> CodePart:
@@ -569,20 +573,20 @@ def special_model(suffix: str) -> Device:
 
 def succession_text(alone: bool) -> str:
     step = SendStep(data_id="reset", request=b"\xba", times=10, microseconds=40, in_succession=alone)
-    return PLAIN_STYLE.sentence(commands.step(tv62(), step))
+    return PLAIN_STYLE.sentence(commands.describe_step(tv62(), step))
 
 
 def access_text(word: str) -> str:
-    return register.access(replace(tv62().register("control"), access=word))
+    return register.describe_access(replace(tv62().register("control"), access=word))
 
 
 def opened_text(by: str) -> str:
     control = replace(tv62().register("control"), opened_by=by, opened_by_value="position" if by else "")
-    return printed(register.facts(tv62(), control))
+    return printed(register.describe_register_facts(tv62(), control))
 
 
 def grade_text(word: str) -> str:
-    return PLAIN_STYLE.sentence(evidence.grade(replace(tv62(), evidence=replace(tv62().evidence, grade=word))))
+    return PLAIN_STYLE.sentence(evidence.describe_grade(replace(tv62(), evidence=replace(tv62().evidence, grade=word))))
 
 
 def contact_text(codes: str) -> str:
@@ -648,18 +652,18 @@ case("errata_page_none", errata_page, lambda: errata_page(an_erratum()))
 case("errata_open", lambda: errata_page(an_erratum()), lambda: errata_page(an_erratum(status="settled")))
 case(
     "erratum_only",
-    lambda: printed([erratum.erratum(an_erratum(only="A-x"))]),
-    lambda: printed([erratum.erratum(an_erratum())]),
+    lambda: printed([erratum.describe_erratum(an_erratum(only="A-x"))]),
+    lambda: printed([erratum.describe_erratum(an_erratum())]),
 )
 case(
     "erratum_unknown",
-    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1", used="not known"))]),
-    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1"))]),
+    lambda: printed([erratum.describe_erratum(an_erratum(edition="before 1.1", used="not known"))]),
+    lambda: printed([erratum.describe_erratum(an_erratum(edition="before 1.1"))]),
 )
 case(
     "erratum_left_out",
-    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1", used="left out"))]),
-    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1"))]),
+    lambda: printed([erratum.describe_erratum(an_erratum(edition="before 1.1", used="left out"))]),
+    lambda: printed([erratum.describe_erratum(an_erratum(edition="before 1.1"))]),
 )
 case("severity_missing", lambda: errata_page(an_erratum(severity="omission")), lambda: errata_page(an_erratum()))
 case("severity_wording", lambda: errata_page(an_erratum(severity="wording")), lambda: errata_page(an_erratum()))
@@ -883,7 +887,7 @@ case(
 def range_text(wraps: bool) -> str:
     """Return the sentence about the range of the position in a layout."""
     modulus = Expression.parse(1 << 24) if wraps else None
-    return PLAIN_STYLE.phrase(measurement.position_range(LayoutRange(modulus=modulus, wraps=wraps)))
+    return PLAIN_STYLE.phrase(measurement.describe_position_range(LayoutRange(modulus=modulus, wraps=wraps)))
 
 
 case("never_wraps", lambda: range_text(wraps=False), lambda: range_text(wraps=True))

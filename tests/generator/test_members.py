@@ -16,17 +16,17 @@ from codewheel.changes.rules import RULES
 from codewheel.dump import plain, schema
 from codewheel.dump.xml import schema_text, to_xml
 from codewheel.language.part_schema import described_parts
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.language.written import WrittenPart
 from codewheel.model import Device, Register
 from codewheel.model.key_types import name_of_part
-from codewheel.model.members import PARTS, PARTS_BY_CLASS, Member, Part
+from codewheel.model.members import PARTS, PARTS_BY_CLASS, ModelMember, ModelPart
 from codewheel.model.part import keys_of
 from codewheel.model.record import dataclass
 from codewheel.readings import stated
 from codewheel.readings.compare import compare
-from codewheel.readings.reading import Reading, Sort
+from codewheel.readings.reading import FactClass, SpecReading
 from codewheel.readings.second_readings import facts_of
 from codewheel.targets.python import records
 from codewheel.targets.python.facts import register_rows
@@ -111,10 +111,10 @@ def test_every_member_of_the_model_is_in_the_table(kind: str) -> None:
 def test_the_table_names_rules_and_classes_of_facts_that_exist() -> None:
     members = [member for part in PARTS for member in part.members]
     assert {member.rule for member in members} - {""} <= set(RULES)
-    assert {member.read for member in members} - {""} <= {sort.value for sort in Sort}
+    assert {member.read for member in members} - {""} <= {sort.value for sort in FactClass}
 
 
-def parts_of_records() -> Iterator[tuple[str, Part]]:
+def parts_of_records() -> Iterator[tuple[str, ModelPart]]:
     parts_by_name = {part.name: part for part in PARTS}
     for record in records.runtime_records().members:
         name = RECORDS.get(record) or re.sub(r"(?<=[a-z])(?=[A-Z])", "_", record).lower()
@@ -125,7 +125,7 @@ def parts_of_records() -> Iterator[tuple[str, Part]]:
 @pytest.mark.parametrize(
     ("record", "part"), list(parts_of_records()), ids=lambda value: value if isinstance(value, str) else ""
 )
-def test_records_of_python_have_the_members(record: str, part: Part) -> None:
+def test_records_of_python_have_the_members(record: str, part: ModelPart) -> None:
     """A member of the data that the class of a record lacks would be missing from the Python package."""
     names = {member.name for member in records.runtime_records().members[record]} | set(
         ELSEWHERE.get(record, "").split()
@@ -133,7 +133,7 @@ def test_records_of_python_have_the_members(record: str, part: Part) -> None:
     assert {member.name for member in part.members if member.shape and member.attribute not in names} - names == set()
 
 
-NEW = Member("needs_restart", "boolean=false", "True if it needs a restart.", "register-rule", read="behaviour")
+NEW = ModelMember("needs_restart", "boolean=false", "True if it needs a restart.", "register-rule", read="behaviour")
 #: The class of registers with one more property. The table finds it by its name.
 NEW_REGISTER: Any = dataclass(frozen=True)(
     type("Register", (Register,), {"__annotations__": {"needs_restart": "bool"}, "needs_restart": False})
@@ -144,8 +144,8 @@ NEW_REGISTER: Any = dataclass(frozen=True)(
 def property_(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A property of registers that is only documented, described in the table and in the class of the record."""
     old = PARTS_BY_CLASS["Register"]
-    part = Part(old.name, old.about, *old.members, NEW)
-    by_class: Mapping[str, Part] = {**PARTS_BY_CLASS, "Register": part}
+    part = ModelPart(old.name, old.about, *old.members, NEW)
+    by_class: Mapping[str, ModelPart] = {**PARTS_BY_CLASS, "Register": part}
     for module in (plain, changes, stated):
         monkeypatch.setattr(module, "PARTS_BY_CLASS", by_class)
     monkeypatch.setattr(schema, "PARTS", tuple(part if candidate is old else candidate for candidate in PARTS))
@@ -183,9 +183,9 @@ def test_a_documented_property_reaches_every_output_diff_and_the_second_reading(
     (change,) = compare_family(old, new)
     assert change.text.endswith(f" {name}: needs restart no → yes")
     assert change.rule.name == "register-rule"
-    document = read_document(SPEC, Report())
+    document = read_document(SPEC, ProblemReport())
     assert document is not None
-    (found,) = compare(facts_of(Reading(old, document)), facts_of(Reading(new, document))).disagreements
+    (found,) = compare(facts_of(SpecReading(old, document)), facts_of(SpecReading(new, document))).disagreements
     values = found.spec_value, found.second_value
     assert (found.description.partition(" of ")[0], *values) == (
         "needs restart",

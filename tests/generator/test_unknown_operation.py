@@ -17,9 +17,9 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Fault, Field, Kind, Layout
 from codewheel.plan import values
-from codewheel.plan.codec import bits_of, codec_of
+from codewheel.plan.codec import bits_of, layout_plan_of
 from codewheel.plan.limits import _field_refusals
-from codewheel.plan.operations import Bits
+from codewheel.plan.operations import FieldBits
 from codewheel.targets import Library, Target
 from codewheel_runtime.bulk import decode as bulk_decode
 from codewheel_runtime.bulk import encode as bulk_encode
@@ -161,7 +161,7 @@ class UnknownCheck:
     """A check or refusal that is in no union."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     fault = Fault.RANGE
 
 
@@ -170,7 +170,7 @@ def test_the_plan_decides_which_bits_of_an_unknown_operation_have_a_value(monkey
     device = library(SPECS[0]).devices[0]
     monkeypatch.setattr("codewheel.plan.operations.meaning_of", lambda _: Unknown())
     with pytest.raises(AssertionError, match="no case for Unknown"):
-        codec_of(device, next(layout for _, layout in device.layouts()))
+        layout_plan_of(device, next(layout for _, layout in device.layouts()))
 
 
 @pytest.mark.parametrize("output", ["c", "rust"])

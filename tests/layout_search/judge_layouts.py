@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from codewheel.layout_search.answers import Answer
-from codewheel.one_line.line import Crc, Line, Parity
+from codewheel.layout_search.answers import PossibleLine
+from codewheel.one_line.line import CrcField, EncoderLine, ParityField
 from codewheel.one_line.parse import parse_line
 
 
-def place_of(line: Line) -> tuple[int, int]:
+def place_of(line: EncoderLine) -> tuple[int, int]:
     """Return the first bit of the position, and the end of its bits."""
     start = 0
     for field in line.fields:
@@ -19,21 +19,21 @@ def place_of(line: Line) -> tuple[int, int]:
     raise AssertionError(line.text)
 
 
-def crc_of(line: Line) -> tuple[int, int, int, bool] | None:
+def crc_of(line: EncoderLine) -> tuple[int, int, int, bool] | None:
     last = line.fields[-1]
-    return (last.bits, last.poly, last.init, last.is_inverted) if isinstance(last, Crc) else None
+    return (last.bits, last.poly, last.init, last.is_inverted) if isinstance(last, CrcField) else None
 
 
-def parity_of(line: Line) -> tuple[int, str] | None:
+def parity_of(line: EncoderLine) -> tuple[int, str] | None:
     start = 0
     for field in line.fields:
-        if isinstance(field, Parity):
+        if isinstance(field, ParityField):
             return start, field.kind
         start += field.bits
     return None
 
 
-def is_right(answer: Answer, wanted_text: str, frames: Sequence[str], *, only_first: bool = False) -> bool:
+def is_right(answer: PossibleLine, wanted_text: str, frames: Sequence[str], *, only_first: bool = False) -> bool:
     """Return True if an answer has the width, code and CRC of a line, in it or in the lines that are equal.
 
     Bits in front of the position that are the same in all frames can belong to it or not. ``only_first`` demands the

@@ -19,8 +19,8 @@ from codewheel.commands.cli import main
 from codewheel.language.master_items import FILE_FORMATS
 from codewheel.masters.frame_parts import NoRecord
 from codewheel.masters.groups import records_of
-from codewheel.masters.record import Record, record
-from codewheel.masters.sheet import Master, Sheet, sheet
+from codewheel.masters.record import EncoderFacts, record
+from codewheel.masters.sheet import Master, SettingsSheet, sheet
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.masters.entries import content_of_file
@@ -76,8 +76,8 @@ OBJECTS = [
     ("synapticon", "SOMANET Circulo", SOMANET),
 ]
 
-SheetOf = Callable[[str, str], Sheet]
-RecordOf = Callable[[str], Record]
+SheetOf = Callable[[str, str], SettingsSheet]
+RecordOf = Callable[[str], EncoderFacts]
 FileOf = Callable[..., str]
 
 
@@ -94,7 +94,7 @@ def file_of(devices: Mapping[str, Device], sheet_of: SheetOf) -> FileOf:
     """Return the file of a master for an order code."""
 
     def written_file(
-        master: str, name: str, code: str = CODE, on: str = "", settings_sheet: Sheet | None = None
+        master: str, name: str, code: str = CODE, on: str = "", settings_sheet: SettingsSheet | None = None
     ) -> str:
         settings_sheet = settings_sheet or sheet_of(master, code)
         rule = rule_of(settings_sheet.master, name)
@@ -133,7 +133,7 @@ def test_the_second_channel_is_a_comment(file_of: FileOf) -> None:
 
 
 def test_a_code_word_comes_first(
-    file_of: FileOf, masters: dict[str, Master], record_of: Callable[[str], Record]
+    file_of: FileOf, masters: dict[str, Master], record_of: Callable[[str], EncoderFacts]
 ) -> None:
     """An encoder for 7 V to 30 V needs 9 V: F008 = 72657375h is written before 8008:12 = 90."""
     record = record_of(CODE)
@@ -284,7 +284,7 @@ def _with_mistake(master: Master, setting: str, key: str, wrong_value: Any) -> M
 @pytest.mark.parametrize(("master", "name", "setting", "key", "wrong_value"), MISTAKES)
 def test_a_planted_mistake_changes_the_file(
     masters: dict[str, Master],
-    record_of: Callable[[str], Record],
+    record_of: Callable[[str], EncoderFacts],
     file_of: FileOf,
     master: str,
     name: str,
@@ -305,7 +305,7 @@ def test_a_planted_mistake_changes_the_file(
             assert reader(wrong_text) != reader(right_text)
 
 
-def records(library: Library) -> Iterator[tuple[Device, Record]]:
+def records(library: Library) -> Iterator[tuple[Device, EncoderFacts]]:
     for device in library.devices:
         for interface in device.interfaces:
             for encoder_record in records_of(device, interface):
@@ -340,7 +340,7 @@ def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict
     assert file_count > 2_800
 
 
-def _read_back(name: str, text: str, settings_sheet: Sheet, on: str, rule: Raw) -> None:
+def _read_back(name: str, text: str, settings_sheet: SettingsSheet, on: str, rule: Raw) -> None:
     """Read a file with the reader of its format, and compare each value with the page of the master."""
     entries = content_of_file(settings_sheet, rule, on).entries
     page = {setting.name: setting.value for setting in settings_sheet.settings}

@@ -23,12 +23,12 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.masters.places import Place, write_order
-from codewheel.masters.record import Record
-from codewheel.masters.sheet import Master, Setting, Sheet, sheet
+from codewheel.masters.places import SettingPlace, write_order
+from codewheel.masters.record import EncoderFacts
+from codewheel.masters.sheet import Master, Setting, SettingsSheet, sheet
 
-SheetOf = Callable[[str, str], Sheet]
-RecordOf = Callable[[str], Record]
+SheetOf = Callable[[str, str], SettingsSheet]
+RecordOf = Callable[[str], EncoderFacts]
 Row = tuple[Any, ...]
 
 CODE = "AMM5A21/65KSC1"
@@ -138,36 +138,36 @@ for slave in (1, 2, 3):
     IC_MB3 += [(name, f"slave {slave}", address + offset, *facts) for name, address, *facts in IC_MB3_SETTINGS]
 
 
-def places_of(settings_sheet: Sheet) -> Iterator[tuple[Setting, Place]]:
+def places_of(settings_sheet: SettingsSheet) -> Iterator[tuple[Setting, SettingPlace]]:
     for setting in settings_sheet.settings:
         for place in setting.places:
             yield setting, place
 
 
-def object_row(setting: Setting, place: Place) -> Row:
+def object_row(setting: Setting, place: SettingPlace) -> Row:
     address = (setting.name, place.device, place.channel, place.index, place.subindex)
     return (*address, place.type, place.kind, place.bits, place.unit, place.default, setting.value)
 
 
-def symbol_row(setting: Setting, place: Place) -> Row:
+def symbol_row(setting: Setting, place: SettingPlace) -> Row:
     address = (setting.name, place.channel, place.symbol)
     return (*address, place.type, place.kind, place.bits, place.unit, place.default, setting.value)
 
 
-def register_row(setting: Setting, place: Place) -> Row:
+def register_row(setting: Setting, place: SettingPlace) -> Row:
     address = (setting.name, place.channel, place.register or place.address)
     return (*address, place.high_bit, place.low_bit, place.bits, place.default, setting.value)
 
 
-def objects(settings_sheet: Sheet, device: str) -> list[Row]:
+def objects(settings_sheet: SettingsSheet, device: str) -> list[Row]:
     return [object_row(setting, place) for setting, place in places_of(settings_sheet) if place.device == device]
 
 
-def symbols(settings_sheet: Sheet, _: str) -> list[Row]:
+def symbols(settings_sheet: SettingsSheet, _: str) -> list[Row]:
     return [symbol_row(setting, place) for setting, place in places_of(settings_sheet)]
 
 
-def registers(settings_sheet: Sheet, device: str) -> list[Row]:
+def registers(settings_sheet: SettingsSheet, device: str) -> list[Row]:
     rows: list[Row] = []
     for setting, place in places_of(settings_sheet):
         has_value = place.high_bit is not None and setting.value is not None
@@ -187,7 +187,7 @@ TYPED = [
     ("microchip_dspic33a", "dsPIC33A", registers, DSPIC33A),
     ("ic_mb", "iC-MB3", registers, IC_MB3),
 ]
-Reader = Callable[[Sheet, str], list[Row]]
+Reader = Callable[[SettingsSheet, str], list[Row]]
 
 
 @pytest.mark.parametrize(("master", "device", "read", "rows"), TYPED)

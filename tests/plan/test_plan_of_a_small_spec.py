@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 from codewheel.loading.library import load_library
-from codewheel.model import Device, Fault, Piece, Rs485
-from codewheel.plan.codec import Codec, ShiftedBits, codec_of, moved_bits
+from codewheel.model import BitSlice, Device, Fault, Rs485
+from codewheel.plan.codec import LayoutPlan, ShiftedBits, layout_plan_of, moved_bits
 from codewheel.plan.frames import (
     Reply,
     dispatches,
@@ -24,15 +24,25 @@ from codewheel.plan.limits import limits_of, outside, powers_of_two, refusals
 from codewheel.plan.operations import (
     AlwaysIs,
     AtMost,
-    Fixed,
+    ConstantNumber,
     IsOneOf,
     ParityIs,
     ParityOf,
     ReservedBits,
     ValueOfField,
 )
-from codewheel.plan.steps import AsMember, Call, FixedNumber, InField, Operation, Run, Verifies, Writes, run_of
-from codewheel.plan.values import Raw, count_factors, position_ranges
+from codewheel.plan.steps import (
+    AsMember,
+    FixedNumber,
+    InField,
+    MasterCall,
+    PlannedStep,
+    ProcedurePlan,
+    VerifyWrite,
+    WriteRegister,
+    run_of,
+)
+from codewheel.plan.values import UnsignedNumber, count_factors, position_ranges
 
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -53,8 +63,8 @@ def by_hand() -> Device:
     return load(TESTS / "reference" / "specs")
 
 
-def plan(device: Device, layout: str) -> Codec:
-    return codec_of(device, device.layout(layout))
+def plan(device: Device, layout: str) -> LayoutPlan:
+    return layout_plan_of(device, device.layout(layout))
 
 
 def rs485_of(device: Device) -> Rs485:
@@ -66,26 +76,26 @@ def rs485_of(device: Device) -> Rs485:
 # -- procedures
 
 
-def summary(operation: Operation) -> tuple[str, str, str, list[Piece]]:
+def summary(operation: PlannedStep) -> tuple[str, str, str, list[BitSlice]]:
     """Return the kind of an operation, its register, its field, and its bytes."""
     register, field = getattr(operation, "register", None), getattr(operation, "field", None)
     names = (register.name if register is not None else "", field.name if field is not None else "")
-    return (type(operation).__name__, *names, list(getattr(operation, "pieces", ())))
+    return (type(operation).__name__, *names, list(getattr(operation, "bit_slices", ())))
 
 
-ONE_BYTE = [Piece(0, 0, 0xFF, 0)]
+ONE_BYTE = [BitSlice(0, 0, 0xFF, 0)]
 #: The high byte is at the lower address.
-TWO_BYTES = [Piece(0, 0, 0xFF, 8), Piece(1, 0, 0xFF, 0)]
+TWO_BYTES = [BitSlice(0, 0, 0xFF, 8), BitSlice(1, 0, 0xFF, 0)]
 
 
 @pytest.fixture(scope="module")
-def run(small: Device) -> Run:
+def run(small: Device) -> ProcedurePlan:
     return run_of(small, small.procedure("set_preset"))
 
 
-def test_operations_of_a_procedure(run: Run) -> None:
+def test_operations_of_a_procedure(run: ProcedurePlan) -> None:
     """The command cannot be read, so everything written before is read back first. The key closes the preset."""
-    bit_7, bit_2 = [Piece(0, 7, 1, 0)], [Piece(0, 2, 1, 0)]
+    bit_7, bit_2 = [BitSlice(0, 7, 1, 0)], [BitSlice(0, 2, 1, 0)]
     assert list(map(summary, run.operations)) == [
         ("Writes", "key", "", ONE_BYTE),
         ("Writes", "preset", "", TWO_BYTES),
@@ -101,32 +111,38 @@ def test_operations_of_a_procedure(run: Run) -> None:
     ]
 
 
-def test_values_that_a_procedure_writes(run: Run) -> None:
-    writes = [operation for operation in run.operations if isinstance(operation, Writes)]
+def test_values_that_a_procedure_writes(run: ProcedurePlan) -> None:
+    writes = [operation for operation in run.operations if isinstance(operation, WriteRegister)]
     values = [write.value for write in writes]
     position = run.procedure.arguments[0]
     assert values == [FixedNumber(0x5A), AsMember(position, "preset"), FixedNumber(1), FixedNumber(1), FixedNumber(0)]
     assert [write.closes for write in writes] == [False, False, False, False, True]
-    verified = [operation.write for operation in run.operations if isinstance(operation, Verifies)]
+    verified = [operation.write for operation in run.operations if isinstance(operation, VerifyWrite)]
     assert verified == writes[:3]
 
 
-def test_calls_of_a_procedure(run: Run) -> None:
+def test_calls_of_a_procedure(run: ProcedurePlan) -> None:
     """Only a bit of a byte needs the other bits to be read."""
-    writes = [operation for operation in run.operations if isinstance(operation, Writes)]
-    both = (Call.READ, Call.WRITE)
-    assert [write.calls for write in writes] == [(Call.WRITE,), (Call.WRITE,), both, (Call.WRITE,), (Call.WRITE,)]
-    assert run.calls == (Call.READ, Call.WRITE, Call.WAIT)
+    writes = [operation for operation in run.operations if isinstance(operation, WriteRegister)]
+    both = (MasterCall.READ, MasterCall.WRITE)
+    assert [write.calls for write in writes] == [
+        (MasterCall.WRITE,),
+        (MasterCall.WRITE,),
+        both,
+        (MasterCall.WRITE,),
+        (MasterCall.WRITE,),
+    ]
+    assert run.calls == (MasterCall.READ, MasterCall.WRITE, MasterCall.WAIT)
     assert [operation.register.name for operation in run.reads] == ["preset"]
 
 
-def test_which_procedure_changes_frames(small: Device, run: Run) -> None:
+def test_which_procedure_changes_frames(small: Device, run: ProcedurePlan) -> None:
     """The width of the zeros is in three bits of 'level'. The speed is another bit of it."""
     set_level = run_of(small, small.procedure("set_level"))
     assert (run.changes_frames, set_level.changes_frames) == (False, True)
     (write,) = set_level.operations
-    assert summary(write) == ("Writes", "level", "zeros", [Piece(0, 1, 7, 0)])
-    assert isinstance(write, Writes)
+    assert summary(write) == ("Writes", "level", "zeros", [BitSlice(0, 1, 7, 0)])
+    assert isinstance(write, WriteRegister)
     assert isinstance(write.value, InField)
     (argument,) = set_level.arguments
     assert argument.written == (write,)
@@ -161,7 +177,7 @@ def test_limits_of_registers(
     checked: list[str],
 ) -> None:
     limits = limits_of(small, small.register(register))
-    codec = codec_of(small, small.register(register).layout)
+    codec = layout_plan_of(small, small.register(register).layout)
     assert (limits.member, limits.signed, limits.stands_for) == (member, signed, stands_for)
     assert (limits.binds_low, limits.binds_high) == binds
     # The speed has a name for both values, so none is refused.
@@ -175,7 +191,7 @@ def test_parameter_in_a_register(small: Device) -> None:
     (register,) = held_parameters(small)
     (held,) = register.parameters
     assert (register.register.name, held.parameter.name, held.field.name) == ("level", "zero_bits", "zeros")
-    assert (held.low, held.high, held.highest_value, held.meaning) == (1, 5, 5, Raw())
+    assert (held.low, held.high, held.highest_value, held.meaning) == (1, 5, 5, UnsignedNumber())
 
 
 # -- frames
@@ -317,7 +333,7 @@ def test_places_of_bits(by_hand: Device) -> None:
     reply = plan(by_hand, "low_reply")
     assert (reply.by_word, reply.length) == (False, 4)
     assert [list(plan(by_hand, name).from_low) for name in ("low_reply", "high_reply")] == [[0, 1, 2, 3], [3, 2, 1, 0]]
-    assert [part.bits.pieces for part in reply.parts] == [(Piece(1, 0, 0xFF, 0), Piece(2, 0, 0xFF, 8))]
+    assert [part.bits.bit_slices for part in reply.parts] == [(BitSlice(1, 0, 0xFF, 0), BitSlice(2, 0, 0xFF, 8))]
     assert [part.shared for part in plan(by_hand, "parity_word").parts] == [True, True]
     assert [part.shared for part in plan(by_hand, "gray_word").parts] == [True, True, False]
 
@@ -353,14 +369,14 @@ def test_terms_of_an_encoder(by_hand: Device) -> None:
 
     low, high, mode, mark = values("flag_word")
     assert [type(value) for value in (low, high, mode)] == [ValueOfField] * 3
-    assert mark == Fixed(9)
+    assert mark == ConstantNumber(9)
     first_spare, _, second_spare = values("spare_word")
     assert (first_spare, second_spare) == (ReservedBits(2, 3), ReservedBits(1, 0))
     a, b = by_hand.layout("parity_word").fields[:2]
     assert values("parity_word")[2:] == [ParityOf((a, b), False, 0), ParityOf((b,), True, 0)]
     # The first byte identifies the frame, and the CRC is not a term.
     identity, count = values("low_reply")
-    assert identity == Fixed(1)
+    assert identity == ConstantNumber(1)
     assert isinstance(count, ValueOfField)
 
 

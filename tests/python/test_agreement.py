@@ -32,14 +32,14 @@ from codewheel.model import (
     number_from_bytes,
     number_to_bytes,
 )
-from codewheel.model.registers import bounds, name_with_limits
+from codewheel.model.registers import name_with_limits, value_bounds
 from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.reference.bits import compute, join_value
-from codewheel.reference.codec import Decoded, EncodeError, decode, decode_bytes, encode
+from codewheel.reference.codec import DecodedFrame, EncodeError, decode, decode_bytes, encode
 from codewheel.reference.findings import findings
 from codewheel.reference.registers import register_writes
 from codewheel.targets import Library
-from codewheel.targets.python.names import CLASS_NAMES, Context, attribute
+from codewheel.targets.python.names import CLASS_NAMES, ModuleContext, attribute
 from exhaustive import mostly_exhaustive
 
 pytestmark = pytest.mark.slow
@@ -88,8 +88,8 @@ class Family:
     module: Any
 
     @cached_property
-    def names(self) -> Context:
-        return Context(self.device)
+    def names(self) -> ModuleContext:
+        return ModuleContext(self.device)
 
     def view(self, layout: Layout, register: Register | None) -> Any:
         name = self.names.frames[layout.name] if register is None else self.names.registers[register.name]
@@ -284,7 +284,7 @@ def is_allowed(case: Case, number: int) -> bool:
     join = next((join for join in case.layout.joins if join.name == name_with_limits(register)), None)
     if join is None:
         return True
-    low, high = bounds(register, case.placed, (register.min, register.max), case.variant.parameters)
+    low, high = value_bounds(register, case.placed, (register.min, register.max), case.variant.parameters)
     return low <= join_value(case.placed, join, number) <= high
 
 
@@ -324,7 +324,7 @@ def report_facts(report: Any) -> tuple[str, str, str]:
     return report.meaning, report.remedy, report.makes_position.value if report.makes_position is not None else ""
 
 
-def compare_reports(family: Family, variant: Variant, expected: Decoded, decoded: Any) -> None:
+def compare_reports(family: Family, variant: Variant, expected: DecodedFrame, decoded: Any) -> None:
     """Compare the reports and the verdict of both."""
     assert expected.layout is not None
     layout, expected_findings = expected.layout.layout, findings(family.device, variant, expected)
@@ -340,7 +340,7 @@ def compare_reports(family: Family, variant: Variant, expected: Decoded, decoded
         assert decoded._replace(unused=0).is_as_documented == (not expected_findings.differences), decoded
 
 
-def compare_values(expected: Decoded, decoded: Any, layout: Layout) -> None:
+def compare_values(expected: DecodedFrame, decoded: Any, layout: Layout) -> None:
     """Compare the values that both read."""
     if not hasattr(decoded, "_fields"):
         assert decoded.name.lower() == expected.fields[0].value

@@ -13,12 +13,12 @@ from types import SimpleNamespace
 import pytest
 from codewheel.commands.check.specs import check_specs
 from codewheel.commands.cli import main
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.language.schema_files import is_only_in_device_files
 from codewheel.loading.library import load_families
 from codewheel.model.members import PARTS_BY_CLASS
-from codewheel.readings.reading import Reading, Sort
+from codewheel.readings.reading import FactClass, SpecReading
 from codewheel.readings.surroundings import surroundings
 
 # Reads whole specs twice, which does not depend on wording or rules of check.
@@ -390,7 +390,7 @@ def write_facts_only(folder: pathlib.Path) -> None:
                 facts[key] = facts_of(value)
         return facts
 
-    document = read_document(folder / "twice.yaml", Report())
+    document = read_document(folder / "twice.yaml", ProblemReport())
     assert document is not None
     text = json.dumps(facts_of(document.data), indent=1)
     (folder / "twice.second.yaml").write_text(text, encoding="utf-8")
@@ -464,8 +464,10 @@ def test_requests_and_replies_are_compared(
         assert any(words in line for line in reported), reported
 
 
-@pytest.mark.parametrize(("part", "sort"), [("Led", Sort.LED), ("Connector", Sort.PIN)])
-def test_a_member_with_a_class_of_facts_is_compared(part: str, sort: Sort, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("part", "sort"), [("Led", FactClass.LED), ("Connector", FactClass.PIN)])
+def test_a_member_with_a_class_of_facts_is_compared(
+    part: str, sort: FactClass, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """No member of these parts has a class today. A new key with one must not be left out."""
     (family,), _ = load_families([HERE.parents[1] / "specs/lika/amm5.yaml"])
     members = []
@@ -473,5 +475,5 @@ def test_a_member_with_a_class_of_facts_is_compared(part: str, sort: Sort, monke
         members.append(replace(member, read=sort.value) if member.name == "title" else member)
     changed_parts = {**PARTS_BY_CLASS, part: SimpleNamespace(members=members)}
     monkeypatch.setattr("codewheel.readings.stated.PARTS_BY_CLASS", changed_parts)
-    facts = [fact for fact in surroundings(Reading(family.device, family.document)) if fact.key[-1] == "title"]
+    facts = [fact for fact in surroundings(SpecReading(family.device, family.document)) if fact.key[-1] == "title"]
     assert {fact.sort for fact in facts} == {sort}

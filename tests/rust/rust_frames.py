@@ -8,10 +8,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Variant, number_to_bytes
-from codewheel.model.registers import bounds, name_with_limits
+from codewheel.model.registers import name_with_limits, value_bounds
 from codewheel.order_codes.parameters import with_answers
 from codewheel.reference.bits import join_value
-from codewheel.reference.codec import UNUSED, Decoded, DecodedField, EncodeError, Problem, decode, encode
+from codewheel.reference.codec import UNUSED, DecodedField, DecodedFrame, EncodeError, FrameProblem, decode, encode
 from codewheel_rust.family import Struct
 from rust_harness import Program
 from test_c_codec import encoded_sample, run_time_variants, samples, with_crc
@@ -84,14 +84,14 @@ class Case:
         register = self.struct.register
         if register is not None and (register.min is not None or register.max is not None):
             name = name_with_limits(register)
-            low, high = bounds(register, self.placed, (register.min, register.max), self.variant.parameters)
+            low, high = value_bounds(register, self.placed, (register.min, register.max), self.variant.parameters)
             joined = {join.name: join_value(self.placed, join, number) for join in self.struct.layout.joins}
             value = {**values, **joined}.get(name, number)
             if not low <= int(value) <= high:
                 return f"range {name or register.name}"
         return self.wire(number).removeprefix("x")
 
-    def _row(self, decoded: Decoded, changed_values: Mapping[str, int], mark: str = "") -> str:
+    def _row(self, decoded: DecodedFrame, changed_values: Mapping[str, int], mark: str = "") -> str:
         """Return the members. In an answer, also return the runs of digits and the joins."""
         fields = {decoded_field.name: decoded_field for decoded_field in decoded.fields}
         members = [part.field for part in self.struct.codec.parts]
@@ -120,7 +120,7 @@ def _member_text(field: Field, fields: Mapping[str, DecodedField], mark: str) ->
     return str(int(decoded.value))
 
 
-def first_fault(problems: Sequence[Problem]) -> str:
+def first_fault(problems: Sequence[FrameProblem]) -> str:
     """Return the first error, and its field if it is reported."""
     fault, field = problems[0].fault, problems[0].field
     return f"{fault.value} {field}" if fault in (Fault.CONSTANT, Fault.RANGE) else fault.value

@@ -21,10 +21,10 @@ from codewheel.say.text import (
     DOCSTRING_STYLE,
     PLAIN_STYLE,
     TITLE_STYLE,
-    Code,
+    CodeText,
     Hex,
     Level,
-    Ref,
+    Reference,
     Statement,
     Style,
     join_groups,
@@ -108,7 +108,7 @@ LAYOUTS = [
 
 
 def of_register(device: Device, name: str) -> Iterator[Statement]:
-    return register.facts(device, device.register(name))
+    return register.describe_register_facts(device, device.register(name))
 
 
 def of_field(device: Device, path: str) -> Iterator[Statement]:
@@ -117,12 +117,12 @@ def of_field(device: Device, path: str) -> Iterator[Statement]:
 
 
 def of_interface(device: Device, kind: str) -> Iterator[Statement]:
-    return interface.facts(device, device.interface(kind))
+    return interface.describe_interface_facts(device, device.interface(kind))
 
 
 def of_layout(device: Device, name: str) -> Iterator[Statement]:
     owner, chosen = next((interface, candidate) for interface, candidate in device.layouts() if candidate.name == name)
-    return layout.facts(owner, chosen)
+    return layout.describe_layout_facts(owner, chosen)
 
 
 Statements = Callable[[Device, str], Iterator[Statement]]
@@ -241,9 +241,9 @@ def test_every_output_says_it(
 
 PARTS = statement(
     "Set ",
-    Code("a_b"),
+    CodeText("a_b"),
     " of ",
-    Ref("register", "one.two", "Two of One"),
+    Reference("register", "one.two", "Two of One"),
     " to ",
     Expression(70000),
     ", ",
@@ -291,7 +291,7 @@ def test_lists() -> None:
 
 
 def test_markup_in_a_spec_stays_text() -> None:
-    hostile = statement("a | b <i> ", Code("c|`d"), label="[x](y)")
+    hostile = statement("a | b <i> ", CodeText("c|`d"), label="[x](y)")
     assert MARKDOWN.sentence(hostile) == "\\[x\\](y): a \\| b &lt;i&gt; ``c\\|`d``."
 
 

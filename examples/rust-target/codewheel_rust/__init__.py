@@ -10,11 +10,11 @@ from codewheel.model import Device, Manufacturer, assert_never
 from codewheel.plan.codec import characters
 from codewheel.plan.description import describe
 from codewheel.plan.limits import Refusal, refusals
-from codewheel.plan.operations import Check, Fixed, ParityOf, ReservedBits, ValueOfField
+from codewheel.plan.operations import Check, ConstantNumber, ParityOf, ReservedBits, ValueOfField
 from codewheel.render import Templates, tests_for
-from codewheel.say.layout import crc
-from codewheel.say.order_code import order_code, parameter
-from codewheel.say.register import value
+from codewheel.say.layout import describe_crc
+from codewheel.say.order_code import describe_parameter, order_code
+from codewheel.say.register import describe_value
 from codewheel.targets import Library, Option, Options, Target, TargetProblem
 
 from . import about, names, spelling, verdicts
@@ -52,14 +52,22 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 
 
 _WORDS = (about.doc, about.markdown, names.pascal, names.snake, characters, crc_name)
-_TEXTS = (about.field_text, about.frame_text, about.register_text, crc, order_code, parameter, value)
+_TEXTS = (
+    about.field_text,
+    about.frame_text,
+    about.register_text,
+    describe_crc,
+    order_code,
+    describe_parameter,
+    describe_value,
+)
 TEMPLATES = Templates(
     Path(__file__).parent / "templates",
     values={"Cargo.toml.jinja": Crate, "lib.rs.jinja": Crate, "family.rs.jinja": Module},
     filters={item.__name__: item for item in (*_WORDS, *spelling.PIECES, *spelling.NUMBERS)},
     functions={"never": assert_never}
     | {item.__name__: item for item in (*_TEXTS, describe, refusals, verdicts.conditions)},
-    tests=tests_for(Check, Refusal, Fixed, ValueOfField, ParityOf, ReservedBits),
+    tests=tests_for(Check, Refusal, ConstantNumber, ValueOfField, ParityOf, ReservedBits),
 )
 TARGET = Target(
     name="rust",

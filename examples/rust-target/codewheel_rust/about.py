@@ -7,8 +7,8 @@ from collections.abc import Iterable
 
 from codewheel.model import Device, Field, Interface, Layout, Register, cite
 from codewheel.say import layout, register
-from codewheel.say.names_and_places import field_place, title
-from codewheel.say.plain_text import wrapped
+from codewheel.say.names_and_places import field_place, title_of
+from codewheel.say.plain_text import wrap_text
 from codewheel.say.text import Statement, Style
 
 _MARKUP = re.compile(r"[\\`*<\[\]]")
@@ -33,21 +33,23 @@ def doc(statements: Iterable[Statement | str] | Statement, indent: int = 0, mark
     lead = f"{' ' * indent}{mark} "
     listed = [statements] if isinstance(statements, Statement) else statements
     texts = [_STYLE.sentence(statement) if isinstance(statement, Statement) else statement for statement in listed]
-    paragraphs = (_LIST.sub(r"\1\\\2", wrapped(text, 100 - len(lead))) for text in texts)
+    paragraphs = (_LIST.sub(r"\1\\\2", wrap_text(text, 100 - len(lead))) for text in texts)
     return "\n".join(f"{lead}{line}".rstrip() for line in "\n\n".join(paragraphs).split("\n"))
 
 
 def frame_text(device: Device, interface: Interface, frame: Layout) -> list[Statement]:
     """Return the description of a frame."""
-    return [layout.head(interface, frame, title(frame)), *layout.layout(device, interface, frame)]
+    return [layout.head(interface, frame, title_of(frame)), *layout.describe_layout(device, interface, frame)]
 
 
 def register_text(device: Device, described: Register) -> list[Statement]:
     """Return the description of a register."""
-    return [register.head(device, described, title(described)), *register.register(device, described)]
+    return [register.head(device, described, title_of(described)), *register.describe_register(device, described)]
 
 
 def field_text(device: Device, owner: Layout, described: Field) -> list[str]:
     """Return place and meaning of a field, in one paragraph."""
-    text = _STYLE.paragraph([Statement(tuple(field_place(owner, described))), *register.field(device, described)])
+    text = _STYLE.paragraph(
+        [Statement(tuple(field_place(owner, described))), *register.describe_field(device, described)]
+    )
     return [text[0].upper() + text[1:]]

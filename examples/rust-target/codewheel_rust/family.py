@@ -6,13 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from codewheel.model import Answer, Device, Field, Interface, Layout, Register, Value
-from codewheel.plan.codec import Codec, characters, codec_of
+from codewheel.plan.codec import LayoutPlan, characters, layout_plan_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches, held_parameters
-from codewheel.plan.limits import Limits, limits_of
-from codewheel.plan.operations import AlwaysIs, Bits, Fixed, ParityIs, ParityOf, Term
-from codewheel.plan.values import Characters, meaning_of
-from codewheel.plan.verdicts import Judgement, reportings
+from codewheel.plan.limits import NumberLimits, limits_of
+from codewheel.plan.operations import AlwaysIs, ConstantNumber, FieldBits, FieldToEncode, ParityIs, ParityOf
+from codewheel.plan.values import Latin1Text, meaning_of
+from codewheel.plan.verdicts import VerdictRules, reportings
 from codewheel.targets import TargetProblem
 
 from .names import OF_CODE, OF_MODULE, OF_STRUCT, Names, Place, constant, pascal, snake
@@ -34,22 +34,22 @@ class Struct:
     """A frame or register as a type. ``enums`` has the type of each member that is a choice.
 
     ``code`` is the type of the order codes of its interface. ``position_member`` is the member with the position
-    if there is a ``judgement`` on it, or empty.
+    if there is a ``verdict_rules`` on it, or empty.
     """
 
     layout: Layout
     code: str
-    codec: Codec
+    codec: LayoutPlan
     crcs: Mapping[str, CrcFunction]
     enums: Mapping[str, Enum]
     register: Register | None = None
-    limits: Limits | None = None
+    limits: NumberLimits | None = None
     receiver: str = ""
-    judgement: Judgement | None = None
+    verdict_rules: VerdictRules | None = None
     position_member: str = ""
 
     @property
-    def bits_to_decode(self) -> dict[str, Bits]:
+    def bits_to_decode(self) -> dict[str, FieldBits]:
         """Return the fields whose bits the decoder needs, by name. Constants in bytes are checked byte by byte."""
         bits_by_name = {part.field.name: part.bits for part in self.codec.parts if not characters(part.field)}
         for check in self.codec.checks:
@@ -60,9 +60,9 @@ class Struct:
         return bits_by_name
 
     @property
-    def encoded_terms(self) -> list[Term]:
+    def encoded_terms(self) -> list[FieldToEncode]:
         """Return the fields encoded as numbers, without zeros, the CRC and copied texts. Parity bits are last."""
-        terms = [term for term in self.codec.terms if term.value != Fixed(0) and not characters(term.field)]
+        terms = [term for term in self.codec.terms if term.value != ConstantNumber(0) and not characters(term.field)]
         return sorted(terms, key=lambda term: isinstance(term.value, ParityOf))
 
     def type_of(self, field: Field) -> str:
@@ -93,7 +93,7 @@ class Struct:
         if self.codec.by_word and self.layout.widest > WORD:
             yield f"'{self.layout.name}' has {self.layout.widest} bits, and fields that move with the order code"
         for field in self.layout.fields:
-            if isinstance(meaning_of(field), Characters) and field.widest > WORD and not characters(field):
+            if isinstance(meaning_of(field), Latin1Text) and field.widest > WORD and not characters(field):
                 yield f"'{field.name}' has {field.widest} bits, which do not fill bytes"
 
 
@@ -108,7 +108,7 @@ class Family:
         }
         self._inner = self._scope((*OF_MODULE, *self.interfaces))
         codes, methods = self._scope(OF_CODE), self._scope(OF_CODE)
-        self._judgements = {name: reporting.judgement for name, reporting in reportings(device).items()}
+        self._judgements = {name: reporting.verdict_rules for name, reporting in reportings(device).items()}
         self.codes = {variant.code: codes.give(constant(variant.code), "order_code") for variant in device.variants}
         self.held = tuple(held_parameters(device))
         for held_register in self.held:
@@ -146,11 +146,11 @@ class Family:
             owners[field.name] = interface.name if is_shared else layout.name
         place = ("interfaces", interface.name, "layouts", layout.name)
         struct = self._struct(self._top, self.enums, place, layout, owners, interface.name)
-        judgement = self._judgements.get(layout.name)
+        verdict_rules = self._judgements.get(layout.name)
         measurement = self.device.measurement_of(interface.name)
-        if judgement is None or measurement is None or measurement.of not in layout.member_names:
+        if verdict_rules is None or measurement is None or measurement.of not in layout.member_names:
             return struct
-        return replace(struct, receiver=interface.name, judgement=judgement, position_member=measurement.of)
+        return replace(struct, receiver=interface.name, verdict_rules=verdict_rules, position_member=measurement.of)
 
     def _register(self, register: Register) -> Struct:
         owners = {register_field.name: register.name for register_field in register.layout.fields}
@@ -172,7 +172,7 @@ class Family:
         runs = [run.name for field in layout.fields for run in field.runs]
         for name in [*(join.name for join in layout.joins), *runs]:
             methods.give(snake(name), *place)
-        codec = codec_of(self.device, layout)
+        codec = layout_plan_of(self.device, layout)
         crcs = {crc.field.name: function_of(self.device, layout, crc.crc) for crc in codec.crcs}
         struct = Struct(layout, pascal(interface), codec, crcs, types)
         for problem in struct.width_problems():

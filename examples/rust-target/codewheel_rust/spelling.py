@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterable
 
-from codewheel.model import Device, Field, Parameter, Piece, assert_never
+from codewheel.model import BitSlice, Device, Field, Parameter, assert_never
 from codewheel.model.expressions import Expression, Factor, Term
 from codewheel.plan import values
 from codewheel.plan.codec import characters
-from codewheel.say.plain_text import plain
+from codewheel.say.plain_text import text_on_one_line
 
 from .names import snake
 
@@ -24,19 +24,21 @@ def type_of(field: Field) -> str:
     match values.meaning_of(field):
         case values.TwosComplement():
             return unsigned(field.widest).replace("u", "i")
-        case values.Raw() | values.ZeroMeans() | values.Named() | values.DigitRuns():
+        case values.UnsignedNumber() | values.ZeroMeans() | values.NamedChoice() | values.DecimalDigits():
             return unsigned(values.widest_value(field))
-        case values.Active():
+        case values.ActiveFlag():
             return "bool"
-        case values.Characters():
+        case values.Latin1Text():
             return f"[u8; {field.widest // 8}]"
         case unknown_meaning:
             assert_never(unknown_meaning)
 
 
-def parameter_number(raw: str, meaning: values.Raw | values.ZeroMeans) -> str:
+def parameter_number(raw: str, meaning: values.UnsignedNumber | values.ZeroMeans) -> str:
     """Return the number that the bits of a parameter mean."""
-    return raw if isinstance(meaning, values.Raw) else f"match {raw} {{ 0 => {meaning.number}, bits => bits }}"
+    return (
+        raw if isinstance(meaning, values.UnsignedNumber) else f"match {raw} {{ 0 => {meaning.number}, bits => bits }}"
+    )
 
 
 def type_of_parameter(parameter: Parameter) -> str:
@@ -62,7 +64,7 @@ def pattern(numbers: Collection[int]) -> str:
 
 def quoted(text: str) -> str:
     """Return a literal of text on one line."""
-    return json.dumps(plain(text), ensure_ascii=False)
+    return json.dumps(text_on_one_line(text), ensure_ascii=False)
 
 
 def widened(value: str, type_: str) -> str:
@@ -75,25 +77,31 @@ def narrowed(value: str, type_: str) -> str:
     return value if type_[1:] == "64" else f"{value} as {type_}"
 
 
-def byte_of(piece: Piece) -> str:
+def byte_of(bit_slice: BitSlice) -> str:
     """Return the bits of a piece in its byte."""
-    byte = f"bytes[{piece.byte}] >> {piece.low_in_byte}" if piece.low_in_byte else f"bytes[{piece.byte}]"
-    masked = f"({byte}) & {hexadecimal(piece.mask)}" if piece.low_in_byte else f"{byte} & {hexadecimal(piece.mask)}"
-    return byte if piece.mask == 0xFF >> piece.low_in_byte else masked
+    byte = (
+        f"bytes[{bit_slice.byte}] >> {bit_slice.low_in_byte}" if bit_slice.low_in_byte else f"bytes[{bit_slice.byte}]"
+    )
+    masked = (
+        f"({byte}) & {hexadecimal(bit_slice.mask)}"
+        if bit_slice.low_in_byte
+        else f"{byte} & {hexadecimal(bit_slice.mask)}"
+    )
+    return byte if bit_slice.mask == 0xFF >> bit_slice.low_in_byte else masked
 
 
-def joined_pieces(pieces: Iterable[Piece]) -> str:
+def joined_pieces(bit_slices: Iterable[BitSlice]) -> str:
     """Return the bits of these pieces of ``bytes`` as one number."""
-    parts = ((f"u64::from({byte_of(piece)})", piece.low_in_number) for piece in pieces)
+    parts = ((f"u64::from({byte_of(bit_slice)})", bit_slice.low_in_number) for bit_slice in bit_slices)
     return " | ".join(f"({part} << {shift})" if shift else part for part, shift in parts) or "0_u64"
 
 
-def put_byte(piece: Piece, raw: str) -> str:
+def put_byte(bit_slice: BitSlice, raw: str) -> str:
     """Return the contribution of a piece of a number, which fits, to its byte."""
-    part = f"({raw} >> {piece.low_in_number}) as u8" if piece.low_in_number else f"{raw} as u8"
-    if piece.mask != 0xFF >> piece.low_in_byte:
-        part = f"{part} & {hexadecimal(piece.mask)}"
-    return f"({part}) << {piece.low_in_byte}" if piece.low_in_byte else part
+    part = f"({raw} >> {bit_slice.low_in_number}) as u8" if bit_slice.low_in_number else f"{raw} as u8"
+    if bit_slice.mask != 0xFF >> bit_slice.low_in_byte:
+        part = f"{part} & {hexadecimal(bit_slice.mask)}"
+    return f"({part}) << {bit_slice.low_in_byte}" if bit_slice.low_in_byte else part
 
 
 PIECES = (byte_of, put_byte, joined_pieces)
@@ -133,19 +141,19 @@ class Scope:
         raw, member, width = f"raw_{field.name}", f"self.{snake(field.name)}", self.expression(field.width)
         wide = widened(member, type_)
         match values.meaning_of(field):
-            case values.Raw() | values.DigitRuns():
+            case values.UnsignedNumber() | values.DecimalDigits():
                 return narrowed(raw, type_), wide
             case values.TwosComplement():
                 return narrowed(f"signed({raw}, {width})", type_), f"field({wide} as u64, 0, {width})"
             case values.ZeroMeans(number) as meaning:
                 decoded = f"({parameter_number(raw, meaning)}) as {type_}"
                 return decoded, f"if {member} == {number} {{ 0 }} else {{ {wide} }}"
-            case values.Active(low):
+            case values.ActiveFlag(low):
                 comparison, negation = ("==", "!") if low else ("!=", "")
                 return f"{raw} {comparison} 0", f"u64::from({negation}{member})"
-            case values.Named():
+            case values.NamedChoice():
                 return f'{type_}::from_bits({raw}).ok_or(Fault::Range("{field.name}"))?', f"{member} as u64"
-            case values.Characters():
+            case values.Latin1Text():
                 copied = ", ".join(f"bytes[{byte}]" for _, byte in characters(field))
                 return f"[{copied}]" if copied else f"bytes_of({raw}, false)", f"number({member}.iter())"
             case unknown_meaning:

@@ -7,9 +7,17 @@ from functools import reduce
 from operator import or_
 
 from codewheel.model import Verdict, assert_never
-from codewheel.plan.operations import Part, Reserved
-from codewheel.plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
-from codewheel.plan.verdicts import Match, Only, VerdictCause
+from codewheel.plan.operations import FieldToDecode, Reserved
+from codewheel.plan.values import (
+    ActiveFlag,
+    DecimalDigits,
+    Latin1Text,
+    NamedChoice,
+    TwosComplement,
+    UnsignedNumber,
+    ZeroMeans,
+)
+from codewheel.plan.verdicts import CodeCondition, MatchingValues, VerdictCause
 
 from .family import Struct
 from .names import pascal, snake
@@ -18,13 +26,13 @@ from .spelling import Scope, hexadecimal
 
 def conditions(struct: Struct, scope: Scope) -> Iterator[tuple[str, Verdict]]:
     """Yield the conditions of the verdicts that are worse than that without an active cause, worst first."""
-    judgement = struct.judgement
-    if judgement is None:
+    verdict_rules = struct.verdict_rules
+    if verdict_rules is None:
         return
-    causes = dict(judgement.worst_first)
+    causes = dict(verdict_rules.worst_first)
     for verdict in Verdict:
-        if verdict is Verdict.UNKNOWN and judgement.may_be_unknown:
-            yield f"{scope.expression(judgement.judging_bits)} == 0", verdict
+        if verdict is Verdict.UNKNOWN and verdict_rules.may_be_unknown:
+            yield f"{scope.expression(verdict_rules.judging_bits)} == 0", verdict
         for condition in _active(struct, causes.get(verdict, ()), scope):
             yield condition, verdict
 
@@ -42,23 +50,23 @@ def _active(struct: Struct, causes: Sequence[VerdictCause], scope: Scope) -> Ite
         yield f"self.unused & {hexadecimal(mask)} != 0"
 
 
-def _selects(condition: Only, scope: Scope) -> str:
+def _selects(condition: CodeCondition, scope: Scope) -> str:
     return f"{scope.parameter(condition.parameter)} {'!=' if condition.holds else '=='} 0"
 
 
-def _terms(struct: Struct, cause: Part | Match) -> Iterator[str]:
+def _terms(struct: Struct, cause: FieldToDecode | MatchingValues) -> Iterator[str]:
     """Yield the conditions that a flag is active, or that fields have their values."""
-    parts = cause.conditions if isinstance(cause, Match) else ((cause, 1),)
+    parts = cause.conditions if isinstance(cause, MatchingValues) else ((cause, 1),)
     for part, value in parts:
         member = f"self.{snake(part.field.name)}"
         match part.meaning:
-            case Active():
+            case ActiveFlag():
                 yield member if value else f"!{member}"
-            case Named():
+            case NamedChoice():
                 enum = struct.enums[part.field.name]
                 name = next(named.name for named in enum.values if named.value == value)
                 yield f"{member} == {enum.name}::{pascal(name)}"
-            case Raw() | TwosComplement() | ZeroMeans() | DigitRuns() | Characters():
+            case UnsignedNumber() | TwosComplement() | ZeroMeans() | DecimalDigits() | Latin1Text():
                 yield f"{member} == {value}"
             case meaning:
                 assert_never(meaning)

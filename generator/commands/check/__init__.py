@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import FORMATS, FORMATS_HELP, Parser, add_cache_option, add_specs, cache_for
-from ..terminal import Progress, Stop, print_json
+from ..terminal import CommandError, Progress, print_json
 
 if TYPE_CHECKING:
     import argparse
     from pathlib import Path
 
     from ...cache import Cache
-    from ...language.problems import Problem, Report
+    from ...language.problems import Problem, ProblemReport
     from ...loading.configuration import Configuration
     from ...readings.second_readings import Coverage
     from ..cached_result import CachedResult
-    from ..review_formats import Finding
+    from ..review_formats import ReviewFinding
 
 JSON_VERSION = 1
 EXAMPLES = ("codewheel check my_encoder.yaml", "codewheel check .", "codewheel check --json")
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the problems. The exit code is 1 if there are any.
 
     Raises:
-        Stop: There are no specs, options contradict each other, or a target fails.
+        CommandError: There are no specs, options contradict each other, or a target fails.
     """
     from ...cache import NO_CACHE
     from ...loading.configuration import filters_as_texts
@@ -68,13 +68,13 @@ def run(arguments: argparse.Namespace) -> int:
     from ..read_specs import specs_to_judge
 
     if arguments.write and not arguments.coverage:
-        raise Stop("--write needs --coverage", 2)
+        raise CommandError("--write needs --coverage", 2)
     named_paths = [*arguments.specs, *arguments.more_specs]
     specs = specs_to_judge(named_paths, "check")
     # Specs that the user names may be only some of those that the settings refer to.
     settings = None if named_paths else specs.settings
     if arguments.format in ("github", "sarif") and arguments.coverage:
-        raise Stop(f"--format {arguments.format} lists problems only; leave --coverage out", 2)
+        raise CommandError(f"--format {arguments.format} lists problems only; leave --coverage out", 2)
     arguments.json = arguments.json or arguments.format == "json"
     cache = cache_for(arguments)
     # The counts of the coverage, and the problems of chosen targets, depend on more than the stored inputs.
@@ -142,7 +142,7 @@ def _check_and_print(
 
 
 def _print_problems(
-    family_names: Sequence[str], report: Report, coverage_data: dict[str, Any], arguments: argparse.Namespace
+    family_names: Sequence[str], report: ProblemReport, coverage_data: dict[str, Any], arguments: argparse.Namespace
 ) -> None:
     """Print the problems as text or, in JSON, with ``coverage_data``, which is empty without ``--coverage``."""
     if arguments.json:
@@ -151,7 +151,7 @@ def _print_problems(
         print(as_text(family_names, report, arguments.format))
 
 
-def as_data(report: Report) -> dict[str, Any]:
+def as_data(report: ProblemReport) -> dict[str, Any]:
     """Return the problems in the form that ``--json`` prints."""
     from ..placeholders import placeholders_data
 
@@ -163,14 +163,14 @@ def as_data(report: Report) -> dict[str, Any]:
     }
 
 
-def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
+def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") -> str:
     """Return the problems as text, with the files read and a summary, or in a form for review tools.
 
     ``families`` are the names of all families. ``form`` is ``text``, or ``github`` or ``sarif``, which have no summary.
     """
     if form in ("github", "sarif"):
         return _review_text(report, form)
-    from ...say.plain_text import counted
+    from ...say.plain_text import count_with_unit
     from ..placeholders import placeholder_lines
     from ..read_specs import read_line
 
@@ -178,7 +178,7 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     lines += placeholder_lines(report.files)
     lines.append(read_line(families, report))
     if report:
-        lines.append(counted(len(report.by_cause), "problem"))
+        lines.append(count_with_unit(len(report.by_cause), "problem"))
     elif families:
         family_count = "1 family" if len(families) == 1 else f"{len(families)} families"
         lines.append(f"no problems in {family_count}: {', '.join(families)}")
@@ -187,18 +187,18 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     return "\n".join(lines)
 
 
-def _review_text(report: Report, form: str) -> str:
+def _review_text(report: ProblemReport, form: str) -> str:
     """Return the problems in a form for review tools, ``github`` or ``sarif``."""
     from ..review_formats import as_review
 
     return as_review([_review_finding(problem) for problem in report.shown], form)
 
 
-def _review_finding(problem: Problem) -> Finding:
+def _review_finding(problem: Problem) -> ReviewFinding:
     """Return a problem in the form for review tools."""
-    from ..review_formats import Finding
+    from ..review_formats import ReviewFinding
 
-    return Finding(
+    return ReviewFinding(
         file=problem.file,
         line=problem.line,
         column=problem.column,

@@ -13,7 +13,7 @@ from ...cache import NO_CACHE, Cache, content_of
 from ...language.document import Document
 from ...language.document import Path as SpecPath
 from ...language.files import family_files
-from ...language.problems import Report
+from ...language.problems import ProblemReport
 from ...language.schema_files import coverage_path, second_reading_path, word_sheet_path
 from ...loading.evidence import RULE, counts_text
 from ...loading.library import contents, is_clean, load_families
@@ -21,7 +21,7 @@ from ...loading.overlays import Family
 from ...model import TimesRead
 from ...readings.cloze import Reader as SheetReader
 from ...readings.cloze import check_sheets, read_sheet
-from ...readings.reading import Sort
+from ...readings.reading import FactClass
 from ...readings.second_readings import (
     Coverage,
     Reader,
@@ -31,36 +31,36 @@ from ...readings.second_readings import (
     compare_readings,
     read_beside,
 )
-from ...say.plain_text import counted
+from ...say.plain_text import count_with_unit
 from ...targets import Target
 from ..edition_devices import check_editions
 from ..outputs import report_unfit_parts
-from ..terminal import Stop
+from ..terminal import CommandError
 
 #: Kind of entry for a family whose editions and second reading have no problems.
-_CLEAN = "clean family"
+_CLEAN_ENTRY = "clean family"
 
 
 @dataclass(frozen=True)
-class Checked:
+class CheckedSpecs:
     """Families and second readings that were checked, with their problems."""
 
     families: Sequence[Family]
     readings: Sequence[Coverage]
-    report: Report
+    report: ProblemReport
 
 
-def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache = NO_CACHE) -> Checked:
+def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache = NO_CACHE) -> CheckedSpecs:
     """Check the specs at ``paths`` and the second readings next to them.
 
     Families that are in the cache, which had no problems with the same content, are not checked again. Their second
     readings are then missing from the result.
 
     Raises:
-        Stop: A target fails. The exit code is 1.
+        CommandError: A target fails. The exit code is 1.
     """
     contents_before = contents(paths)
-    clean_files = {file for file, content in contents_before.items() if cache.get(_CLEAN, content)}
+    clean_files = {file for file, content in contents_before.items() if cache.get(_CLEAN_ENTRY, content)}
     families, report = load_families(paths, cache)
     to_check: list[Family] = []
     for family in families:
@@ -82,11 +82,11 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
         # A family whose content is unknown is not stored, nor is a family whose files have changed meanwhile.
         is_unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
         if is_unchanged and is_clean(family, report):
-            cache.put(_CLEAN, contents_before[file], True)
+            cache.put(_CLEAN_ENTRY, contents_before[file], True)
     return checked
 
 
-def _read_second_of(files_to_check: Sequence[str], family: Family, report: Report) -> SecondReading | None:
+def _read_second_of(files_to_check: Sequence[str], family: Family, report: ProblemReport) -> SecondReading | None:
     """Return the second reading of a family that must be checked, or None.
 
     For other families, only list its file as read.
@@ -99,7 +99,7 @@ def _read_second_of(files_to_check: Sequence[str], family: Family, report: Repor
     return None
 
 
-def _read_sheet_of(files_to_check: Sequence[str], family: Family, report: Report) -> Document | None:
+def _read_sheet_of(files_to_check: Sequence[str], family: Family, report: ProblemReport) -> Document | None:
     """Return the word sheet of a family that must be checked, or None.
 
     For other families, only list its file as read.
@@ -115,32 +115,32 @@ def _read_sheet_of(files_to_check: Sequence[str], family: Family, report: Report
 def check_families(
     families: Sequence[Family],
     targets: Iterable[Target],
-    report: Report,
+    report: ProblemReport,
     read: Reader = read_beside,
     read_words: SheetReader = read_sheet,
-) -> Checked:
+) -> CheckedSpecs:
     """Check families against the targets, and against the second readings and sheets of words next to their specs.
 
     ``read`` and ``read_words`` return the second reading and the sheet of a family, or None if there is none. Problems
     are added to ``report``. The readings of the result are the coverage of each family with a second reading.
 
     Raises:
-        Stop: A target fails. The exit code is 1.
+        CommandError: A target fails. The exit code is 1.
     """
     comparable_files = comparable_specs(families, report)
     report_unfit_parts(families, targets, report)
     readings = compare_readings(families, comparable_files, report, read)
     check_sheets(families, comparable_files, report, read_words)
-    return Checked(families=families, readings=readings, report=report)
+    return CheckedSpecs(families=families, readings=readings, report=report)
 
 
 #: Kind of entry for a family that may be released.
-_PROVED = "proved family"
-_COLUMNS = ("twice", "explained", "decided", "once", "derived")
+_PROVED_ENTRY = "proved family"
+_COVERAGE_COLUMNS = ("twice", "explained", "decided", "once", "derived")
 _OUT_OF_DATE = "the counts do not match the readings; update them with codewheel check --coverage --write"
 
 
-def check_counts(checked: Checked, *, write: bool) -> None:
+def check_counts(checked: CheckedSpecs, *, write: bool) -> None:
     """Report files with counts of readings, next to the specs, that are out of date. With ``write``, write them all.
 
     A family without such a file has no counts.
@@ -163,12 +163,12 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
         cache: Cache of families without such problems. These families are not checked again until a file changes.
 
     Raises:
-        Stop: There are problems. The exit code is 1.
+        CommandError: There are problems. The exit code is 1.
     """
-    report = Report()
+    report = ProblemReport()
     # Check one family at a time, because a second reading needs as much memory as its spec.
     for family in families:
-        if family.content and cache.get(_PROVED, family.content) is True:
+        if family.content and cache.get(_PROVED_ENTRY, family.content) is True:
             continue
         problem_count_before = len(report)
         check_editions([family], report)
@@ -178,15 +178,15 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
         is_unchanged = family.content and content_of(family_files(Path(family.document.file))) == family.content
         has_no_new_problem = len(report) == problem_count_before
         if is_unchanged and has_no_new_problem:
-            cache.put(_PROVED, family.content, True)
+            cache.put(_PROVED_ENTRY, family.content, True)
     if report:
         for problem in report.shown:
             print(problem.format(), file=sys.stderr)
-        problems = f"'codewheel check --coverage' reports {counted(len(report.by_cause), 'problem')}"
-        raise Stop(f"nothing {participle}: {problems}; correct them, or add --unchecked", 1)
+        problems = f"'codewheel check --coverage' reports {count_with_unit(len(report.by_cause), 'problem')}"
+        raise CommandError(f"nothing {participle}: {problems}; correct them, or add --unchecked", 1)
 
 
-def is_complete(covered: Sequence[Coverage], report: Report) -> bool:
+def is_complete(covered: Sequence[Coverage], report: ProblemReport) -> bool:
     """Return whether there are no problems and every fact that needs two readings has them."""
     return not report and not any(family_coverage.lacking for family_coverage in covered)
 
@@ -209,11 +209,11 @@ def _family_data(family_coverage: Coverage) -> dict[str, Any]:
     }
 
 
-def _class_data(sort: Sort, times_read: TimesRead) -> dict[str, Any]:
+def _class_data(sort: FactClass, times_read: TimesRead) -> dict[str, Any]:
     return asdict(times_read) | {"needed": sort.is_needed}
 
 
-def _fact_data(family_coverage: Coverage, sort: Sort, place: SpecPath) -> dict[str, Any]:
+def _fact_data(family_coverage: Coverage, sort: FactClass, place: SpecPath) -> dict[str, Any]:
     """Return the data about a fact that was read only once."""
     spec = family_coverage.spec
     line_number, _ = spec.position(place)
@@ -226,7 +226,7 @@ def _fact_data(family_coverage: Coverage, sort: Sort, place: SpecPath) -> dict[s
     }
 
 
-def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
+def as_text(covered: Sequence[Coverage], checked: CheckedSpecs) -> str:
     """Return the coverage as text: a table of counts by class and by family, and the facts to read a second time.
 
     ``covered`` are the families in the table. Other checked families are listed as not read twice.
@@ -236,7 +236,7 @@ def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
     uncovered_names = [name for name in family_names if name not in covered_names]
     lines: list[str] = []
     if covered:
-        lines += ["facts by number of readings (*: two are required)", _table_line("", _COLUMNS)]
+        lines += ["facts by number of readings (*: two are required)", _table_line("", _COVERAGE_COLUMNS)]
         lines += [_table_line(name, astuple(times_read)) for name, times_read in _rows_of_table(covered)]
     if uncovered_names:
         lines.append(f"not read twice: {', '.join(uncovered_names)}")
@@ -245,7 +245,7 @@ def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
 
 def _rows_of_table(covered: Sequence[Coverage]) -> Iterator[tuple[str, TimesRead]]:
     """Yield a name and counts for each class of facts, with ``*`` if it needs two readings, each family, and all."""
-    for sort in Sort:
+    for sort in FactClass:
         name = f"{sort.value} *" if sort.is_needed else sort.value
         yield name, add_counts(family_coverage.counts[sort] for family_coverage in covered)
     for family_coverage in covered:
@@ -269,5 +269,5 @@ def _lacking_lines(covered: Sequence[Coverage]) -> list[str]:
             line_number, column = spec.position(path)
             lines.append(f"{spec.file}:{line_number}:{column}: read once: {sort.value}, {spec.name_path(path)}")
     if lines:
-        lines.append(f"{counted(len(lines), 'fact')} to read a second time")
+        lines.append(f"{count_with_unit(len(lines), 'fact')} to read a second time")
     return lines

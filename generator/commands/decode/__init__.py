@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 from ..arguments import Parser, add_choose_option, add_edition_option, add_register_option, add_specs_option, cache_for
 from ..line_encoder import OR_A_LINE, command_for_spec, is_line
-from ..terminal import Stop, release_streams
+from ..terminal import CommandError, release_streams
 
 if TYPE_CHECKING:
     import argparse
 
-    from .decoding import Request
+    from .decoding import DecodeRequest
 
 EXAMPLES = (
     "codewheel decode MY-ENCODER-13-SC 0b0001111101000_1_1_011010",
@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     For an encoder in a line, a command that writes it as a spec follows the frames of the arguments.
 
     Raises:
-        Stop: There is no such order code or edition, or an answer or a register value is wrong.
+        CommandError: There is no such order code or edition, or an answer or a register value is wrong.
     """
     from .decoding import Decoding, argument_lines
 
@@ -83,13 +83,13 @@ def run(arguments: argparse.Namespace) -> int:
     return decoding.code
 
 
-def _request_of(arguments: argparse.Namespace) -> Request:
+def _request_of(arguments: argparse.Namespace) -> DecodeRequest:
     """Return the encoder as ``--edition``, ``--register`` and ``--choose`` determine it, with the options.
 
     Register bytes that identify the order code do not change it. Values that contradict it become differences.
 
     Raises:
-        Stop: As for ``run``.
+        CommandError: As for ``run``.
     """
     from ...order_codes.parameters import RegisterError, with_answers, with_registers
     from ...order_codes.reduction import reduced_to_codes
@@ -97,7 +97,7 @@ def _request_of(arguments: argparse.Namespace) -> Request:
     from ..find_encoder import find_requested
     from ..open_questions import answers_of
     from ..read_specs import specs_to_read
-    from .decoding import Request
+    from .decoding import DecodeRequest
 
     cache = cache_for(arguments)
     device, match, register_bytes = find_requested(arguments, specs_to_read(arguments.specs), cache)
@@ -109,8 +109,8 @@ def _request_of(arguments: argparse.Namespace) -> Request:
         variant_with_registers = with_registers(device, match.variant, changed_bytes)
         variant = with_answers(device, variant_with_registers, answers)
     except RegisterError as error:
-        raise Stop(str(error), 2) from None
-    return Request(
+        raise CommandError(str(error), 2) from None
+    return DecodeRequest(
         device=reduced_to_codes(device, [variant.code]),
         match=replace(match, variant=variant),
         sender=arguments.sender,

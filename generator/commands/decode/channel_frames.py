@@ -11,7 +11,7 @@ from ...reference import codec
 from ...reference.channels import ChannelFindings, channel_findings, decode_channels
 from ...reference.findings import Findings
 from ...say import report as say_report
-from ...say.plain_text import WIDTH, counted
+from ...say.plain_text import WIDTH, count_with_unit
 from ...say.text import VERDICT_CLAUSES
 from ...why.hypotheses import TypedFrame
 from .field_table import wrapped
@@ -29,10 +29,10 @@ class ChannelResult:
     ``readings`` are the readings of the whole frame with which all CRCs are correct.
     """
 
-    channels: tuple[codec.Decoded, ...]
+    channels: tuple[codec.DecodedFrame, ...]
     findings: ChannelFindings
     whys: tuple[Diagnosis | None, ...]
-    problems: tuple[codec.Problem, ...]
+    problems: tuple[codec.FrameProblem, ...]
     readings: tuple[str, ...]
 
     @property
@@ -41,7 +41,7 @@ class ChannelResult:
         return bool(self.problems) or any(decoded.problems for decoded in self.channels)
 
     @property
-    def all_problems(self) -> Iterator[codec.Problem]:
+    def all_problems(self) -> Iterator[codec.FrameProblem]:
         """The problem with the length, or the channels' problems, each with the name of its channel in the message."""
         yield from self.problems
         for decoded in self.channels:
@@ -94,15 +94,15 @@ class ChannelDecoder:
         frame = self.frame
         number = typed_frame.number
         bits = typed_frame.bits if typed_frame.exact else max(frame.bits, typed_frame.bits)
-        problems: tuple[codec.Problem, ...] = ()
-        decoded_channels: tuple[codec.Decoded, ...] = ()
+        problems: tuple[codec.FrameProblem, ...] = ()
+        decoded_channels: tuple[codec.DecodedFrame, ...] = ()
         findings = ChannelFindings(channels=(), agree=None, verdict=None)
         if bits == frame.bits:
             decoded_channels = decode_channels(device, frame, number)
             findings = channel_findings(device, self._variant, frame, decoded_channels)
         else:
             message = report_of_length(frame, bits)
-            problems = (codec.Problem(Fault.LENGTH, field="", message=message),)
+            problems = (codec.FrameProblem(Fault.LENGTH, field="", message=message),)
         result = ChannelResult(
             channels=decoded_channels,
             findings=findings,
@@ -114,7 +114,7 @@ class ChannelDecoder:
             return result
         return replace(result, readings=self._possible_readings(number, bits))
 
-    def _explain_channel(self, decoded: codec.Decoded) -> Diagnosis | None:
+    def _explain_channel(self, decoded: codec.DecodedFrame) -> Diagnosis | None:
         """Return the explanations of a channel with an error, or None."""
         assert decoded.layout is not None
         text = f"0b{decoded.number:0{decoded.layout.bits}b}"
@@ -137,7 +137,7 @@ def report_of_length(frame: PlacedChannels, bits: int) -> str:
     channels = " and ".join(f"{channel.name} ({channel.bits} bits)" for channel in frame.channels)
     bits_off = abs(frame.bits - bits)
     verb = "is" if bits_off == 1 else "are"
-    difference = f"{counted(bits_off, 'bit')} {verb} {'missing' if bits < frame.bits else 'too many'}"
+    difference = f"{count_with_unit(bits_off, 'bit')} {verb} {'missing' if bits < frame.bits else 'too many'}"
     return say_report.length_of_channels(channels, f"{frame.bits} bits", f"{bits}", difference)
 
 
@@ -169,7 +169,7 @@ def _summary_lines(frame: PlacedChannels, result: ChannelResult) -> Iterator[str
         yield f"all channels together: {VERDICT_CLAUSES[result.findings.verdict]}"
 
 
-def comparison_sentence(frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded], *, agree: bool) -> str:
+def comparison_sentence(frame: PlacedChannels, decoded_channels: Sequence[codec.DecodedFrame], *, agree: bool) -> str:
     """Return a sentence with the compared bits of each channel, and whether they agree."""
     numbers = frame.compared_numbers([decoded.values for decoded in decoded_channels])
     compared_channels = [channel for channel in frame.channels if channel.name in frame.compared]

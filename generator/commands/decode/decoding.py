@@ -12,17 +12,17 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TextIO
 
 from ...model import Device, Flag, PlacedLayout, Variant, Verdict
-from ...order_codes.labels import Match
+from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
-from ...reference.findings import Difference, Findings, findings, strange_values
+from ...reference.findings import Findings, ValueDifference, findings, strange_values
 from ...why import MOST_FRAMES
 from ..open_questions import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels
 from .digits import words_of
 from .frames import (
+    FrameLine,
     FrameTextError,
-    Line,
     OtherFrames,
     decode_register_text,
     frame_lines,
@@ -49,22 +49,22 @@ _ONE_LINE = json.JSONEncoder(ensure_ascii=False)
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class DecodeRequest:
     """Options for decoding the value of ``register`` if that is set, else a frame."""
 
     device: Device
-    match: Match
+    match: LabelMatch
     sender: str
     layout: str | None
     register: str | None
     as_json: bool
     #: Values of ``--register`` that contradict the order code in registers that identify the encoder.
-    register_differences: tuple[Difference, ...]
+    register_differences: tuple[ValueDifference, ...]
     #: The user's answers to questions that the manual leaves open, by the names of the alternatives.
     answers: Mapping[str, str]
 
 
-def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
+def argument_lines(arguments: Sequence[str]) -> Iterator[FrameLine]:
     """Yield the frames in the arguments, or for ``-`` the frames on standard input, one per line.
 
     The arguments form one text, in which each line is a frame. A single frame has no line number. Arguments without
@@ -79,7 +79,7 @@ def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
     # As on standard input, only line feeds and carriage returns end a line.
     lines = list(frame_lines(io.StringIO(joined_arguments, newline=None)))
     if not lines:
-        yield Line(None, "", joined_arguments)
+        yield FrameLine(None, "", joined_arguments)
     elif len(lines) == 1:
         yield lines[0]._replace(number=None)
     else:
@@ -111,7 +111,7 @@ def digits_of_words(device: Device, variant: Variant, sender: str) -> int:
     return bits // 4 if has_whole_digits else 0
 
 
-def split_into_words(line: Line, digit_count: int) -> list[Line]:
+def split_into_words(line: FrameLine, digit_count: int) -> list[FrameLine]:
     """Return a line for each SPI word if the line has several, such as ``{0x7FFE, 0x3FFF}``, else the line itself.
 
     Each word has ``digit_count`` hex digits, and is a whole frame. With 0 digits, no line is split. The words of a line
@@ -126,7 +126,7 @@ def split_into_words(line: Line, digit_count: int) -> list[Line]:
 class Decoding:
     """Decoder of one frame after another. ``code`` is the exit code so far."""
 
-    def __init__(self, request: Request) -> None:
+    def __init__(self, request: DecodeRequest) -> None:
         """Prepare to decode what is requested. Other layouts are tried too unless a layout or a register is named."""
         self._request = request
         device = request.device
@@ -145,7 +145,7 @@ class Decoding:
         self._codes = {FAULT} if request.register_differences else set()
         self._is_first = True
         #: The last frames with an error: the text, the decoded frame and its explanations.
-        self._failed_frames: deque[tuple[str, codec.Decoded, Diagnosis]] = deque(maxlen=MOST_FRAMES)
+        self._failed_frames: deque[tuple[str, codec.DecodedFrame, Diagnosis]] = deque(maxlen=MOST_FRAMES)
 
     @property
     def code(self) -> int:
@@ -155,7 +155,7 @@ class Decoding:
                 return code
         return DONE
 
-    def run(self, lines: Iterable[Line]) -> None:
+    def run(self, lines: Iterable[FrameLine]) -> None:
         """Print each frame decoded, and then the mistakes that explain several frames with an error.
 
         Text that cannot be decoded is reported on standard error, and the next line follows. ``code`` changes with
@@ -192,7 +192,7 @@ class Decoding:
             common_mistakes = self._mistakes_in_all()
             print(*together_lines(common_mistakes, len(self._failed_frames)), sep="\n", end="")
 
-    def _print_channels(self, line: Line, decoder: ChannelDecoder, frame: TypedFrame) -> None:
+    def _print_channels(self, line: FrameLine, decoder: ChannelDecoder, frame: TypedFrame) -> None:
         """Print a frame that carries all data channels, as text or as JSON."""
         request = self._request
         result = decoder.decode(frame)
@@ -239,7 +239,7 @@ class Decoding:
         whys = [why_text(device, variant, sender, text, decoded, with_pairs=True) for text, decoded, _ in failed_frames]
         return judge_together([why for why in whys if why is not None])
 
-    def _decode_text(self, frame_text: str) -> tuple[codec.Decoded, Diagnosis | None]:
+    def _decode_text(self, frame_text: str) -> tuple[codec.DecodedFrame, Diagnosis | None]:
         """Return a decoded frame with its explanations (None if it needs none), or a decoded register value with None.
 
         Raises:
@@ -257,7 +257,7 @@ class Decoding:
         self._refuse_undecided(decoded)
         return decoded, why_text(device, variant, self._request.sender, frame_text, decoded)
 
-    def _refuse_undecided(self, decoded: codec.Decoded) -> None:
+    def _refuse_undecided(self, decoded: codec.DecodedFrame) -> None:
         """Raise ``UndecidedError`` if the layout needs an answer that the user has not given.
 
         A layout that needs no further answer is not checked again for later frames.
@@ -271,7 +271,7 @@ class Decoding:
             refuse_undecided(self._request.device, placed.layout, self._request.answers)
             self._decided_layouts.add(placed.name)
 
-    def _findings_of_frame(self, decoded: codec.Decoded) -> Findings:
+    def _findings_of_frame(self, decoded: codec.DecodedFrame) -> Findings:
         """Return the verdict and the reports on a decoded frame, with all values that differ from the manual.
 
         These are, in this order, values of ``--register`` that contradict the order code, values in the frame that the
@@ -285,11 +285,11 @@ class Decoding:
         differences = (*request.register_differences, *frame_findings.differences, *edition_differences)
         return replace(frame_findings, differences=differences)
 
-    def _other_layouts(self, frame_text: str, decoded: codec.Decoded) -> Sequence[PlacedLayout]:
+    def _other_layouts(self, frame_text: str, decoded: codec.DecodedFrame) -> Sequence[PlacedLayout]:
         """Return the other layouts with which the text is a valid frame, unless the user named the layout."""
         return self._other_frames.layouts_of(frame_text, decoded) if self._other_frames is not None else ()
 
-    def _answers_used(self, decoded: codec.Decoded) -> dict[str, str]:
+    def _answers_used(self, decoded: codec.DecodedFrame) -> dict[str, str]:
         """Return the answers that the result for a frame depends on, as ``{question: answer}``.
 
         These are the answers that place its fields, and those that decide its verdict, with their defaults.
@@ -313,7 +313,7 @@ class Decoding:
             }
         return self._needed_answers[placed_layout.name]
 
-    def _decisive_answers(self, decoded: codec.Decoded) -> dict[str, str]:
+    def _decisive_answers(self, decoded: codec.DecodedFrame) -> dict[str, str]:
         """Return the answers, or their defaults, that decide the verdict of an active flag of the frame.
 
         The result is empty for a frame with an error, which has no verdict.
@@ -334,8 +334,8 @@ class Decoding:
 
     def _frame_output(
         self,
-        line: Line,
-        decoded: codec.Decoded,
+        line: FrameLine,
+        decoded: codec.DecodedFrame,
         frame_findings: Findings,
         diagnosis: Diagnosis | None,
         other_layouts: Sequence[PlacedLayout],
@@ -373,7 +373,7 @@ class Decoding:
         return separator + text
 
 
-def _exit_code(decoded: codec.Decoded, frame_findings: Findings) -> int:
+def _exit_code(decoded: codec.DecodedFrame, frame_findings: Findings) -> int:
     """Return the exit code for one frame: 1 for errors, 3 if the position is not usable, else 0.
 
     A register that contradicts the order code counts as an error.

@@ -9,9 +9,9 @@ from ...model import PlacedLayout
 from ...reference import codec
 from ...say import report as say_report
 from ...say.names_and_places import bit_place
-from ...say.plain_text import WIDTH, quantity
-from ...say.plain_text import wrapped as wrapped_anew
-from ...say.text import sentence, with_unit
+from ...say.plain_text import WIDTH, quantity_text
+from ...say.plain_text import wrap_text as wrapped_anew
+from ...say.text import as_sentence, with_unit
 
 #: Most paragraphs are the same for all frames.
 wrapped = lru_cache(maxsize=1024)(wrapped_anew)
@@ -28,7 +28,7 @@ class _FieldRow(NamedTuple):
 _WIDEST_HEAD = 56
 
 
-def field_table(decoded: codec.Decoded) -> list[str]:
+def field_table(decoded: codec.DecodedFrame) -> list[str]:
     """Return a line per field with its cells in columns: ``bit 3  error  1  yes  The supply is too low``.
 
     The meaning is next to the columns, or below them if they are wide.
@@ -76,7 +76,7 @@ def _meaning_text(placed_layout: PlacedLayout, field: codec.DecodedField) -> str
     if field.name not in gray_names or not isinstance(field.value, int):
         return field.meaning
     gray_text = say_report.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
-    return f"{sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
+    return f"{as_sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
 
 
 def _value_text(field: codec.DecodedField) -> str:
@@ -87,7 +87,7 @@ def _value_text(field: codec.DecodedField) -> str:
         value_with_unit = with_unit(str(field.value), field.unit)
     if field.scale is None:
         return value_with_unit
-    return f"{value_with_unit} ({quantity(field.scale, int(field.value))})"
+    return f"{value_with_unit} ({quantity_text(field.scale, int(field.value))})"
 
 
 def capitalized(text: str) -> str:

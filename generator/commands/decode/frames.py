@@ -34,15 +34,15 @@ from .digits import bits_of_bytes, meanings_of_long_number, possible_meanings, w
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis
 
-_HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
-_GAPS = re.compile(r"[\s_]")
-_BITS = re.compile(r"0[bB][01]+")
-_NUMBER = re.compile(r"0[xX][0-9A-Fa-f]+")
+_HEX_NUMBER = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
+_GAPS_IN_NUMBERS = re.compile(r"[\s_]")
+_BINARY_NUMBER = re.compile(r"0[bB][01]+")
+_PREFIXED_HEX = re.compile(r"0[xX][0-9A-Fa-f]+")
 _WHOLE_BYTES = re.compile(r"(?:0x)?((?:[0-9A-F]{2})+)", re.IGNORECASE)
 #: Only a number with its prefix, such as ``0x1F``.
-_BARE = re.compile(r"0[xXbB][0-9A-Fa-f]+")
-_PASTED = tuple((re.compile(pattern), replacement) for pattern, replacement in notations.PASTED)
-_TIME = re.compile(notations.TIME)
+_LONE_PREFIXED_NUMBER = re.compile(r"0[xXbB][0-9A-Fa-f]+")
+_PASTED_FORMS = tuple((re.compile(pattern), replacement) for pattern, replacement in notations.PASTED)
+_TIME_STAMP = re.compile(notations.TIME)
 _ODD_BLANKS = re.compile(notations.ODD_BLANKS)
 #: Faults that a mistake in reading the line, or in the computation of the CRC, may explain.
 _TRANSMISSION_FAULTS = frozenset((Fault.CRC, Fault.LENGTH))
@@ -52,7 +52,7 @@ class FrameTextError(ValueError):
     """The text is not a frame. The message shows the accepted forms."""
 
 
-class Line(NamedTuple):
+class FrameLine(NamedTuple):
     """A frame as text, with its line number (None if it is the only one) and its leading timestamp, or ``""``."""
 
     number: int | None
@@ -60,7 +60,7 @@ class Line(NamedTuple):
     text: str
 
 
-def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
+def frame_lines(lines: Iterable[str]) -> Iterator[FrameLine]:
     """Yield the frames in lines, one per line, with their line numbers from 1 and their times.
 
     Comments after ``#`` are removed, and empty lines are skipped. A time in front of a frame is not part of its text.
@@ -69,11 +69,11 @@ def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
     for line_number, line in enumerate(lines, 1):
         before_comment, _, _ = _ODD_BLANKS.sub(" ", line).partition("#")
         time_and_frame = before_comment.strip()
-        time = _TIME.match(time_and_frame)
+        time = _TIME_STAMP.match(time_and_frame)
         if time:
-            yield Line(number=line_number, time=time[1], text=time_and_frame[time.end() :])
+            yield FrameLine(number=line_number, time=time[1], text=time_and_frame[time.end() :])
         elif time_and_frame:
-            yield Line(number=line_number, time="", text=time_and_frame)
+            yield FrameLine(number=line_number, time="", text=time_and_frame)
 
 
 def undecorated(frame_text: str) -> str:
@@ -86,10 +86,10 @@ def undecorated(frame_text: str) -> str:
     """
     if len(frame_text) > say_report.LONGEST:
         raise FrameTextError(say_report.TOO_LONG)
-    if _BARE.fullmatch(frame_text):
+    if _LONE_PREFIXED_NUMBER.fullmatch(frame_text):
         return frame_text
     # Brackets, quotes and commas become spaces, ``b`` and ``u`` are removed, ``\x1F`` and ``1Fh`` become ``0x1F``.
-    for pattern, replacement in _PASTED:
+    for pattern, replacement in _PASTED_FORMS:
         frame_text = pattern.sub(replacement, frame_text)
     frame_text = frame_text.strip()
     if not frame_text:
@@ -108,7 +108,7 @@ def frame_bytes(frame_text: str) -> bytes:
     frame = b""
     for piece in with_leading_zeros(frame_text.split()):
         quoted_piece = quoted(visible(piece))
-        if not _HEX.fullmatch(piece):
+        if not _HEX_NUMBER.fullmatch(piece):
             raise FrameTextError(say_report.not_hex(quoted_piece))
         has_prefix = piece[:2] in ("0x", "0X")
         digits = piece[2:] if has_prefix else piece
@@ -157,8 +157,8 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
         FrameTextError: The text has another form.
     """
     prefixed_text = with_prefix(frame_text, placed.bits)
-    without_gaps = _GAPS.sub("", prefixed_text)
-    if _BITS.fullmatch(without_gaps):
+    without_gaps = _GAPS_IN_NUMBERS.sub("", prefixed_text)
+    if _BINARY_NUMBER.fullmatch(without_gaps):
         bits = len(without_gaps) - len("0b")
         return TypedFrame(int(without_gaps, 2), bits, exact=True, written=bits)
     pieces = prefixed_text.split()
@@ -172,7 +172,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
         bits = 4 * (len(without_gaps) - len("0x"))
         if exact and bits // 8 != (placed.bits + 7) // 8:  # Another number of bytes than the layout needs.
             return TypedFrame(int(without_gaps, 16), bits, exact=True, written=bits)
-    if _NUMBER.fullmatch(without_gaps):
+    if _PREFIXED_HEX.fullmatch(without_gaps):
         number = int(without_gaps, 16)
         hex_digits = len(without_gaps) - len("0x")
         return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits, is_bytes=are_bytes)
@@ -206,7 +206,9 @@ def _refuse_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
 # -- decoding
 
 
-def decode_text(device: Device, variant: Variant, sender: str, text: str, layout: str | None = None) -> codec.Decoded:
+def decode_text(
+    device: Device, variant: Variant, sender: str, text: str, layout: str | None = None
+) -> codec.DecodedFrame:
     """Decode a frame given as text.
 
     Args:
@@ -224,7 +226,9 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
     return text_decoder(device, variant, sender, layout)(text)
 
 
-def text_decoder(device: Device, variant: Variant, sender: str, layout: str | None) -> Callable[[str], codec.Decoded]:
+def text_decoder(
+    device: Device, variant: Variant, sender: str, layout: str | None
+) -> Callable[[str], codec.DecodedFrame]:
     """Return a function that decodes the text of one frame, with the layout that ``decode_text`` would choose.
 
     ``layout`` is the name of the layout, or None to let each frame identify its own. If the layout does not exist, the
@@ -236,7 +240,7 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
     # If layouts differ in length, the number of bits identifies the layout.
     is_exact = have_lengths(layouts, sender)
 
-    def decode(text: str) -> codec.Decoded:
+    def decode(text: str) -> codec.DecodedFrame:
         """Return the frame decoded with the named layout or, without a name, with the layout that it identifies."""
         frame_text = undecorated(text)
         if first_placed is None:
@@ -273,7 +277,7 @@ def _no_layout_message(device: Device, variant: Variant, sender: str, name: str 
     return f"{variant.code} has no layout '{name}' from the {sender}{hint}; it has: {known_names}"
 
 
-def decode_register_text(device: Device, variant: Variant, name: str, frame_text: str) -> codec.Decoded:
+def decode_register_text(device: Device, variant: Variant, name: str, frame_text: str) -> codec.DecodedFrame:
     """Decode the value of the register ``name`` from hex bytes in ascending order of address.
 
     Raises:
@@ -314,7 +318,7 @@ def _has_length(placed_layout: PlacedLayout, frame_text: str) -> bool:
 
 def decode_as(
     device: Device, variant: Variant, placed_layout: PlacedLayout, frame_text: str, *, exact: bool
-) -> codec.Decoded:
+) -> codec.DecodedFrame:
     """Decode text that ``undecorated`` returned, with a known layout.
 
     ``exact`` means that frames of the sender have different lengths, so that hex bytes have no additional leading
@@ -332,7 +336,13 @@ def decode_as(
 
 
 def why_text(
-    device: Device, variant: Variant, sender: str, frame_text: str, decoded: codec.Decoded, *, with_pairs: bool = False
+    device: Device,
+    variant: Variant,
+    sender: str,
+    frame_text: str,
+    decoded: codec.DecodedFrame,
+    *,
+    with_pairs: bool = False,
 ) -> Diagnosis | None:
     """Return explanations of a frame whose CRC, length or constant is wrong, or None if nothing explains it.
 
@@ -362,7 +372,7 @@ def _why_bits(
     sender: str,
     frame_text: str,
     placed_layout: PlacedLayout,
-    decoded: codec.Decoded,
+    decoded: codec.DecodedFrame,
     *,
     with_pairs: bool,
 ) -> Diagnosis | None:
@@ -404,14 +414,14 @@ class OtherFrames:
         if len(layouts) > 1 and not has_selector:
             self._candidates = [layout.place(variant.parameters) for layout in layouts]
 
-    def layouts_of(self, frame_text: str, decoded: codec.Decoded) -> tuple[PlacedLayout, ...]:
+    def layouts_of(self, frame_text: str, decoded: codec.DecodedFrame) -> tuple[PlacedLayout, ...]:
         """Return the other layouts with which the text is a valid frame.
 
         ``decoded`` is the result of ``decode_text`` for the text, with one of the layouts.
         """
         return tuple(candidate for candidate in self._candidates if self._is_valid_as(candidate, frame_text, decoded))
 
-    def _is_valid_as(self, candidate: PlacedLayout, text: str, decoded: codec.Decoded) -> bool:
+    def _is_valid_as(self, candidate: PlacedLayout, text: str, decoded: codec.DecodedFrame) -> bool:
         """Return whether the text, which was decoded with another layout, is a valid frame of the candidate.
 
         A frame of the right length is not tried as a layout with another number of bits.
@@ -432,7 +442,7 @@ class OtherFrames:
         return not candidate_decoded.problems
 
 
-def is_frame_of_other_kind(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayout]) -> bool:
+def is_frame_of_other_kind(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout]) -> bool:
     """Return whether a frame with errors is really a valid frame of the only layout in ``other_layouts``.
 
     That layout must have a constant, a CRC or a parity, because any bits are valid in a layout without them.

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from ...model import Device, PlacedLayout, Scale, Variant
 from ...reference import codec
-from ...reference.findings import Difference, Findings, Report
+from ...reference.findings import Findings, FrameReport, ValueDifference
 from .channel_frames import ChannelResult
-from .frames import Line
+from .frames import FrameLine
 from .text import NO_ANSWERS, NO_LINE
 
 if TYPE_CHECKING:
@@ -22,10 +22,10 @@ def decoded_data(
     device: Device,
     variant: Variant,
     sender: str,
-    decoded: codec.Decoded,
+    decoded: codec.DecodedFrame,
     frame_findings: Findings,
     diagnosis: Diagnosis | None = None,
-    line: Line = NO_LINE,
+    line: FrameLine = NO_LINE,
     answers: Mapping[str, str] = NO_ANSWERS,
     other_layouts: Sequence[PlacedLayout] = (),
 ) -> dict[str, Any]:
@@ -54,12 +54,14 @@ def decoded_data(
     }
 
 
-def channel_data(device: Device, variant: Variant, sender: str, result: ChannelResult, line: Line) -> dict[str, Any]:
+def channel_data(
+    device: Device, variant: Variant, sender: str, result: ChannelResult, line: FrameLine
+) -> dict[str, Any]:
     """Return a frame with several data channels as plain data, with the errors and reports of all channels.
 
     Each channel also has the errors and reports of its frame, and its fields. ``agree`` is null if nothing is compared.
     """
-    whole_frame = codec.Decoded(layout=None, number=0, fields=(), crc=None, problems=tuple(result.all_problems))
+    whole_frame = codec.DecodedFrame(layout=None, number=0, fields=(), crc=None, problems=tuple(result.all_problems))
     data = decoded_data(device, variant, sender, whole_frame, result.all_findings, line=line)
     channels = zip(result.channels, result.findings.channels, result.whys, strict=True)
     data["channels"] = [
@@ -75,11 +77,11 @@ def _crc_data(crc: codec.CrcResult) -> dict[str, Any]:
     return {"received": crc.received, "computed": crc.computed, "ok": crc.ok}
 
 
-def _problem_data(problem: codec.Problem) -> dict[str, Any]:
+def _problem_data(problem: codec.FrameProblem) -> dict[str, Any]:
     return {"kind": problem.fault.value, "field": problem.field or None, "message": problem.message}
 
 
-def _difference_data(difference: Difference) -> dict[str, Any]:
+def _difference_data(difference: ValueDifference) -> dict[str, Any]:
     """Return a value that differs from the manual, for JSON."""
     return {
         "field": difference.field,
@@ -116,7 +118,7 @@ def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
     }
 
 
-def _report_data(report: Report) -> dict[str, Any]:
+def _report_data(report: FrameReport) -> dict[str, Any]:
     """Return a report of the encoder, for JSON."""
     return {
         "field": report.field,

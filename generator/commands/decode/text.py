@@ -9,37 +9,37 @@ from typing import TYPE_CHECKING
 
 from ...model import Alternative, Crc, Device, Fault, Measurement, PlacedLayout, Variant, Verdict
 from ...model.expressions import Expression
-from ...order_codes.labels import Match
+from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import parameters_of
 from ...reference import codec
-from ...reference.findings import Findings, Report
+from ...reference.findings import Findings, FrameReport
 from ...say import report as say_report
 from ...say.evidence import origin, placeholders
-from ...say.names_and_places import words
+from ...say.names_and_places import name_in_words
 from ...say.order_code import not_on_label
 from ...say.plain_text import WIDTH, decimal
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
-from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, counted, sentence
+from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, as_sentence, count_with_unit
 from .field_table import capitalized, field_table, wrapped
-from .frames import Line, frame_number, is_frame_of_other_kind, undecorated
+from .frames import FrameLine, frame_number, is_frame_of_other_kind, undecorated
 
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis, Explanation
     from ...why.together import CommonMistake
 
 NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
-NO_LINE = Line(None, "", "")
+NO_LINE = FrameLine(None, "", "")
 _NO_FINDINGS = Findings()
 
 
 def explain(
     device: Device,
-    code_match: Match,
+    code_match: LabelMatch,
     sender: str,
-    decoded: codec.Decoded,
+    decoded: codec.DecodedFrame,
     findings: Findings = _NO_FINDINGS,
     diagnosis: Diagnosis | None = None,
-    line: Line = NO_LINE,
+    line: FrameLine = NO_LINE,
     answers: Mapping[str, str] = NO_ANSWERS,
     label: Sequence[str] | None = None,
     other_frames: str = "",
@@ -57,7 +57,7 @@ def explain(
 def described_frame(
     device: Device,
     variant: Variant,
-    decoded: codec.Decoded,
+    decoded: codec.DecodedFrame,
     findings: Findings,
     diagnosis: Diagnosis | None = None,
     answers: Mapping[str, str] = NO_ANSWERS,
@@ -84,10 +84,10 @@ def described_frame(
     if diagnosis is not None:
         yield from _why_lines(diagnosis, decoded.layout)
     elif _is_corrupted(decoded) and not other_frames:
-        yield from ("", sentence(say_report.NO_EXPLANATION))
+        yield from ("", as_sentence(say_report.NO_EXPLANATION))
 
 
-def _is_corrupted(decoded: codec.Decoded) -> bool:
+def _is_corrupted(decoded: codec.DecodedFrame) -> bool:
     """Return whether a frame is corrupted: its CRC or length is wrong or, without a right CRC, a constant."""
     faults = {problem.fault for problem in decoded.problems}
     has_right_crc = decoded.crc is not None and decoded.crc.ok
@@ -101,7 +101,9 @@ def evidence_lines(device: Device) -> Iterator[str]:
         yield wrapped(placeholders(device), WIDTH, prefix="  ", first="")
 
 
-def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decoded, frame_text: str) -> Iterator[str]:
+def _other_position_lines(
+    device: Device, variant: Variant, decoded: codec.DecodedFrame, frame_text: str
+) -> Iterator[str]:
     """Yield lines about a frame without errors that may still be wrong: other readings, and an own request over SPI.
 
     ``frame_text`` is the frame as typed.
@@ -117,13 +119,13 @@ def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decod
     readings = [f"{position} {reason}" for reason, position in other_readings]
     if readings:
         suggestion = say_report.looks_wrong(position_name(device, variant), ", ".join(readings))
-        yield wrapped(sentence(suggestion), WIDTH, prefix="  ", first="")
+        yield wrapped(as_sentence(suggestion), WIDTH, prefix="  ", first="")
     request_name = own_request(device, variant, placed_layout, decoded.number)
     if request_name:
-        yield wrapped(sentence(capitalized(say_report.own_request(request_name))), WIDTH, prefix="  ", first="")
+        yield wrapped(as_sentence(capitalized(say_report.own_request(request_name))), WIDTH, prefix="  ", first="")
 
 
-def line_prefix(line: Line) -> str:
+def line_prefix(line: FrameLine) -> str:
     """Return the number and the time of a line of input, such as ``line 3 at 0.125: ``, or an empty string."""
     number_text = f"line {line.number}" if line.number is not None else ""
     time_text = f"at {line.time}" if line.time else ""
@@ -138,7 +140,7 @@ def heading(device: Device, variant: Variant, sender: str, placed_layout: Placed
     return text if is_register else f"{text}, from the {sender}"
 
 
-def label_lines(device: Device, code_match: Match) -> Iterator[str]:
+def label_lines(device: Device, code_match: LabelMatch) -> Iterator[str]:
     """Yield the parameters read from registers, how the label differs from the manual, and where the spec is from."""
     variant = code_match.variant
     names_read = [parameter.name for parameter in parameters_of(device, variant.interface) if parameter.read_from]
@@ -151,7 +153,7 @@ def label_lines(device: Device, code_match: Match) -> Iterator[str]:
         yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ")
 
 
-def label_differences(device: Device, code_match: Match) -> Iterator[str]:
+def label_differences(device: Device, code_match: LabelMatch) -> Iterator[str]:
     """Yield how a label differs from the codes in the manual: made up, other spelling, unlisted, tail, or special."""
     for statement in not_on_label(device):
         yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ")
@@ -171,11 +173,11 @@ def label_differences(device: Device, code_match: Match) -> Iterator[str]:
 def _layout_line(placed_layout: PlacedLayout) -> str:
     """Return the line about a layout, such as ``Single cycle data, 45 bits, data channel 2``."""
     layout = placed_layout.layout
-    title = layout.printed_name or words(placed_layout.name)
+    title = layout.printed_name or name_in_words(placed_layout.name)
     if layout.in_bytes:
-        length = counted(placed_layout.bits // 8, "byte")
+        length = count_with_unit(placed_layout.bits // 8, "byte")
     else:
-        length = counted(placed_layout.bits, "bit")
+        length = count_with_unit(placed_layout.bits, "bit")
     channel = f", data channel {layout.channel}" if layout.channel else ""
     return f"{title}, {length}{channel}"
 
@@ -213,7 +215,7 @@ def _crc_line(crc: Crc, crc_result: codec.CrcResult) -> str:
     return wrapped(f"CRC {crc_result.received:#04x}: {verdict} ({computation})", WIDTH, prefix="  ", first="")
 
 
-def _problem_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
+def _problem_lines(decoded: codec.DecodedFrame, findings: Findings) -> Iterator[str]:
     """Yield the errors of a frame and its differences from the manual. Without errors, the encoder's reports follow."""
     for problem in decoded.problems:
         yield wrapped(f"{problem.fault.value} error: {problem.message}", WIDTH, prefix="  ", first="")
@@ -223,7 +225,7 @@ def _problem_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
         yield from _report_lines(decoded, findings)
 
 
-def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
+def _report_lines(decoded: codec.DecodedFrame, findings: Findings) -> Iterator[str]:
     """Yield the encoder's reports and the verdict that follows from them.
 
     Without reports, yield one line: ``no frame error; this frame has no CRC; …`` with the verdict, if there is one.
@@ -243,30 +245,30 @@ def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
     yield wrapped("; ".join(statements), WIDTH, prefix="  ", first="")
 
 
-def _is_known_frame(decoded: codec.Decoded) -> bool:
+def _is_known_frame(decoded: codec.DecodedFrame) -> bool:
     """Return whether a frame with a known layout was decoded, not a register."""
     return decoded.layout is not None and decoded.layout.layout.sender != ""
 
 
-def _no_error_text(decoded: codec.Decoded, findings: Findings) -> str:
+def _no_error_text(decoded: codec.DecodedFrame, findings: Findings) -> str:
     if findings.differences:
         return "no other error"
     return "no frame error" if _is_known_frame(decoded) else "the value is valid"
 
 
-def _no_crc_text(decoded: codec.Decoded) -> str:
+def _no_crc_text(decoded: codec.DecodedFrame) -> str:
     has_parity = decoded.layout is not None and decoded.layout.has_parity
     return "this frame has no CRC, only parity" if has_parity else "this frame has no CRC"
 
 
-def _report_text(report: Report) -> str:
+def _report_text(report: FrameReport) -> str:
     name = f"{report.field} ({report.printed_name})" if report.printed_name else report.field
     if not report.remedy:
         return f"{name}: {report.meaning}"
-    return f"{name}: {sentence(report.meaning)} {sentence(report.remedy)}"
+    return f"{name}: {as_sentence(report.meaning)} {as_sentence(report.remedy)}"
 
 
-def _position_text(device: Device, variant: Variant, decoded: codec.Decoded, verdict: Verdict | None) -> str:
+def _position_text(device: Device, variant: Variant, decoded: codec.DecodedFrame, verdict: Verdict | None) -> str:
     """Return the position in µm or degrees, such as ``position: 90.0°``, or nothing for one that is not usable.
 
     If the frame has only a part of the position, show the part with the lowest bits.
@@ -324,9 +326,9 @@ def _why_lines(diagnosis: Diagnosis, placed_layout: PlacedLayout | None) -> list
     """Return the lines that explain the frame: only the dead line if that is it, else disturbed bits and mistakes."""
     is_line_stuck = [explanation.kind for explanation in diagnosis.explanations] == ["line_stuck"]
     if is_line_stuck:
-        explanation = sentence(capitalized(diagnosis.explanations[0].text))
+        explanation = as_sentence(capitalized(diagnosis.explanations[0].text))
         return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
-    missing = sentence(capitalized(diagnosis.missing)) if diagnosis.missing else ""
+    missing = as_sentence(capitalized(diagnosis.missing)) if diagnosis.missing else ""
     missing_lines = ["", wrapped(missing, WIDTH, prefix="  ", first="")] if missing else []
     return [*missing_lines, *_disturbed_lines(diagnosis.disturbed, placed_layout), *_mistake_lines(diagnosis)]
 
@@ -353,7 +355,7 @@ def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
     """Return the mistakes that explain a frame, each with its chance, or a line that none does, and then hints."""
     whole_percent = round(100 * diagnosis.coincidence)
     percent = f"{whole_percent}" if whole_percent else "less than 1"
-    mistakes = counted(diagnosis.tried, "common mistake")
+    mistakes = count_with_unit(diagnosis.tried, "common mistake")
     chance = f"{mistakes} tried; {percent} of 100 random frames would match at least one"
     lines = []
     if diagnosis.explanations:
@@ -373,10 +375,10 @@ def _hint_lines(diagnosis: Diagnosis) -> list[str]:
     """Return whether another frame would help, and what the CRC cannot detect."""
     lines = []
     if diagnosis.explanations and diagnosis.explanations[0].hides_shift:
-        lines.append(wrapped(sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first=""))
+        lines.append(wrapped(as_sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first=""))
     if diagnosis.equal_readings:
         equal_readings = say_report.equal_readings(f"{diagnosis.equal_readings}")
-        lines.append(wrapped(sentence(equal_readings), WIDTH, prefix="  ", first=""))
+        lines.append(wrapped(as_sentence(equal_readings), WIDTH, prefix="  ", first=""))
     if diagnosis.needs_another_frame:
         lines.append(wrapped(ANOTHER_FRAME, WIDTH, prefix="  ", first=""))
     if diagnosis.cannot_see:
@@ -397,7 +399,7 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
         chance = f"; matches by chance in {_frequency_text(mistake.one_in)}" if mistake.one_in > 1 else ""
         yield wrapped(f"{mistake.text}{chance}", WIDTH, prefix=" " * 6, first="    - ")
     if mistakes[0].hides_shift:
-        yield wrapped(sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first="")
+        yield wrapped(as_sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first="")
     yield ""
 
 
@@ -435,7 +437,7 @@ def _frequency_text(frames_per_match: int) -> str:
     return f"1 of {frames_per_match:,}" if frames_per_match < 1_000_000 else "fewer than 1 of a million"
 
 
-def other_frames_line(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayout]) -> str:
+def other_frames_line(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout]) -> str:
     """Return a sentence with the other layouts that the frame matches, and how to choose one, or an empty string."""
     if not other_layouts:
         return ""

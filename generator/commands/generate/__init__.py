@@ -10,14 +10,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..arguments import Parser, a_path, add_cache_option, add_specs, cache_for
-from ..terminal import Progress, Stop, problems
+from ..terminal import CommandError, Progress, print_problems
 
 if TYPE_CHECKING:
     import argparse
     from pathlib import Path
 
     from ...cache import Cache
-    from ...language.problems import Report
+    from ...language.problems import ProblemReport
     from ...model import Device
     from ...targets import Library, Options, Target
     from ..cached_result import CachedResult
@@ -112,7 +112,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Write or compare all outputs, and return the exit code.
 
     Raises:
-        Stop: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
+        CommandError: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
     """
     from ..selection import select_specs
     from .earlier_run import is_unchanged
@@ -154,7 +154,7 @@ def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Se
     with Progress("codewheel: checking the specs"):
         devices = complete_devices(families, targets, arguments.edition, report, selection.only)
     if report:
-        raise problems(report)
+        raise print_problems(report)
     specs_line = _line_about_specs(devices, report, arguments.packaged, selection.packaged)
     print(specs_line)
     accepted = devices_by_target([target.name for target in targets], devices, selection.only)
@@ -193,16 +193,16 @@ def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Tar
     """Refuse a folder of templates that does not exist, and a document type without its target.
 
     Raises:
-        Stop: The exit code is 2.
+        CommandError: The exit code is 2.
     """
     if arguments.templates is not None and not arguments.templates.is_dir():
-        raise Stop(f"there is no folder {arguments.templates}", 2)
+        raise CommandError(f"there is no folder {arguments.templates}", 2)
     if arguments.biss_dtd is not None and all(target.name != "biss" for target in targets):
-        raise Stop("--biss-dtd needs the target biss", 2)
+        raise CommandError("--biss-dtd needs the target biss", 2)
 
 
 def _line_about_specs(
-    devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
+    devices: Sequence[Device], report: ProblemReport, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
     """Return a line about the specs that were read, and a second line if values from the template remain.
 

@@ -9,9 +9,9 @@ import argparse
 from collections.abc import Mapping, Sequence
 from typing import TypedDict
 
-from ...say.plain_text import counted
+from ...say.plain_text import count_with_unit
 from ...write import digest_of, digest_on_disk
-from ..terminal import Stop
+from ..terminal import CommandError
 
 #: The files of each target, as texts by path.
 Files = Mapping[str, Mapping[str, str]]
@@ -47,12 +47,12 @@ def result_to_store(read_line: str, files: Files, families: Families) -> Generat
 
 
 def print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
-    """Print the number of files. With ``--check``, raise ``Stop`` with exit code 1 if ``changed`` of them differ."""
+    """Print the number of files. With ``--check``, raise ``CommandError`` with exit code 1 if ``changed`` of them differ."""
     if arguments.check and changed:
-        raise Stop(f"{counted(changed, 'file')} out of date; run: {arguments.again}", 1)
+        raise CommandError(f"{count_with_unit(changed, 'file')} out of date; run: {arguments.again}", 1)
     if arguments.check:
-        print(f"{counted(count, 'file')} up to date")
+        print(f"{count_with_unit(count, 'file')} up to date")
     elif changed:
-        print(f"{counted(changed, 'file')} changed, {count - changed} unchanged")
+        print(f"{count_with_unit(changed, 'file')} changed, {count - changed} unchanged")
     else:
         print(f"all {count} files unchanged")

@@ -21,12 +21,12 @@ from ...loading.stored import digest_of as model_digest_of
 from ...model import Device
 from ...output_folder import WriteError
 from ...removable_outputs import Guard
-from ...say.plain_text import counted
+from ...say.plain_text import count_with_unit
 from ...targets import Library, TargetError
 from ...targets.registry import load_target
-from ...write import Change, changes, left_stages, write
+from ...write import FileChange, left_stages, list_changes, write
 from ..outputs import accepted_devices
-from ..terminal import Stop
+from ..terminal import CommandError
 from .earlier_run import Families, Files, print_summary
 
 
@@ -35,22 +35,22 @@ def write_or_compare(
 ) -> int:
     """Write or, with ``--check``, only compare the files of each target. Return the exit code, which is 0.
 
-    ``families`` are those that each target was rendered from. ``gate`` raises ``Stop`` to refuse writing specs that
+    ``families`` are those that each target was rendered from. ``gate`` raises ``CommandError`` to refuse writing specs that
     must not be released. ``gate`` is called if a file would change. Without ``--prune``, ``guard`` refuses to remove
     outputs.
 
     Raises:
-        Stop: The disk fails, a compared file differs, ``gate`` or ``guard`` refuses the changes, or an idbiss file is
+        CommandError: The disk fails, a compared file differs, ``gate`` or ``guard`` refuses the changes, or an idbiss file is
             not valid.
     """
 
-    def refuse_removals(changes_by_target: Mapping[str, Sequence[Change]]) -> None:
+    def refuse_removals(changes_by_target: Mapping[str, Sequence[FileChange]]) -> None:
         if not arguments.prune:
             guard.check(changes_by_target)
 
     try:
         if arguments.check:
-            changes_by_target = {name: changes(arguments.output, name, texts) for name, texts in files.items()}
+            changes_by_target = {name: list_changes(arguments.output, name, texts) for name, texts in files.items()}
             refuse_removals(changes_by_target)
             file_changes = list(chain.from_iterable(changes_by_target.values()))
             file_changes += left_stages(arguments.output)
@@ -65,7 +65,7 @@ def write_or_compare(
                 families=families,
             )
     except WriteError as error:
-        raise Stop(str(error), 1) from None
+        raise CommandError(str(error), 1) from None
     _print_changes(file_changes, arguments)
     if arguments.biss_dtd is not None:
         _validate_idbiss(files["biss"], arguments.output, arguments.biss_dtd)
@@ -76,11 +76,11 @@ def _print_wait(output: Path) -> None:
     print(f"codewheel: waiting for another run that is writing to {output.as_posix()}", file=sys.stderr, flush=True)
 
 
-def _print_changes(file_changes: Sequence[Change], arguments: argparse.Namespace) -> None:
+def _print_changes(file_changes: Sequence[FileChange], arguments: argparse.Namespace) -> None:
     """Print the files that changed or, if they were only compared, differ, and a summary.
 
     Raises:
-        Stop: A file that was only compared differs.
+        CommandError: A file that was only compared differs.
     """
     word_by_change = {"written": "differs", "removed": "left over"} if arguments.check else {}
     changed_files = [change for change in file_changes if change.what != "unchanged"]
@@ -92,7 +92,7 @@ def _print_changes(file_changes: Sequence[Change], arguments: argparse.Namespace
     print_summary(arguments, len(file_changes), len(changed_files))
 
 
-def _print_targets_by_state(file_changes: Iterable[Change]) -> None:
+def _print_targets_by_state(file_changes: Iterable[FileChange]) -> None:
     """Print which targets match the specs and which do not, if there are both.
 
     There are if a run was killed between two targets. The target of a file is the first folder of its path.
@@ -113,9 +113,9 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     """Validate every idbiss file in ``files``, texts by path, against the document type ``dtd``.
 
     Raises:
-        Stop: A file is not valid (exit code 1), or ``dtd`` cannot be used (exit code 2).
+        CommandError: A file is not valid (exit code 1), or ``dtd`` cannot be used (exit code 2).
     """
-    from ...targets.biss.dtd import DtdError, faults, read_dtd
+    from ...targets.biss.dtd import DtdError, read_dtd, validation_errors
 
     idbiss_names = [name for name in files if Path(name).name.startswith("idbiss")]
     path_by_name = {name: (output / name).as_posix() for name in idbiss_names}
@@ -123,13 +123,13 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     try:
         dtd_text = read_dtd(dtd)
         for name in idbiss_names:
-            dtd_errors += faults(files[name], path_by_name[name], dtd_text, dtd.as_posix())
+            dtd_errors += validation_errors(files[name], path_by_name[name], dtd_text, dtd.as_posix())
     except DtdError as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     for dtd_error in dtd_errors:
         print(dtd_error, file=sys.stderr)
     if dtd_errors:
-        raise Stop(f"not valid against {dtd}: {counted(len(dtd_errors), 'error')}", 1)
+        raise CommandError(f"not valid against {dtd}: {count_with_unit(len(dtd_errors), 'error')}", 1)
     for name in idbiss_names:
         print(f"valid against {dtd}: {path_by_name[name]}")
 

@@ -23,7 +23,7 @@ from ...model import (
     cite,
 )
 from ...model.expressions import Expression
-from ...order_codes.labels import Match
+from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths
 from ...order_codes.reduction import for_interface, reduced_to_codes, with_output_code
 from ...order_codes.sent_layouts import with_sent_layouts
@@ -34,20 +34,20 @@ from ...say import order_code as say_order_code
 from ...say import register as say_field
 from ...say import register as say_measurement
 from ...say import register as say_register
-from ...say.errata import answer as say_answer
-from ...say.errata import needed_answers, question
-from ...say.evidence import grade, origin
+from ...say.errata import describe_answer as say_answer
+from ...say.errata import describe_question, needed_answers
+from ...say.evidence import describe_grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
-from ...say.order_code import not_on_label, open_values, spelling
-from ...say.plain_text import WIDTH, decimal, two_columns, wrapped
-from ...say.text import PLAIN_STYLE, Style, counted, language
+from ...say.order_code import describe_spelling, not_on_label, open_values
+from ...say.plain_text import WIDTH, decimal, two_columns, wrap_text
+from ...say.text import PLAIN_STYLE, Style, count_with_unit, language_name
 from ..decode.text import label_differences
 from .picture import picture
 
 
 def device_text(device: Device) -> str:
     """Return the text about a family: order codes, interfaces, registers, procedures and errata."""
-    lines = [wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH)]
+    lines = [wrap_text(f"{device.title} ({device.manufacturer.title})", WIDTH)]
     lines += [*_manual_lines(device), *_order_code_lines(device)]
     parameters = [(parameter.name, _about_parameter(device, parameter)) for parameter in device.parameters]
     if parameters:
@@ -67,11 +67,11 @@ def device_text(device: Device) -> str:
     return "\n".join(lines)
 
 
-def variant_text(device: Device, code_match: Match) -> str:
+def variant_text(device: Device, code_match: LabelMatch) -> str:
     """Return the text about an order code: its parameters, interface, frames, registers, procedures and errata."""
     variant = code_match.variant
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
-    lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, prefix="  ", first="")]
+    lines = [wrap_text(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, prefix="  ", first="")]
     lines += [*label_differences(device, code_match), *_manual_lines(device), *_parameter_lines(device, variant)]
     lines += alternative_lines(reduced_device)
     lines += _position_lines([("", device.measurement_of(variant.interface))], variant.parameters)
@@ -96,12 +96,14 @@ def _manual_lines(device: Device) -> list[str]:
     """Return the lines about the manual, its other editions, and the evidence for what it says."""
     manual = device.manual
     date = f" of {manual.date}" if manual.date else ""
-    sentences = [f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"]
-    sentences += [PLAIN_STYLE.sentence(statement) for statement in (grade(device), *origin(device))]
+    sentences = [
+        f"from the manual {manual.title}, revision {manual.revision}{date}, in {language_name(manual.language)}"
+    ]
+    sentences += [PLAIN_STYLE.sentence(statement) for statement in (describe_grade(device), *origin(device))]
     if device.editions:
         revisions = ", ".join(edition.revision for edition in device.editions)
         sentences.append(f"--edition shows the others: {revisions}")
-    return [wrapped(sentence, WIDTH, prefix="  ") for sentence in sentences]
+    return [wrap_text(sentence, WIDTH, prefix="  ") for sentence in sentences]
 
 
 def _order_code_lines(device: Device) -> Iterator[str]:
@@ -109,19 +111,19 @@ def _order_code_lines(device: Device) -> Iterator[str]:
     yield ""
     yield f"Order codes: {device.order_code.pattern}"
     for statement in not_on_label(device):
-        yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="    ", first="  ")
+        yield wrap_text(PLAIN_STYLE.sentence(statement), WIDTH, prefix="    ", first="  ")
     for part in device.order_code.parts:
-        yield wrapped(part.meaning, WIDTH, prefix="    ", first=f"  {part.name}: ")
+        yield wrap_text(part.meaning, WIDTH, prefix="    ", first=f"  {part.name}: ")
         yield from two_columns(((option.text, option.meaning) for option in part.values), indent=4)
         for statement in open_values(part):
             yield _indented_paragraph(PLAIN_STYLE.sentence(statement))
     for also_written in device.order_code.also_written:
-        yield wrapped(PLAIN_STYLE.sentence(spelling(also_written)), WIDTH, prefix="    ", first="  ")
+        yield wrap_text(PLAIN_STYLE.sentence(describe_spelling(also_written)), WIDTH, prefix="    ", first="  ")
 
 
 def _indented_paragraph(text: str) -> str:
     """Return text about something that has a heading, whose further lines are indented."""
-    return wrapped(text, WIDTH, prefix="      ", first="    ")
+    return wrap_text(text, WIDTH, prefix="      ", first="    ")
 
 
 # -- parameters and questions
@@ -145,7 +147,7 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
         # A calculated parameter has no register of its own.
         registers_read = [device.register(parameter.register) for parameter in in_registers if parameter.read_from]
         example = f"--register 0x{registers_read[0].address:02X}=0x.."
-        lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, prefix="  "))
+        lines.append(wrap_text(f"decode accepts other values, one byte at a time: {example}", WIDTH, prefix="  "))
     return lines
 
 
@@ -165,7 +167,7 @@ def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Varia
 
 
 def _about_parameter(device: Device, parameter: Parameter) -> str:
-    return PLAIN_STYLE.paragraph(say_order_code.parameter(device, parameter))
+    return PLAIN_STYLE.paragraph(say_order_code.describe_parameter(device, parameter))
 
 
 def alternative_lines(device: Device) -> list[str]:
@@ -175,8 +177,11 @@ def alternative_lines(device: Device) -> list[str]:
     lines = ["", "Left open by the manual, for you to choose"]
     for alternative in device.alternatives:
         lines.append(
-            wrapped(
-                PLAIN_STYLE.sentence(question(alternative)), WIDTH, prefix="      ", first=f"  {alternative.name}: "
+            wrap_text(
+                PLAIN_STYLE.sentence(describe_question(alternative)),
+                WIDTH,
+                prefix="      ",
+                first=f"  {alternative.name}: ",
             )
         )
         lines += [_indented_paragraph(PLAIN_STYLE.sentence(say_answer(answer))) for answer in alternative.answers]
@@ -213,7 +218,7 @@ def _position_lines(
     for title, measurement in measurements:
         if measurement is None:
             continue
-        counts = style_with(parameters).phrase(say_measurement.measurement(measurement))
+        counts = style_with(parameters).phrase(say_measurement.describe_measurement(measurement))
         length = _whole_length(measurement, parameters)
         title_and_range_rows.append((title or measurement.of, f"{counts}{length}  [{cite(measurement.source)}]"))
     return ["", "Position", *two_columns(title_and_range_rows, indent=2)] if title_and_range_rows else []
@@ -242,7 +247,7 @@ def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] |
     style = style_with(parameters)
     range_rows = []
     for layout_name, own_range in say_measurement.own_ranges(device, interface):
-        range_text = style.phrase(say_measurement.position_range(own_range))
+        range_text = style.phrase(say_measurement.describe_position_range(own_range))
         range_rows.append((f"in {layout_name}", f"{range_text}  [{cite(own_range.source)}]"))
     return two_columns(range_rows, indent=2)
 
@@ -252,7 +257,7 @@ def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] |
 
 def interface_lines(device: Device, interface: Interface) -> list[str]:
     """Return the title of an interface, and a line for each fact about it, such as its clock or its port."""
-    facts = say_interface.facts(device, interface)
+    facts = say_interface.describe_interface_facts(device, interface)
     fact_rows = [(fact.label, f"{PLAIN_STYLE.phrase(fact)}  {PLAIN_STYLE.cited(fact.source)}") for fact in facts]
     return [f"{interface.title}  [{cite(interface.source)}]", *two_columns(fact_rows, indent=2)]
 
@@ -267,10 +272,10 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
         name = field.group or field.name
         widths_by_name.setdefault(name, []).append(_width_text(field))
     heading = PLAIN_STYLE.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
-    lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
+    lines = [wrap_text(heading, WIDTH, prefix="    ", first="  ")]
     width_rows = [(name, ", ".join(widths)) for name, widths in widths_by_name.items()]
     lines += two_columns(width_rows, indent=4)
-    for statement in (*say_layout.facts(interface, layout), *needed_answers(device, layout)):
+    for statement in (*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)):
         lines.append(_indented_paragraph(PLAIN_STYLE.sentence(statement)))
     return lines
 
@@ -283,16 +288,16 @@ def _width_text(field: Field) -> str:
     width = field.width.constant if field.width.is_constant else field.width.render()
     if field.group:
         return f"{field.name} {width}"
-    return counted(width, "bit") + _fixed_value_text(field)
+    return count_with_unit(width, "bit") + _fixed_value_text(field)
 
 
 def _fixed_value_text(field: Field) -> str:
     """Return the fixed value of a field, such as ``, always 5`` or ``, unused, 1Fh in the manual``, or nothing."""
     match field.kind:
         case Constant(value):
-            return f", always {say_field.short(value)}"
+            return f", always {say_field.short_number(value)}"
         case Unused(value):
-            return f", unused, {say_field.short(value)} in the manual"
+            return f", unused, {say_field.short_number(value)} in the manual"
         case _:
             return ""
 
@@ -312,8 +317,8 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
         notes.append(f"The widths are the {say_order_code.initial(device)} in {register_fields}.")
     if layout.gray_of:
         notes.append(_position_code_note(device, placed))
-    lines = [wrapped(heading, WIDTH, prefix="  ", first=""), *picture(placed)]
-    return lines + [wrapped(note, WIDTH, prefix="  ", first="  ") for note in notes]
+    lines = [wrap_text(heading, WIDTH, prefix="  ", first=""), *picture(placed)]
+    return lines + [wrap_text(note, WIDTH, prefix="  ", first="  ") for note in notes]
 
 
 def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterator[str]:
@@ -362,13 +367,13 @@ def _lines_about_register(device: Device, register: Register, variant: Variant |
     """
     style = style_with(variant.parameters if variant is not None else None)
     heading = style.sentence(say_register.head(device, register, register.name))
-    lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
+    lines = [wrap_text(heading, WIDTH, prefix="    ", first="  ")]
     fields = register.layout.fields
-    facts = list(say_register.facts(device, register))
+    facts = list(say_register.describe_register_facts(device, register))
     if len(fields) == 1:
         facts += say_field.rules(device, fields[0])
     if facts:
-        lines.append(wrapped(style.paragraph(facts), WIDTH, prefix="    "))
+        lines.append(wrap_text(style.paragraph(facts), WIDTH, prefix="    "))
     if variant is not None and len(fields) > 1:
         field_rows = []
         for placed_field in register.layout.place(variant.parameters).fields:
@@ -428,9 +433,9 @@ def _errata_lines(device: Device) -> list[str]:
         if erratum.severity == "wording":
             wording_count += 1
             continue
-        heading, *details = PLAIN_STYLE.lines(say_errata.erratum(erratum, whole=True))
-        lines += [wrapped(heading, WIDTH, prefix="    ", first="  "), *map(_indented_paragraph, details)]
+        heading, *details = PLAIN_STYLE.lines(say_errata.describe_erratum(erratum, whole=True))
+        lines += [wrap_text(heading, WIDTH, prefix="    ", first="  "), *map(_indented_paragraph, details)]
     if wording_count:
         summary = f"and {wording_count} about wording only, listed by --json and the documentation"
-        lines.append(wrapped(summary, WIDTH, prefix="    ", first="  "))
+        lines.append(wrap_text(summary, WIDTH, prefix="    ", first="  "))
     return lines

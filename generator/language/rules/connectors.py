@@ -9,24 +9,24 @@ from itertools import pairwise
 
 from ...model import Connector
 from ..document import Path
-from ..problems import DocumentReport, listed, quoted
+from ..problems import DocumentReport, join_words, quoted
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 
 #: Contacts without a signal.
-_FREE = re.compile(
+_UNCONNECTED_SIGNAL = re.compile(
     r"(?:not (?:to be )?(?:connected|used)|unused|reserved|n\.? ?c\.?|do not connect|free|[-–—])", re.IGNORECASE
 )
 #: Signals that several contacts may have: supplies, grounds and shields.
-_SHARED = re.compile(
+_SHAREABLE_SIGNAL = re.compile(
     r"(?<![A-Za-z])"
     r"(?:\d*(?:[.,]\d+)? ?V(?:dc|b|cc|dd|in|s)?|ground|gnd|earth|pe|shield|screen|braid|case|housing|supply)"
     r"(?![A-Za-z])",
     re.IGNORECASE,
 )
 _IN_PARENTHESES = re.compile(r"\(([^()]*)\)")
-_SIGNS = {"+": "-", "-": "+"}
+_OPPOSITE_SIGN = {"+": "-", "-": "+"}
 #: Index in the list and number of each numbered contact.
 Numbered = Sequence[tuple[int, int]]
 
@@ -53,14 +53,14 @@ class _Contact:
 
     @property
     def is_shared(self) -> bool:
-        return _SHARED.search(self.signal) is not None
+        return _SHAREABLE_SIGNAL.search(self.signal) is not None
 
 
 @dataclass(frozen=True)
 class _Connector:
     """A connector or cable with its contacts that have a signal."""
 
-    located: Located[Connector]
+    located: LocatedPart[Connector]
     contacts: tuple[_Contact, ...]
 
     @property
@@ -172,7 +172,7 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
             missing_signals.append(contact.signal)
     unexplained = [signal for signal in dict.fromkeys(missing_signals) if not incomplete.names_in_note(signal)]
     if unexplained:
-        lacking = f"{incomplete.label} lacks {listed(map(quoted, unexplained))}, which {complete.label} has"
+        lacking = f"{incomplete.label} lacks {join_words(map(quoted, unexplained))}, which {complete.label} has"
         message = f"{lacking}; correct one of the two, or name the missing signal in the 'note' of {incomplete.label}"
         report.add("missing-signal", (*incomplete.located.path, "contacts"), message, at_key=True)
 
@@ -183,7 +183,7 @@ def _collect_connectors(spec: WrittenSpec) -> list[_Connector]:
     for located in spec.connectors:
         contacts: list[_Contact] = []
         for index, contact in enumerate(located.part.contacts):
-            if not _FREE.fullmatch(contact.signal.strip()):
+            if not _UNCONNECTED_SIGNAL.fullmatch(contact.signal.strip()):
                 path = (*located.path, "contacts", index)
                 contacts.append(_Contact(path, contact.contact, contact.signal, contact.only))
         connectors.append(_Connector(located, tuple(contacts)))
@@ -219,8 +219,8 @@ def partner_of(signal_name: str, has_inverted: bool) -> str:
     an inverted line.
     """
     sign = signal_name[-1:]
-    if len(signal_name) > 1 and sign in _SIGNS:
-        return signal_name[:-1] + _SIGNS[sign]
+    if len(signal_name) > 1 and sign in _OPPOSITE_SIGN:
+        return signal_name[:-1] + _OPPOSITE_SIGN[sign]
     if signal_name.startswith("/"):
         return signal_name[1:]
     is_single_letter = re.fullmatch("[A-Za-z]", signal_name) is not None
@@ -232,7 +232,7 @@ def signal_names(signal: str) -> list[str]:
 
     A contact that is free has none.
     """
-    if _FREE.fullmatch(signal.strip()):
+    if _UNCONNECTED_SIGNAL.fullmatch(signal.strip()):
         return []
     # Only the names are needed, so the contact has no place, name or order codes.
     return [name.casefold() for name in _Contact((), "", signal, "").names]
@@ -261,7 +261,7 @@ def check_contact_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         _check_order(connector, numbered_contacts, report)
 
 
-def _check_order(connector: Located[Connector], numbered: Numbered, report: DocumentReport) -> None:
+def _check_order(connector: LocatedPart[Connector], numbered: Numbered, report: DocumentReport) -> None:
     """Report the first contact whose number does not follow the number of the contact before it, or has a leading zero.
 
     The number may repeat. A note that contains the expected number explains a gap.

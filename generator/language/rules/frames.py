@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Biss, Rs485, Ssi
 from ...model.interfaces import DataId
-from ..problems import DocumentReport, listed, quoted
+from ..problems import DocumentReport, join_words, quoted
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
-from .parts import FieldList, Groups, Has, by_name, has_erratum_at, layouts, with_groups_expanded
+from .parts import FieldList, FieldOwner, Groups, by_name, has_erratum_at, layouts_of_interfaces, with_groups_expanded
 
 #: Interfaces over which a master sends only a clock, or control data, which are not a layout.
 _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
@@ -23,7 +23,7 @@ _OF_MEMORY = frozenset(("read", "write"))
 
 def check_layouts_without_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the encoder sends every layout of an interface without requests."""
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         layout = frame.layout
         if layout is not None and frame.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
             message = f"a master sends no frame over {frame.interface}; write 'from: encoder'"
@@ -38,7 +38,7 @@ def check_parities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that name the fields.
         return
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         layout = frame.layout
         if layout is None or frame.interface == Rs485.name:
             continue
@@ -75,7 +75,7 @@ def _report_uncovered_fields(
         parity_field = parity_fields[0]
         pronoun = "it" if len(left_out) == 1 else "them"
         message = (
-            f"{quoted(parity_field.name)} does not cover {listed(map(quoted, left_out))}; add {pronoun} to 'parity_of',"
+            f"{quoted(parity_field.name)} does not cover {join_words(map(quoted, left_out))}; add {pronoun} to 'parity_of',"
             f" or name {pronoun} in a 'note' if the manual excludes {pronoun}"
         )
         report.add("parity-coverage", parity_field.place_of("parity_of"), message)
@@ -135,7 +135,7 @@ def _selected_ids(sent_layouts: Sequence[WrittenLayout]) -> Iterator[int]:
 
 
 def _report_missing_frame(
-    data_id: Located[DataId], requested_ids: set[int], replied_ids: set[int], report: DocumentReport
+    data_id: LocatedPart[DataId], requested_ids: set[int], replied_ids: set[int], report: DocumentReport
 ) -> None:
     """Report a data ID that has only a request or only a reply, except data IDs of memory accesses."""
     number = data_id.part.id
@@ -169,7 +169,7 @@ def check_purposes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
             report.add("request-purpose", (*data_id.path, "purpose"), message)
 
 
-def _request_with(data_id: Located[DataId], rs485: WrittenRs485) -> WrittenLayout | None:
+def _request_with(data_id: LocatedPart[DataId], rs485: WrittenRs485) -> WrittenLayout | None:
     """Return the layout of the master that is selected by a data ID, or None."""
     for layout in rs485.layouts:
         selected_ids = [number for selected in layout.when.values() for number in selected]
@@ -180,7 +180,7 @@ def _request_with(data_id: Located[DataId], rs485: WrittenRs485) -> WrittenLayou
 
 def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
     """Yield the fields of a layout, including the fields of its groups."""
-    for _, field in with_groups_expanded(FieldList(Has.LAYOUT, layout, ""), groups):
+    for _, field in with_groups_expanded(FieldList(FieldOwner.LAYOUT, layout, ""), groups):
         yield field
 
 

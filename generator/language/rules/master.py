@@ -11,9 +11,9 @@ from typing import NamedTuple
 from ...model.expressions import Expression, ExpressionError
 from ...model.part import Prose
 from ...model.part import key as described_key
-from ...say.text import counted
+from ...say.text import count_with_unit
 from ..master_items import FILE_FORMATS, NUMBERS, WORDS
-from ..problems import DocumentReport, Path, listed, quoted, suggestion
+from ..problems import DocumentReport, Path, join_words, quoted, suggest_word
 from ..written import WrittenPart
 from ..written_masters import (
     WrittenAnyClock,
@@ -28,16 +28,16 @@ from ..written_masters import (
 )
 
 #: Names of all items of a record, which describes an encoder for a master.
-_ITEMS = (*WORDS, *NUMBERS)
-_KINDS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
-_WRITING = ("needs", "after", "then", "takes_effect")
-_PLACES = ("index", "symbol", "register", "address", "where")
+_ITEM_NAMES = (*WORDS, *NUMBERS)
+_KINDS_OF_SETTINGS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
+_KEYS_OF_WRITING = ("needs", "after", "then", "takes_effect")
+_KEYS_OF_PLACES = ("index", "symbol", "register", "address", "where")
 #: Keys of a place whose values can be lists, with one entry for each channel.
 _PER_CHANNEL = ("index", "subindex", "symbol", "register", "address")
 _FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
 #: A bit number, or the highest and the lowest bit of a range, such as 7:6.
-_BITS = re.compile(r"[0-9]{1,3}(:[0-9]{1,3})?")
-_BRACES = re.compile(r"\{([^{}]*)\}")
+_BIT_RANGE = re.compile(r"[0-9]{1,3}(:[0-9]{1,3})?")
+_ITEM_IN_BRACES = re.compile(r"\{([^{}]*)\}")
 
 
 class _CitedPart(WrittenPart):
@@ -66,7 +66,7 @@ def check_master(master_data: dict[str, object], report: DocumentReport) -> None
         for place in cited_part.places:
             _check_place(place, master, report)
     for note in master.notes:
-        _check_braces(note.text, _ITEMS, note.place_of("text"), report)
+        _check_braces(note.text, _ITEM_NAMES, note.place_of("text"), report)
     for index, setting in enumerate(master.settings):
         _check_setting(setting, _written_setting(index, report), report)
     _check_writing(master, report)
@@ -120,18 +120,20 @@ def _check_source(source_text: str, path: Path, master: WrittenMaster, report: D
         key_text, _, _ = piece.partition(":")
         key = key_text.strip()
         if key not in documents:
-            report.add("undefined-reference", path, f"{quoted(key)} is not in 'documents'{suggestion(key, documents)}")
+            report.add(
+                "undefined-reference", path, f"{quoted(key)} is not in 'documents'{suggest_word(key, documents)}"
+            )
 
 
-def _is_item(item_name: str, path: Path, report: DocumentReport, valid_items: tuple[str, ...] = _ITEMS) -> bool:
+def _is_item(item_name: str, path: Path, report: DocumentReport, valid_items: tuple[str, ...] = _ITEM_NAMES) -> bool:
     """Return True if ``item_name`` is one of the valid items of a record, otherwise report it.
 
     A record describes an encoder for a master. Its items are words and numbers.
     """
     if item_name in valid_items:
         return True
-    hint = "; it is a word, not a number" if item_name in _ITEMS else suggestion(item_name, valid_items)
-    noun = "number" if valid_items is not _ITEMS else "item"
+    hint = "; it is a word, not a number" if item_name in _ITEM_NAMES else suggest_word(item_name, valid_items)
+    noun = "number" if valid_items is not _ITEM_NAMES else "item"
     report.add("undefined-reference", path, f"the record has no {noun} {quoted(item_name)}{hint}")
     return False
 
@@ -145,7 +147,7 @@ def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
     is_word = name in WORDS
     kind, allowed_keys = ("word", ("is",)) if is_word else ("number", _FOR_NUMBERS)
     used_keys = [key for key in ("is", *_FOR_NUMBERS) if condition.has(key)]
-    allowed_text = listed(map(quoted, allowed_keys), "or")
+    allowed_text = join_words(map(quoted, allowed_keys), "or")
     for key in used_keys:
         if key not in allowed_keys:
             report.add("not-allowed", (*path, key), f"'{name}' is a {kind}; use {allowed_text}", at_key=True)
@@ -177,7 +179,7 @@ def _check_word(word: int | str, setting_word: str, path: Path, report: Document
     """Return True if the item can be this word, otherwise report it."""
     words = WORDS[setting_word]
     if word not in words:
-        message = f"'{setting_word}' cannot be {quoted(word)}{suggestion(str(word), words, 'use one of')}"
+        message = f"'{setting_word}' cannot be {quoted(word)}{suggest_word(str(word), words, 'use one of')}"
         report.add("undefined-reference", path, message)
     return word in words
 
@@ -187,14 +189,14 @@ def _check_setting(setting: WrittenSetting, as_written: WrittenSetting, report: 
 
     The kinds are counted in the setting as written, so that an invalid value is not reported as missing.
     """
-    _check_braces(setting.name, _ITEMS, setting.place_of("name"), report)
-    _check_braces(setting.at, _ITEMS, setting.place_of("at"), report)
-    kinds = [kind for kind in _KINDS if as_written.has(kind)]
+    _check_braces(setting.name, _ITEM_NAMES, setting.place_of("name"), report)
+    _check_braces(setting.at, _ITEM_NAMES, setting.place_of("at"), report)
+    kinds = [kind for kind in _KINDS_OF_SETTINGS if as_written.has(kind)]
     if len(kinds) > 1:
-        message = f"{quoted(setting.name)} has {listed(map(quoted, kinds))}; keep one of them"
+        message = f"{quoted(setting.name)} has {join_words(map(quoted, kinds))}; keep one of them"
         report.add("setting-shape", setting.path, message)
     elif not kinds:
-        message = f"{quoted(setting.name)} has no value; add one of {', '.join(map(quoted, _KINDS))}"
+        message = f"{quoted(setting.name)} has no value; add one of {', '.join(map(quoted, _KINDS_OF_SETTINGS))}"
         report.add("setting-shape", setting.path, message)
     else:
         _check_setting_value(setting, kinds[0], report)
@@ -211,7 +213,7 @@ def _check_setting_value(setting: WrittenSetting, value_type: str, report: Docum
         _check_expression(setting.value, setting.place_of("value"), report)
     if setting.choice is not None:
         _check_choice(setting.choice, report)
-    _check_braces(setting.text, _ITEMS, setting.place_of("text"), report)
+    _check_braces(setting.text, _ITEM_NAMES, setting.place_of("text"), report)
     if setting.string is not None:
         _check_string(setting.string, report)
     if setting.any_clock is not None:
@@ -227,9 +229,9 @@ def _check_clocks(clocks: WrittenAnyClock, report: DocumentReport) -> None:
 def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a place is given, or only ``where``, which says that none is known, and that its devices are known."""
     path = place.path
-    place_keys = [key for key in _PLACES if place.has(key)]
+    place_keys = [key for key in _KEYS_OF_PLACES if place.has(key)]
     if not place_keys:
-        report.add("setting-shape", path, f"a place is missing; add {listed(map(quoted, _PLACES), 'or')}")
+        report.add("setting-shape", path, f"a place is missing; add {join_words(map(quoted, _KEYS_OF_PLACES), 'or')}")
     if place.has("where") and len(place_keys) > 1:
         message = f"'where' says that no place is given, but {quoted(place_keys[0])} gives one; keep one of the two"
         report.add("setting-shape", (*path, "where"), message, at_key=True)
@@ -237,7 +239,7 @@ def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentRep
     _check_channels(place, master, report)
     symbols = place.symbol if isinstance(place.symbol, list) else [place.symbol]
     for symbol in symbols:
-        _check_braces(str(symbol), _ITEMS, (*path, "symbol"), report)
+        _check_braces(str(symbol), _ITEM_NAMES, (*path, "symbol"), report)
 
 
 def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
@@ -249,7 +251,7 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
     has_bit_range = place.at is not None
     if is_bits != has_bit_range:
         report.add("setting-shape", place.path, "use the type 'bits' and the key 'at' together or not at all")
-    if has_bit_range and not _BITS.fullmatch(str(place.at)):
+    if has_bit_range and not _BIT_RANGE.fullmatch(str(place.at)):
         report.add("setting-shape", place.place_of("at"), "'at' is a bit number, or a range such as 7:6")
     _check_bounds(_Bound("min", place.min), _Bound("max", place.max), place.path, report)
 
@@ -270,7 +272,9 @@ def _check_channels(place: WrittenPlace, master: WrittenMaster, report: Document
         for name in used_devices:
             count = channel_counts[name]
             if len(values_by_channel) != count:
-                message = f"'{key}' needs one entry for each channel of {name}, which has {counted(count, 'channel')}"
+                message = (
+                    f"'{key}' needs one entry for each channel of {name}, which has {count_with_unit(count, 'channel')}"
+                )
                 report.add("setting-shape", place.place_of(key), message, at_key=True)
 
 
@@ -278,7 +282,7 @@ def _check_devices(names: Sequence[str], path: Path, devices: Sequence[str], rep
     """Check that devices of these names exist."""
     for index, name in enumerate(names):
         if name not in devices:
-            message = f"there is no device {quoted(name)}{suggestion(name, devices)}"
+            message = f"there is no device {quoted(name)}{suggest_word(name, devices)}"
             report.add("undefined-reference", (*path, index), message)
 
 
@@ -305,7 +309,7 @@ def _check_setting_name(
     """Check that there is a setting of this name."""
     names = [setting.name for setting in master.settings]
     if setting_name not in names:
-        message = f"there is no setting {quoted(setting_name)}{suggestion(setting_name, names)}"
+        message = f"there is no setting {quoted(setting_name)}{suggest_word(setting_name, names)}"
         report.add("undefined-reference", path, message, at_key=at_key)
 
 
@@ -331,12 +335,12 @@ def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
 
 def _check_write_condition(condition: WrittenWriting, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a write condition has one kind and names existing settings, and that ``after`` has its ``of``."""
-    kinds = [key for key in _WRITING if condition.has(key)]
+    kinds = [key for key in _KEYS_OF_WRITING if condition.has(key)]
     if not kinds:
-        message = f"a write condition is empty; add {listed(map(quoted, _WRITING), 'or')}"
+        message = f"a write condition is empty; add {join_words(map(quoted, _KEYS_OF_WRITING), 'or')}"
         report.add("writing-shape", condition.path, message)
     elif len(kinds) > 1:
-        message = f"a write condition has {listed(map(quoted, kinds))}; keep one of them"
+        message = f"a write condition has {join_words(map(quoted, kinds))}; keep one of them"
         report.add("writing-shape", condition.path, message)
     for key, names in (("of", condition.of), ("after", condition.after)):
         for index, name in enumerate(names):
@@ -384,18 +388,18 @@ def _check_string(rule: WrittenString, report: DocumentReport) -> None:
 
     The position is one field, or the two fields multiturn and singleturn.
     """
-    _check_braces(rule.start, _ITEMS, rule.place_of("start"), report)
+    _check_braces(rule.start, _ITEM_NAMES, rule.place_of("start"), report)
     field_kinds = {field.of for field in rule.fields}
     has_position = "position" in field_kinds or field_kinds >= {"multiturn", "singleturn"}
     if not has_position:
         message = "there is no entry for the position; add one for position, or for multiturn and singleturn"
         report.add("missing-key", rule.place_of("fields"), message)
     for field in rule.fields:
-        _check_braces(field.text, ("bits", "name", *_ITEMS), field.place_of("text"), report)
+        _check_braces(field.text, ("bits", "name", *_ITEM_NAMES), field.place_of("text"), report)
 
 
 def _check_braces(text_with_items: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:
     """Report each name in braces, as in ``{bits}``, that is not a known one."""
-    for name in _BRACES.findall(text_with_items):
+    for name in _ITEM_IN_BRACES.findall(text_with_items):
         if name not in known_names:
-            report.add("undefined-reference", path, f"there is no {{{name}}}{suggestion(name, known_names)}")
+            report.add("undefined-reference", path, f"there is no {{{name}}}{suggest_word(name, known_names)}")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from ...model.measurement import LayoutRange, Measurement
 from ..problems import DocumentReport, quoted
-from ..written import Located
+from ..written import LocatedPart
 from ..written_parts import WrittenSpec
-from .parts import by_name, interfaces, layouts, measurements, readable_names
+from .parts import by_name, interfaces, layouts_of_interfaces, measurements, readable_names
 
 #: Keys of the measurement of an angle, and of a length.
-_ANGLE = ("counts_per_turn", "turns")
-_LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
+_KEYS_OF_ANGLE = ("counts_per_turn", "turns")
+_KEYS_OF_LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
 
 
 def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -21,7 +21,9 @@ def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     movement = spec.movement
     if not movement:
         return
-    keys_of_movement, foreign_keys = (_ANGLE, _LENGTH) if movement == "rotary" else (_LENGTH, _ANGLE)
+    keys_of_movement, foreign_keys = (
+        (_KEYS_OF_ANGLE, _KEYS_OF_LENGTH) if movement == "rotary" else (_KEYS_OF_LENGTH, _KEYS_OF_ANGLE)
+    )
     unit_key = keys_of_movement[0]  # 'counts_per_turn' or 'step_um', the size of a count.
     total_key = keys_of_movement[-1]  # 'turns' or 'modulus', after which the position wraps around.
     raw_measurements = {measurement.path: measurement for measurement in measurements(as_read)}
@@ -51,8 +53,8 @@ def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: 
     """
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     own_measurements = {name: interface.measurement for name, interface in interfaces(as_read)}
-    raw_frames = {frame.owner.path: frame for frame in layouts(as_read)}
-    for frame in layouts(spec):
+    raw_frames = {frame.owner.path: frame for frame in layouts_of_interfaces(as_read)}
+    for frame in layouts_of_interfaces(spec):
         own_range = frame.layout.position_range if frame.layout is not None else None
         if own_range is None or not own_range.is_given:
             continue
@@ -73,7 +75,10 @@ def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: 
 
 
 def _check_range_keys(
-    own_range: Located[LayoutRange], measurement: Located[Measurement] | None, movement: str, report: DocumentReport
+    own_range: LocatedPart[LayoutRange],
+    measurement: LocatedPart[Measurement] | None,
+    movement: str,
+    report: DocumentReport,
 ) -> None:
     """Check that a range has only keys of its movement, and none next to ``wraps: false``.
 
@@ -98,7 +103,7 @@ def _check_range_keys(
         report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
 
 
-def _check_step(measurement: Located[Measurement], report: DocumentReport) -> None:
+def _check_step(measurement: LocatedPart[Measurement], report: DocumentReport) -> None:
     """Check that a length has one step, and that ``per_counts`` belongs to a step in nanometres."""
     has_step_nm = measurement.part.step_nm is not None
     if measurement.part.step_um is not None and has_step_nm:

@@ -7,12 +7,12 @@ from collections.abc import Collection, Mapping, Sequence
 
 from ...model import INTERFACES
 from ..document import Path
-from ..problems import DocumentReport, nearest_choice, quoted, suggestion
+from ..problems import DocumentReport, nearest_choice, quoted, suggest_word
 from ..schema_check import value_at
 from ..written_parts import WrittenSpec
 from .parts import bits_of, by_name, by_part_name, named_values
 
-_NAME = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
+_NAME_PATTERN = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
 class NameResolver:
@@ -30,7 +30,7 @@ class NameResolver:
         for path in report.faults():
             # A part in a list has its name under 'name', one in a map is a key itself.
             name = value_at(as_read.data, path) if path[-1] == "name" else path[-1]
-            if isinstance(name, str) and not _NAME.fullmatch(name):
+            if isinstance(name, str) and not _NAME_PATTERN.fullmatch(name):
                 self._broken.add(name)
         self.groups = by_name(as_read.field_groups)
         self.registers = by_name(as_read.registers)
@@ -60,7 +60,7 @@ class NameResolver:
         if has_broken_choice and not nearest_choice(name, intact_choices):
             self._report.mark(path)
             return
-        problem = f"there is no {thing} {quoted(name)}{suggestion(name, choices)}"
+        problem = f"there is no {thing} {quoted(name)}{suggest_word(name, choices)}"
         self._report.add("undefined-reference", path, problem, cause=name)
 
     def report_problem(self, path: Path, problem: str) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...model.expressions import Expression, ExpressionError, Factor
-from ..problems import DocumentReport, Path, listed, quoted
+from ..problems import DocumentReport, Path, join_words, quoted
 from ..written_codes import WrittenAlternative, WrittenParameter, WrittenRegister
 from ..written_interfaces import WrittenBiss, WrittenSpi
 from ..written_layouts import WrittenField
@@ -14,14 +14,14 @@ from ..written_parts import WrittenSpec
 from .name_resolver import NameResolver
 from .parts import (
     FieldList,
-    Has,
+    FieldOwner,
     PlacedPart,
     WrittenInterface,
     by_name,
     field_lists,
     interface_of,
     interfaces,
-    layouts,
+    layouts_of_interfaces,
     measurements,
     origins_of,
     with_groups_expanded,
@@ -38,9 +38,9 @@ _KINDS = {
 }
 _KIND_OF = {unit: kind for kind, units in _KINDS.items() for unit in units}
 #: Keys of fields whose expressions are in bits.
-_WIDTHS = ("bits", "low_bit")
+_KEYS_IN_BITS = ("bits", "low_bit")
 #: Quantity of each number of a measurement.
-_MEASURED = {
+_QUANTITY_OF_KEY = {
     "counts_per_turn": "counts",
     "turns": "revolutions",
     "step_um": "micrometres",
@@ -87,8 +87,8 @@ def expressions(spec: WrittenSpec) -> _Expressions:
         for limited in (register, *register.meanings):
             yield from _expressions_under(limited, ("min", "max"))
     for measurement in measurements(spec):
-        yield from _expressions_under(measurement, _MEASURED)
-    for field_list in layouts(spec):
+        yield from _expressions_under(measurement, _QUANTITY_OF_KEY)
+    for field_list in layouts_of_interfaces(spec):
         yield from _of_position_range(field_list)
         yield from _of_gray_code(field_list, ("excess",))
     for _, interface in interfaces(spec):
@@ -110,8 +110,8 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
     """
     spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also contains the invalid groups.
     groups = by_name(spec_of_groups.field_groups)
-    field_owners = list(layouts(spec))
-    field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
+    field_owners = list(layouts_of_interfaces(spec))
+    field_owners += [FieldList(FieldOwner.REGISTER, register, interface_of(register)) for register in spec.registers]
     for field_list in field_owners:
         for path, field in with_groups_expanded(field_list, groups):
             yield from _used_by(field_list.interface, _of_field(field, path))
@@ -120,7 +120,7 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
         # A measurement of the device applies to each interface without its own.
         measurement = interface.measurement if interface.has("measurement") else spec.measurement
         if measurement is not None:
-            yield from _used_by(name, _expressions_under(measurement, _MEASURED))
+            yield from _used_by(name, _expressions_under(measurement, _QUANTITY_OF_KEY))
         yield from _used_by(name, _of_interface(interface))
 
 
@@ -148,7 +148,7 @@ def _of_gray_code(fields: FieldList, keys: Iterable[str]) -> _Expressions:
 def _of_position_range(fields: FieldList) -> _Expressions:
     """Yield the numbers of the range that a layout has for itself."""
     if fields.layout is not None and fields.layout.position_range is not None:
-        yield from _expressions_under(fields.layout.position_range, _MEASURED)
+        yield from _expressions_under(fields.layout.position_range, _QUANTITY_OF_KEY)
 
 
 def _expressions_under(owner: PlacedPart, keys: Iterable[str]) -> _Expressions:
@@ -245,7 +245,7 @@ def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
     for name, parameter in spec.parameters.items():
         origins = origins_of(parameter)
         if len(origins) > 1:
-            problem = f"{listed(map(quoted, origins))} each define {quoted(name)}; keep one"
+            problem = f"{join_words(map(quoted, origins))} each define {quoted(name)}; keep one"
             report.add("parameter-origin", parameter.place_of(origins[1]), problem, at_key=True)
         if not parameter.by_code:
             continue
@@ -332,7 +332,7 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         alternative_name = set_by_alternative[names[0]].alternative
         alternative = alternatives.get(alternative_name)
         problem = f"{quoted(names[0])} is set by the alternative {quoted(alternative_name)}"
-        if path[-1] not in _WIDTHS:
+        if path[-1] not in _KEYS_IN_BITS:
             remedy = "use it only in 'bits' or 'low_bit' of a field"
             message = f"{problem}, so only frames and registers can depend on it; {remedy}"
             report.add("alternative-use", path, message)
@@ -369,7 +369,7 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
     """
     key = str(path[-1])
     is_exponent = bool(factor.power)
-    needed_kind = "bits" if is_exponent or key in _WIDTHS else _MEASURED.get(key)
+    needed_kind = "bits" if is_exponent or key in _KEYS_IN_BITS else _QUANTITY_OF_KEY.get(key)
     kind = _KIND_OF.get(unit)
     if needed_kind is None or kind is None or kind == needed_kind:
         return

@@ -19,7 +19,7 @@ from ...model.measurement import Measurement
 from ..document import LEFT_OUT, Document
 from ..problems import DocumentReport, Path
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_codes import WrittenParameter, WrittenRegister
 from ..written_interfaces import WrittenBiss, WrittenControlData, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_layouts import WrittenField, WrittenFieldGroup, WrittenLayout
@@ -39,7 +39,7 @@ _INTERFACE_CLASSES: Mapping[str, type[WrittenInterface]] = MappingProxyType(
 #: Largest number of fields of a layout or register, including the fields of its groups. Without groups, the schema
 #: limits it.
 MAX_FIELDS = 512
-_RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
+_BIT_RANGE_TEXT = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 
 
 class PlacedPart(Protocol):
@@ -82,9 +82,9 @@ def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
     return named_parts
 
 
-def by_part_name(parts: Iterable[Located[_NamedModelPart]]) -> dict[str, Located[_NamedModelPart]]:
+def by_part_name(parts: Iterable[LocatedPart[_NamedModelPart]]) -> dict[str, LocatedPart[_NamedModelPart]]:
     """Return parts of the model by name, as ``by_name`` does."""
-    named_parts: dict[str, Located[_NamedModelPart]] = {}
+    named_parts: dict[str, LocatedPart[_NamedModelPart]] = {}
     for located_part in parts:
         if located_part.is_valid("name"):
             named_parts.setdefault(located_part.part.name, located_part)
@@ -97,7 +97,7 @@ def interfaces(spec: WrittenSpec) -> Iterator[tuple[str, WrittenInterface]]:
         yield name, _INTERFACE_CLASSES.get(name, WrittenSsi)(data, ("interfaces", name))
 
 
-class Has(Enum):
+class FieldOwner(Enum):
     """Owners of a list of fields, by their key."""
 
     LAYOUT = "layouts"
@@ -110,7 +110,7 @@ class Has(Enum):
 class FieldList:
     """A list of fields with its owner, its kind and its interface, which is empty for groups."""
 
-    kind: Has
+    kind: FieldOwner
     owner: Owner
     interface: str
 
@@ -152,26 +152,26 @@ class FieldList:
         return self.layout.when if self.layout is not None else MappingProxyType({})
 
 
-def layouts(spec: WrittenSpec) -> Iterator[FieldList]:
+def layouts_of_interfaces(spec: WrittenSpec) -> Iterator[FieldList]:
     """Yield the layouts of all interfaces."""
     for name, interface in interfaces(spec):
         for layout in interface.layouts:
-            yield FieldList(Has.LAYOUT, layout, name)
+            yield FieldList(FieldOwner.LAYOUT, layout, name)
 
 
 def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
     """Yield every list of fields: of groups, layouts, control data and registers, in the order of the language."""
     for group in spec.field_groups:
-        yield FieldList(Has.GROUP, group, "")
-    yield from layouts(spec)
+        yield FieldList(FieldOwner.GROUP, group, "")
+    yield from layouts_of_interfaces(spec)
     for name, interface in interfaces(spec):
         # Only BiSS has control data. An interface with an unknown name, which is reported, may be BiSS.
         control_data = WrittenBiss(interface.data, interface.path).control_data
         if control_data is not None and control_data.is_given:
-            yield FieldList(Has.CONTROL, control_data, name)
+            yield FieldList(FieldOwner.CONTROL, control_data, name)
     for register in spec.registers:
         if register.has("fields"):
-            yield FieldList(Has.REGISTER, register, interface_of(register))
+            yield FieldList(FieldOwner.REGISTER, register, interface_of(register))
 
 
 def interface_of(register: WrittenRegister | None) -> str:
@@ -215,7 +215,7 @@ def readable_names(fields: FieldList, groups: Groups) -> list[str]:
 
     A register without fields is one number.
     """
-    if fields.kind is Has.REGISTER and not fields.owner.has("fields"):
+    if fields.kind is FieldOwner.REGISTER and not fields.owner.has("fields"):
         return [fields.name]
     fields_by_name = field_names(fields, groups)
     # A join with a wrong value is reported, but its name is known.
@@ -231,7 +231,7 @@ def origins_of(parameter: WrittenParameter) -> list[str]:
     return [key for key, origin in origins.items() if origin not in (None, "")]
 
 
-def clocks_of(interface: WrittenInterface) -> tuple[Located[Clock], ...]:
+def clocks_of(interface: WrittenInterface) -> tuple[LocatedPart[Clock], ...]:
     """Return the clocks of an interface, several if they depend on the order code. Over RS-485 there is none."""
     return () if isinstance(interface, WrittenRs485) else interface.clock
 
@@ -248,14 +248,14 @@ def share_codes(first: RestrictedPart, second: RestrictedPart) -> bool:
     return not first.only or not second.only or first.only == second.only
 
 
-def timings(spec: WrittenSpec) -> Iterator[Located[Timing]]:
+def timings(spec: WrittenSpec) -> Iterator[LocatedPart[Timing]]:
     """Yield the timings of the interfaces and of the device."""
     for _, interface in interfaces(spec):
         yield from interface.timings
     yield from spec.timings
 
 
-def measurements(spec: WrittenSpec) -> Iterator[Located[Measurement]]:
+def measurements(spec: WrittenSpec) -> Iterator[LocatedPart[Measurement]]:
     """Yield the measurements of the device and its interfaces."""
     if spec.measurement is not None and spec.measurement.is_given:
         yield spec.measurement
@@ -264,7 +264,7 @@ def measurements(spec: WrittenSpec) -> Iterator[Located[Measurement]]:
             yield interface.measurement
 
 
-def measurement_of(spec: WrittenSpec, interface: str) -> Located[Measurement] | None:
+def measurement_of(spec: WrittenSpec, interface: str) -> LocatedPart[Measurement] | None:
     """Return the measurement of an interface or, if it has none, of the device. None if there is neither."""
     own_measurement = dict(interfaces(spec))[interface].measurement if interface in spec.interfaces.data else None
     return own_measurement if own_measurement is not None and own_measurement.is_given else spec.measurement
@@ -278,7 +278,7 @@ def position_names(spec: WrittenSpec, interface: str) -> set[str]:
     measurement = measurement_of(spec, interface)
     measured_name = measurement.part.of if measurement is not None and measurement.has("of") else "position"
     names = {measured_name}
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         if frame.interface == interface:
             names.update(frame.joins.get(measured_name, ()))
     return names
@@ -292,7 +292,7 @@ def constant_width(field: WrittenField) -> int | None:
     if field.has("bits"):
         # A width that is a text is an expression over parameters.
         return field.bits if isinstance(field.bits, int) and field.bits > 0 else None
-    bit_range = _RANGE.fullmatch(str(field.at))
+    bit_range = _BIT_RANGE_TEXT.fullmatch(str(field.at))
     if bit_range is not None:
         width = int(bit_range[1]) - int(bit_range[2]) + 1
         return width if width > 0 else None
@@ -302,11 +302,11 @@ def constant_width(field: WrittenField) -> int | None:
 def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
     """Return the names allowed after the dot in ``register.field``: the fields, or the register's own name."""
     if register.has("fields"):
-        return list(field_names(FieldList(Has.REGISTER, register, ""), groups))
+        return list(field_names(FieldList(FieldOwner.REGISTER, register, ""), groups))
     return [register.name]
 
 
-def owner_of_alarm(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenFieldGroup | WrittenRegister | None:
+def owner_of_alarm(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenFieldGroup | WrittenRegister | None:
     """Return the group of an alarm's flag or, if it names none, the register. Return None if there is no such owner."""
     if alarm.part.group:
         return by_name(spec.field_groups).get(alarm.part.group)
@@ -325,7 +325,7 @@ def value_names(field: WrittenField) -> list[str]:
 
 def fields_of(register: WrittenRegister, groups: Groups) -> Iterator[WrittenField]:
     """Yield the fields of a register, with groups included."""
-    for _, field in with_groups_expanded(FieldList(Has.REGISTER, register, ""), groups):
+    for _, field in with_groups_expanded(FieldList(FieldOwner.REGISTER, register, ""), groups):
         yield field
 
 

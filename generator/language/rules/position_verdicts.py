@@ -6,20 +6,20 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ...model import INTERFACES, Verdict
 from ..document import Path
-from ..problems import DocumentReport, quoted, suggestion
+from ..problems import DocumentReport, quoted, suggest_word
 from ..written_codes import WrittenAlternative
 from ..written_layouts import WrittenCombination, WrittenField
 from ..written_parts import WrittenSpec
 from .bits import names_error
 from .parts import (
     FieldList,
+    FieldOwner,
     Groups,
-    Has,
     by_name,
     constant_width,
     field_lists,
     field_names,
-    layouts,
+    layouts_of_interfaces,
     position_names,
     readable_names,
     value_names,
@@ -39,11 +39,13 @@ def check_value_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
     A group is in such a frame if one of them uses it. An error is a value named as an error.
     """
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
-    position_frames = [field_list for field_list in layouts(spec) if _has_position(spec, field_list, groups)]
+    position_frames = [
+        field_list for field_list in layouts_of_interfaces(spec) if _has_position(spec, field_list, groups)
+    ]
     position_paths = {field_list.owner.path for field_list in position_frames}
     used_groups = {field.use for field_list in position_frames for field in field_list.fields}
     for field_list in field_lists(spec):
-        is_group = field_list.kind is Has.GROUP
+        is_group = field_list.kind is FieldOwner.GROUP
         has_verdict = field_list.name in used_groups if is_group else field_list.owner.path in position_paths
         for field in field_list.fields:
             _check_verdicts_of_values(field_list, field, has_verdict, report)
@@ -82,13 +84,13 @@ def _no_verdict(fields: FieldList, field: WrittenField, has_verdict: bool) -> st
 
 def _reason_without_verdict(fields: FieldList) -> str:
     """Return the reason that a list of fields has no verdict on a position."""
-    owner = quoted(fields.name or Has.CONTROL.value)  # Only the control data are unnamed.
+    owner = quoted(fields.name or FieldOwner.CONTROL.value)  # Only the control data are unnamed.
     match fields.kind:
-        case Has.REGISTER | Has.CONTROL:
+        case FieldOwner.REGISTER | FieldOwner.CONTROL:
             return f"{owner} is not a frame, so no value in it has a verdict on the position"
-        case Has.GROUP:
+        case FieldOwner.GROUP:
             return f"no frame of the encoder with a position uses {owner}"
-        case Has.LAYOUT:
+        case FieldOwner.LAYOUT:
             return f"{owner} {'does not contain the position' if fields.is_from_encoder else 'is sent by the master'}"
 
 
@@ -107,7 +109,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
     or a combination with some of them, already gives the same verdict or a worse one.
     """
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
         if listed_combinations and not _has_position(spec, frame, groups):
             problem = f"{_reason_without_verdict(frame)}; remove 'combinations'"
@@ -130,7 +132,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 def check_report_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         used_names = set(readable_names(frame, groups))
         for path, name in _report_names(frame, groups):
             if name in used_names:
@@ -168,7 +170,7 @@ def _check_conditions(
     for field_name, value in combination.when.items():
         condition_path = (*combination.place_of("when"), field_name)
         if field_name not in fields_by_name:
-            problem = f"there is no field {quoted(field_name)} in this frame{suggestion(field_name, fields_by_name)}"
+            problem = f"there is no field {quoted(field_name)} in this frame{suggest_word(field_name, fields_by_name)}"
             report.add("undefined-reference", condition_path, problem, at_key=True)
             continue
         field = fields_by_name[field_name]
@@ -177,7 +179,7 @@ def _check_conditions(
         if problem:
             report.add("combination", condition_path, problem, at_key=True)
         elif value not in known_values:
-            problem = f"{quoted(field_name)} has no value {quoted(value)}{suggestion(value, known_values)}"
+            problem = f"{quoted(field_name)} has no value {quoted(value)}{suggest_word(value, known_values)}"
             report.add("undefined-reference", condition_path, problem)
     if len(combination.when) == 1 and len(report) == problems_before:
         (field_name,) = combination.when
@@ -353,7 +355,7 @@ def check_verdicts_by_answer(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 def _no_other_verdict(fields: FieldList, field: WrittenField, other_verdict: str) -> str:
     """Return the reason that a flag cannot have another verdict for an answer, and the fix. Empty if it can."""
     name = quoted(field.name)
-    if fields.kind in (Has.REGISTER, Has.CONTROL):
+    if fields.kind in (FieldOwner.REGISTER, FieldOwner.CONTROL):
         return f"{name} is not in a frame, so it has no verdict on a position; remove 'makes_position_if'"
     interface = INTERFACES.get(fields.interface)
     verdict_of_interface = interface.flags.get(field.name, "") if interface is not None else ""

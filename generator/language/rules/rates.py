@@ -11,25 +11,25 @@ from ...model import Timing
 from ...model.clocks import CableLength, Clock, Timeout
 from ..problems import DocumentReport, Path
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec
 from .parts import WrittenInterface, as_affected_name, has_erratum_at, interfaces, share_codes
 
 #: Significant digits of the rates in data sheets.
-_DIGITS = 3
+_SIGNIFICANT_DIGITS = 3
 #: Slower rates, such as the limits of slow masters, are not compared.
 _LOWEST_HZ = 100_000
 #: Every standard baud rate with more digits is a multiple of this one.
 _STANDARD_BAUD = 300
 #: Highest rate in Hz over lines as in RS-422 and RS-485, and the names of these lines.
 _HIGHEST_HZ = 10_000_000
-_LINES = re.compile(r"\bRS-?(?:422|485)\b", re.IGNORECASE)
+_RS_LINES = re.compile(r"\bRS-?(?:422|485)\b", re.IGNORECASE)
 #: Usual names of the times of an SSI encoder.
 _MONOFLOP, _PAUSE = "monoflop", "pause"
 #: Place of the time-outs of BiSS, and the path of their printed values in errata.
-_TIMEOUT = ("interfaces", "biss", "timeout")
-_PRINTED = ".".join((*_TIMEOUT, "printed"))
+_PATH_OF_TIMEOUT = ("interfaces", "biss", "timeout")
+_PATH_OF_PRINTED_TIMEOUTS = ".".join((*_PATH_OF_TIMEOUT, "printed"))
 _NS_PER_S, _NS_PER_US = 1_000_000_000, 1000
 
 
@@ -45,7 +45,7 @@ def check_round_rates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             digits = len(str(rate).rstrip("0"))  # 2 for 1,500,000.
             is_standard = unit == "baud" and rate % _STANDARD_BAUD == 0
             is_high = rate >= _LOWEST_HZ
-            if digits > _DIGITS and is_high and not is_standard and not _gives_rate(interface.note, rate):
+            if digits > _SIGNIFICANT_DIGITS and is_high and not is_standard and not _gives_rate(interface.note, rate):
                 message = (
                     f"{rate} {unit} has {digits} significant digits, which is implausible; correct it, or say in a"
                     f" 'note' of the interface that it is {rate} {unit}"
@@ -84,7 +84,7 @@ def check_rates_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
     for _, interface in interfaces(spec):
         if isinstance(interface, WrittenSpi):
             continue
-        has_such_lines = isinstance(interface, WrittenRs485) or _LINES.search(interface.signals) is not None
+        has_such_lines = isinstance(interface, WrittenRs485) or _RS_LINES.search(interface.signals) is not None
         if not has_such_lines:
             continue
         for path, rate, unit in _yield_rates(interface):
@@ -111,7 +111,7 @@ def check_monoflop(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
             _check_monoflop(timing, ssi, report)
 
 
-def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentReport) -> None:
+def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: DocumentReport) -> None:
     """Check a monoflop time against the clocks and pauses of the same order codes."""
     time_us, key = _find_shortest(timing)
     # Errata give an item of a list by its name: interfaces.ssi.monoflop.at_least_us.
@@ -142,7 +142,7 @@ def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentRe
             report.add("monoflop", (*pause.path, "at_least_us"), f"{message}. {remedy}")
 
 
-def _find_shortest(timing: Located[Timing]) -> tuple[int | None, str]:
+def _find_shortest(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
     """Return the shortest guaranteed or else the typical time of a timing, with its key, or ``(None, "")``."""
     part = timing.part
     for key, time_us in (("at_least_us", part.at_least_us), ("typical_us", part.typical_us)):
@@ -162,7 +162,7 @@ def check_cable_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: Document
                 _check_cable_clock(row, clock.part, report)
 
 
-def _check_cable_clock(row: Located[CableLength], clock: Clock, report: DocumentReport) -> None:
+def _check_cable_clock(row: LocatedPart[CableLength], clock: Clock, report: DocumentReport) -> None:
     """Report a clock limit for cables that is outside the limits of a clock."""
     below_hz = row.part.below_hz
     lowest_hz = clock.min_hz or 0
@@ -192,15 +192,15 @@ def check_timeouts_and_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: D
     if biss is None:
         return
     for timeout in biss.timeout:
-        if has_erratum_at(report.document, *_TIMEOUT, "printed"):
+        if has_erratum_at(report.document, *_PATH_OF_TIMEOUT, "printed"):
             continue
-        remedy = f"correct one of the two. If this is what the manual says, add an erratum that affects {_PRINTED}"
+        remedy = f"correct one of the two. If this is what the manual says, add an erratum that affects {_PATH_OF_PRINTED_TIMEOUTS}"
         _check_longest_timeout(biss, timeout, remedy, report)
         if timeout.part.rule == "follows_clock" and timeout.part.half_clock_periods is None:
             _check_half_periods(timeout, remedy, report)
 
 
-def _check_half_periods(timeout: Located[Timeout], remedy: str, report: DocumentReport) -> None:
+def _check_half_periods(timeout: LocatedPart[Timeout], remedy: str, report: DocumentReport) -> None:
     """Report printed time-outs that are not a whole number of half clock periods."""
     for index, printed in enumerate(timeout.part.printed):
         half_periods = 2 * printed.clock_hz * printed.timeout_ns / _NS_PER_S
@@ -215,7 +215,9 @@ def _check_half_periods(timeout: Located[Timeout], remedy: str, report: Document
             report.add("timeout-mismatch", (*timeout.path, "printed", index, "timeout_ns"), message)
 
 
-def _check_longest_timeout(biss: WrittenBiss, timeout: Located[Timeout], remedy: str, report: DocumentReport) -> None:
+def _check_longest_timeout(
+    biss: WrittenBiss, timeout: LocatedPart[Timeout], remedy: str, report: DocumentReport
+) -> None:
     """Report a longest time-out that is shorter than half a period of the slowest clock of the same order codes."""
     longest_ns = timeout.part.at_most_ns
     for clock in biss.clock:
@@ -248,21 +250,21 @@ def check_timeout_mismatch(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
             _check_calculated_timeouts(timeout, timeout.part.half_clock_periods, report)
 
 
-def _check_clocks_of_timeouts(timeout: Located[Timeout], clock: Clock, report: DocumentReport) -> None:
+def _check_clocks_of_timeouts(timeout: LocatedPart[Timeout], clock: Clock, report: DocumentReport) -> None:
     """Report printed time-outs at clocks that an encoder does not support."""
-    if clock.max_hz is None or has_erratum_at(report.document, *_TIMEOUT):
+    if clock.max_hz is None or has_erratum_at(report.document, *_PATH_OF_TIMEOUT):
         return
     lowest_hz = clock.min_hz or 0
     highest_hz = clock.max_hz
     for index, printed in enumerate(timeout.part.printed):
         if not lowest_hz <= printed.clock_hz <= highest_hz:
             problem = f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no time-out at {printed.clock_hz} Hz"
-            remedy = f"if the manual gives both, add an erratum that affects {'.'.join(_TIMEOUT)}"
+            remedy = f"if the manual gives both, add an erratum that affects {'.'.join(_PATH_OF_TIMEOUT)}"
             path = (*timeout.path, "printed", index, "clock_hz")
             report.add("timeout-mismatch", path, f"{problem}; {remedy}")
 
 
-def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> None:
+def _check_timeout_rule(timeout: LocatedPart[Timeout], report: DocumentReport) -> None:
     """Check that a time-out has the numbers for its rule: a fixed time, or half clock periods.
 
     Without half clock periods, a time-out that follows the clock needs a time or printed examples.
@@ -285,7 +287,7 @@ def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> No
         report.add("timeout-mismatch", timeout.path, message, at_key=True)
 
 
-def _check_calculated_timeouts(timeout: Located[Timeout], half_periods: int, report: DocumentReport) -> None:
+def _check_calculated_timeouts(timeout: LocatedPart[Timeout], half_periods: int, report: DocumentReport) -> None:
     """Check that each printed time-out is the given number of half clock periods, to the nearest nanosecond."""
     for index, printed in enumerate(timeout.part.printed):
         clock_hz = printed.clock_hz

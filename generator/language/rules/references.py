@@ -10,7 +10,7 @@ from ...model.steps import has_steps
 from ..document import Path
 from ..hints import expression_hint, number_hint, product_hint
 from ..problems import DocumentReport, quoted
-from ..written import Located
+from ..written import LocatedPart
 from ..written_codes import WrittenOpenedBy, WrittenRegister, WrittenRegisterMeaning
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import KIND_KEYS, WrittenField
@@ -19,19 +19,19 @@ from . import parameters
 from .name_resolver import NameResolver
 from .parts import (
     FieldList,
-    Has,
+    FieldOwner,
     by_name,
     by_part_name,
     field_lists,
     field_names,
     has_other_bits,
-    layouts,
+    layouts_of_interfaces,
     measurements,
     readable_names,
 )
 
 #: Kind of a field that is a number.
-_NUMBER = "digits"
+_NUMBER_KIND = "digits"
 
 
 def check_field_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -42,7 +42,7 @@ def check_field_references(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
     resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for field_list in field_lists(spec):
         names = list(field_names(field_list, resolver.groups))
-        has_data_ids = field_list.kind is Has.GROUP or bool(_data_ids(as_read, field_list.interface))
+        has_data_ids = field_list.kind is FieldOwner.GROUP or bool(_data_ids(as_read, field_list.interface))
         for field in field_list.fields:
             _check_field(field, names, list(field_list.joins), resolver)
             if field.values_of and not has_data_ids:
@@ -101,7 +101,7 @@ def check_register_references(spec: WrittenSpec, as_read: WrittenSpec, report: D
             report.add("undefined-reference", register.path, message)
         if register.opened_by is not None:
             _check_opener(register.opened_by, resolver)
-        field_list = FieldList(Has.REGISTER, register, "")
+        field_list = FieldList(FieldOwner.REGISTER, register, "")
         number_names = [*field_names(field_list, resolver.groups), *register.join]
         limits_path = register.place_of("limits_of")
         resolver.refer_if_given(limits_path, "field or joined number", register.limits_of, number_names)
@@ -151,7 +151,7 @@ def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             if text:
                 resolver.refer_to_bit((*hardware_input.path, key), text)
     readable_values: dict[str, None] = {}
-    for frame in layouts(as_read):
+    for frame in layouts_of_interfaces(as_read):
         readable_values |= dict.fromkeys(readable_names(frame, resolver.groups))
     for measurement in measurements(spec):
         if measurement.has("of"):
@@ -163,7 +163,7 @@ def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 
 def _check_measured_field(
-    measurement: Located[Measurement], as_read: WrittenSpec, resolver: NameResolver, report: DocumentReport
+    measurement: LocatedPart[Measurement], as_read: WrittenSpec, resolver: NameResolver, report: DocumentReport
 ) -> None:
     """Check that a field with the measured position is a number in at least one frame of the encoder.
 
@@ -173,13 +173,13 @@ def _check_measured_field(
     path = measurement.path
     is_of_device = path == ("measurement",)
     kinds_in_frames = []
-    for frame in layouts(as_read):
+    for frame in layouts_of_interfaces(as_read):
         # The path of a measurement of an interface contains the name of the interface.
         is_measured = is_of_device or frame.interface in path
         field = field_names(frame, resolver.groups).get(name)
         if is_measured and frame.is_from_encoder and field is not None:
             kinds_in_frames.append(_kind_of(field))
-    if kinds_in_frames and _NUMBER not in kinds_in_frames:
+    if kinds_in_frames and _NUMBER_KIND not in kinds_in_frames:
         problem = f"{quoted(name)} has {quoted(kinds_in_frames[0])}, so it is not a number"
         message = f"{problem}; name the field that holds the position"
         report.add("measurement-shape", (*path, "of"), message)
@@ -188,7 +188,7 @@ def _check_measured_field(
 def _kind_of(field: WrittenField) -> str:
     """Return the first key of a field that makes it something other than a number, such as ``crc``, or ``digits``."""
     kinds = [key for key in KIND_KEYS if field.has(key)]
-    return kinds[0] if kinds else _NUMBER
+    return kinds[0] if kinds else _NUMBER_KIND
 
 
 def check_alarm_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -289,7 +289,7 @@ def _check_written_value(
 def check_example_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the arguments and fields with values, and errata."""
     resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    known_layouts = {frame.name: frame for frame in layouts(as_read) if frame.name}
+    known_layouts = {frame.name: frame for frame in layouts_of_interfaces(as_read) if frame.name}
     for example in spec.examples:
         resolver.refer_if_given(example.place_of("procedure"), "procedure", example.procedure)
         resolver.refer_if_given(example.place_of("erratum"), "erratum", example.erratum)
@@ -310,7 +310,7 @@ def _check_example_values(
     """Check that the layout of an example, or else its register, has the fields whose values it gives."""
     field_list = known_layouts.get(example.layout)
     if field_list is None and example.register in resolver.registers:
-        field_list = FieldList(Has.REGISTER, resolver.registers[example.register], "")
+        field_list = FieldList(FieldOwner.REGISTER, resolver.registers[example.register], "")
     if field_list is not None:
         names = readable_names(field_list, resolver.groups)
         for name in example.values:
@@ -318,7 +318,7 @@ def _check_example_values(
 
 
 #: Lists that paths leave out: a frame belongs to its interface, and a field to its frame.
-_LISTS = ("layouts", "fields", "combinations")
+_LISTS_LEFT_OUT_OF_PATHS = ("layouts", "fields", "combinations")
 
 
 def check_erratum_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -332,7 +332,7 @@ def check_erratum_references(spec: WrittenSpec, as_read: WrittenSpec, report: Do
     for erratum in spec.errata:
         for index, affected in enumerate(erratum.affects):
             steps = affected.split(".")
-            steps_without_lists = [*(step for step in steps[:-1] if step not in _LISTS), steps[-1]]
+            steps_without_lists = [*(step for step in steps[:-1] if step not in _LISTS_LEFT_OUT_OF_PATHS), steps[-1]]
             if len(steps_without_lists) < len(steps):
                 problem = f"no output would find {quoted(affected)}; write {'.'.join(steps_without_lists)}"
                 report.add("undefined-reference", (*erratum.path, "affects", index), problem)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from ...model import INTERFACES, Spi
 from ...model.expressions import Expression, ExpressionError
-from ..problems import DocumentReport, listed, missing, quoted
+from ..problems import DocumentReport, join_words, missing_keys_message, quoted
 from ..written import WrittenPart
 from ..written_layouts import KIND_KEYS, NUMBER, WrittenField, WrittenLayout
 from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
     FieldList,
-    Has,
+    FieldOwner,
     by_name,
     by_part_name,
     constant_width,
@@ -53,10 +53,10 @@ def check_layout_keys(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 def _check_use(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that a field that includes a group is in a layout or register, and has no keys of a field."""
-    if fields.kind is Has.GROUP:
+    if fields.kind is FieldOwner.GROUP:
         message = "a field group cannot include another group; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
-    elif fields.kind is Has.CONTROL:
+    elif fields.kind is FieldOwner.CONTROL:
         message = "the control data cannot include field groups; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
     keys_of_fields = [key for key in field.data if key not in _BESIDE_USE]
@@ -80,7 +80,7 @@ def _check_kind(field: WrittenField, report: DocumentReport) -> None:
     name = quoted(field.name)
     kinds = [key for key in KIND_KEYS if field.has(key)]
     if len(kinds) > 1:
-        problem = f"{listed(map(quoted, kinds))} exclude each other; keep one of them"
+        problem = f"{join_words(map(quoted, kinds))} exclude each other; keep one of them"
         report.add("layout-keys", field.place_of(kinds[1]), problem, at_key=True)
     for key in _OF_NUMBERS:
         if field.has(key) and kinds:
@@ -185,7 +185,7 @@ def _check_width(field: WrittenField, report: DocumentReport) -> None:
     has_width = field.has("bits", "at", *_WIDTH_FOLLOWS)
     if len(places) > 1:
         quantity = "both" if len(places) == 2 else "all"
-        problem = f"{listed(map(quoted, places))} {quantity} give the position; keep one of them"
+        problem = f"{join_words(map(quoted, places))} {quantity} give the position; keep one of them"
         report.add("layout-keys", field.place_of(places[1]), problem, at_key=True)
     elif field.bits is not None and ":" in str(field.at):
         problem = f"the range {quoted(field.at)} already gives the width; remove 'bits'"
@@ -208,7 +208,7 @@ def _check_placing(fields: FieldList, report: DocumentReport) -> None:
     """Check that all or none of the fields of a layout, register or group have places. Control data may mix them."""
     placed_fields = [field for field in fields.fields if field.has(*PLACES)]
     unplaced_fields = [field for field in fields.fields if not field.has(*PLACES)]
-    if not placed_fields or not unplaced_fields or fields.kind is Has.CONTROL:
+    if not placed_fields or not unplaced_fields or fields.kind is FieldOwner.CONTROL:
         return
     field = unplaced_fields[0]
     # A field that includes a group has no name of its own.
@@ -345,7 +345,7 @@ def check_example_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         missing_arguments = [quoted(name) for name in by_name(procedure.arguments) if name not in example.arguments]
         if missing_arguments:
             verb = "is" if len(missing_arguments) == 1 else "are"
-            problem = f"{listed(missing_arguments)} {verb} missing from 'arguments' of the example"
+            problem = f"{join_words(missing_arguments)} {verb} missing from 'arguments' of the example"
             report.add("example-shape", example.path, problem)
 
 
@@ -360,7 +360,7 @@ def check_keys(rule: str, part: WrittenPart, kind: str, subject: str, report: Do
         if kind in described.key.needed_by and not part.has(described.name)
     ]
     if missing_keys:
-        report.add(rule, part.path, missing(missing_keys, subject))
+        report.add(rule, part.path, missing_keys_message(missing_keys, subject))
     for described in part.described_keys:
         owners = described.key.owners
         if owners and kind not in owners and part.has(described.name):

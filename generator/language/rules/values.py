@@ -8,11 +8,11 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations, pairwise
 
 from ...model import INTERFACES, CableLength, Clock, Revision, Supply
-from ...say.plain_text import counted
+from ...say.plain_text import count_with_unit
 from ..document import Path, is_placeholder
-from ..problems import DocumentReport, missing, quoted, suggestion
+from ..problems import DocumentReport, missing_keys_message, quoted, suggest_word
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_interfaces import WrittenRs485, WrittenSsi
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenManual, WrittenSpec
@@ -31,14 +31,14 @@ from .parts import (
 )
 from .walk import leaves_of, sources
 
-_PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
+_CITATION_PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
 #: A heading, possibly with a number, such as ``Table 41``. It does not begin with the word for a page.
 _HEADING = rf"(?!(?i:page|pag|pg|p)\b)[^\W\d_](?:[^\W\d_]|[ '&/()-])+(?: {_NUMBER})?"
 #: A section by number, possibly with a table or figure in it, or by its heading.
 _SECTION = rf"{_NUMBER}(?: (?:Table|Figure) {_NUMBER})?|{_HEADING}"
 _PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
-_PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
+_CITED_PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
 
 
 def check_field_count(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -94,7 +94,7 @@ def check_value_widths(spec: WrittenSpec, as_read: WrittenSpec, report: Document
                 # The number represented by zero is sent as zero. A constant is sent as it is.
                 is_sent_as_zero = number == field.zero_means and path != field.place_of("constant")
                 if is_too_wide and not is_sent_as_zero:
-                    message = f"{subject} {number:#x}, which does not fit into {counted(width, 'bit')}"
+                    message = f"{subject} {number:#x}, which does not fit into {count_with_unit(width, 'bit')}"
                     report.add("value-too-wide", path, message)
 
 
@@ -150,7 +150,7 @@ def check_clock_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                     _report_missing_limit(clock, raw_clocks_by_path.get(clock.path), report)
 
 
-def _check_clock(clock: Located[Clock], report: DocumentReport) -> None:
+def _check_clock(clock: LocatedPart[Clock], report: DocumentReport) -> None:
     """Check the limits of a clock and the clocks in use."""
     used_clocks = [*clock.part.used_hz]
     if used_clocks != sorted(set(used_clocks)):
@@ -168,7 +168,9 @@ def _check_clock(clock: Located[Clock], report: DocumentReport) -> None:
             report.add("clock-range", (*clock.path, low_key), problem)
 
 
-def _report_missing_limit(clock: Located[Clock], raw_clock: Located[Clock] | None, report: DocumentReport) -> None:
+def _report_missing_limit(
+    clock: LocatedPart[Clock], raw_clock: LocatedPart[Clock] | None, report: DocumentReport
+) -> None:
     """Report that a clock has no highest frequency, which a clock without frequencies in use needs.
 
     ``raw_clock`` is the clock as read. A key rejected by the schema was removed. Such a key must not be reported as
@@ -179,7 +181,7 @@ def _report_missing_limit(clock: Located[Clock], raw_clock: Located[Clock] | Non
     # A source that is still a placeholder marks a clock whose limits are still to be transcribed.
     if is_complete and not is_known and not is_placeholder(clock.source):
         remedy = "if no document of the manufacturer gives the limits, write 'used_hz'"
-        report.add("missing-key", clock.path, f"{missing(['max_hz'], 'a clock')}; {remedy}", at_key=True)
+        report.add("missing-key", clock.path, f"{missing_keys_message(['max_hz'], 'a clock')}; {remedy}", at_key=True)
 
 
 def check_cable_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -199,7 +201,7 @@ def check_cable_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _check_cable_order(
-    shorter: CableLength, row: Located[CableLength], affected_path: str, report: DocumentReport
+    shorter: CableLength, row: LocatedPart[CableLength], affected_path: str, report: DocumentReport
 ) -> None:
     """Report the row of a longer cable whose clock is not slower than the clock of a shorter cable."""
     longer = row.part
@@ -232,7 +234,7 @@ def _check_that_dates_exist(manual: WrittenManual, report: DocumentReport) -> No
             report.add("date", (*path, "date"), f"{quoted(date)} is not a valid date")
 
 
-def _check_order_of_revisions(dated_history: Sequence[Located[Revision]], report: DocumentReport) -> None:
+def _check_order_of_revisions(dated_history: Sequence[LocatedPart[Revision]], report: DocumentReport) -> None:
     """Check that no revision of the history has an earlier date than the one before it."""
     for earlier, later in pairwise(dated_history):
         if later.part.date < earlier.part.date:
@@ -242,7 +244,7 @@ def _check_order_of_revisions(dated_history: Sequence[Located[Revision]], report
 
 
 def _check_date_in_history(
-    manual: WrittenManual, dated_history: Sequence[Located[Revision]], report: DocumentReport
+    manual: WrittenManual, dated_history: Sequence[LocatedPart[Revision]], report: DocumentReport
 ) -> None:
     """Check that the history gives the revision of the manual the date of the manual, if it has both."""
     date_by_revision = {release.part.revision: release.part.date for release in dated_history}
@@ -264,7 +266,7 @@ def _parse_date(date_text: str) -> datetime.date | None:
 
 def check_supply_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that only the device or only order code values have a supply, and that the voltages are in order."""
-    supplies: list[Located[Supply]] = []
+    supplies: list[LocatedPart[Supply]] = []
     if spec.supply is not None and spec.supply.is_given:
         supplies.append(spec.supply)
     has_supply_of_device = bool(supplies)
@@ -305,16 +307,16 @@ def _check_piece(
 ) -> None:
     """Check one place that a source cites: its edition or document, and within the manual also its form."""
     # TODO marks a place that is still to be checked.
-    match = _PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
+    match = _CITATION_PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
     key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
     if key is not None and key == own_language:
         report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; remove '{key}:'")
     elif key is not None and key not in editions and key not in documents:
-        hint = suggestion(key, [*editions, *documents])
+        hint = suggest_word(key, [*editions, *documents])
         report.add("undefined-reference", path, f"there is no edition or document {quoted(key)}{hint}")
     elif key in documents and place:
         return  # Public documents have sections of every kind.
-    elif not _PLACE.fullmatch(place):
+    elif not _CITED_PLACE.fullmatch(place):
         piece_text = quoted(piece) if piece else "empty text"
         forms = (
             "cite a section ('6.4' or 'Cover'), a table ('Table 41'), a page ('p.35'), "
@@ -376,8 +378,8 @@ HEXADECIMAL = frozenset("address addresses poly init xorout check control consta
 #: Maps whose keys are names defined in the spec.
 _OWN_NAMES = frozenset(("values", "arguments", "sets"))
 #: Pairs of quotes used by word processors and PDF files.
-_TYPOGRAPHIC = frozenset(map(tuple, ("“”", "„“", "„”", "””", "‘’", "‚‘", "’’", "«»", "»«")))
-_DECIMAL = re.compile("[0-9]{2,}")
+_TYPOGRAPHIC_QUOTES = frozenset(map(tuple, ("“”", "„“", "„”", "””", "‘’", "‚‘", "’’", "«»", "»«")))
+_DECIMAL_DIGITS = re.compile("[0-9]{2,}")
 _LEADING_ZERO = re.compile("[-+]?0[0-9]+")
 
 
@@ -394,7 +396,7 @@ def check_number_base(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         spelling = report.document.spelling_at(path)
         # The same digits read as hexadecimal, without sign and leading zeros, with at least two digits.
         hexadecimal = f"0x{spelling.lstrip('+-0'):0>2}"
-        if not is_json and _is_hexadecimal(path) and _DECIMAL.fullmatch(spelling):
+        if not is_json and _is_hexadecimal(path) and _DECIMAL_DIGITS.fullmatch(spelling):
             decimal_hint = f", or {number:#04x} for decimal {number}" if number > 9 else ""
             message = (
                 f"{quoted(path[-1])} is {spelling}, which is decimal, but manuals print it in hexadecimal; "
@@ -415,7 +417,7 @@ def check_typographic_quotes(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         if not isinstance(value, str) or len(value) < 2:
             continue
         first_character, last_character = value[0], value[-1]
-        if (first_character, last_character) in _TYPOGRAPHIC:
+        if (first_character, last_character) in _TYPOGRAPHIC_QUOTES:
             message = (
                 f"the quotes {first_character} and {last_character} are part of this text; "
                 f'write "{value[1:-1]}" with straight quotes'

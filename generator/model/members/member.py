@@ -10,7 +10,7 @@ from ..key_types import data_notation, name_of_part
 from ..part import DescribedKey, description_of, keys_of
 
 #: Notations of numbers, by the ends of the names of members.
-_UNITS = ("mv", "us", "ms", "hz", "ns")
+_NOTATION_BY_ENDING = ("mv", "us", "ms", "hz", "ns")
 #: Rules of ``diff`` for limits, and the rules for the opposite change.
 WIDER = {
     "clock-narrower": "clock-wider",
@@ -21,7 +21,7 @@ WIDER = {
 
 
 @dataclass(frozen=True)
-class Member:
+class ModelMember:
     """A member of a part of the model. Every output, ``diff`` and the second reading take its description from here.
 
     Attributes:
@@ -75,7 +75,7 @@ class Member:
         if self.shape.startswith("hex"):
             return "hex"
         _, _, unit = self.attribute.rpartition("_")
-        return unit if unit in _UNITS else ""
+        return unit if unit in _NOTATION_BY_ENDING else ""
 
     def is_stated(self, value: object) -> bool:
         """Return True if the manual states a value, and not just the default."""
@@ -94,7 +94,7 @@ class Member:
         return self.name.startswith("max")
 
 
-class Part:
+class ModelPart:
     """A part of the model with its members in the order of the data.
 
     ``of`` names the classes of the model, if they are not called like the part. ``identity`` names the members of the
@@ -105,7 +105,7 @@ class Part:
         self,
         name: str,
         about: str,
-        *members: Member,
+        *members: ModelMember,
         of: str | None = None,
         identity: str = "",
         is_sourced: bool = True,
@@ -122,14 +122,14 @@ class Part:
         self.by_attribute = {member.attribute: member for member in reversed(members)}
 
 
-NAME = Member("name", "name", "Name.")
-MEANING = Member("meaning", "text", "Meaning or purpose.", "words")
-NOTE = Member("note", "text", "Additional information for the reader.", "words")
-PRINTED_NAME = Member("printed_name", "text", "Name in the manual.", "words")
-NAMES = Member("names", "names", "Names in manuals in other languages, each under its language code.", "words")
+NAME = ModelMember("name", "name", "Name.")
+MEANING = ModelMember("meaning", "text", "Meaning or purpose.", "words")
+NOTE = ModelMember("note", "text", "Additional information for the reader.", "words")
+PRINTED_NAME = ModelMember("printed_name", "text", "Name in the manual.", "words")
+NAMES = ModelMember("names", "names", "Names in manuals in other languages, each under its language code.", "words")
 
 
-def described_part(part_class: Any, *additional: Member, after: str = "", name: str = "") -> Part:
+def described_part(part_class: Any, *additional: ModelMember, after: str = "", name: str = "") -> ModelPart:
     """Return the part that a class describes.
 
     ``additional`` members, which only the data have, follow the member ``after``. ``name`` is the name of the part, if
@@ -143,7 +143,7 @@ def described_part(part_class: Any, *additional: Member, after: str = "", name: 
         members.append(_build_member(described))
         if described.name == after:
             members += additional
-    return Part(
+    return ModelPart(
         name or name_of_part(part_class.__name__),
         description.data or description.about,
         *members,
@@ -153,7 +153,7 @@ def described_part(part_class: Any, *additional: Member, after: str = "", name: 
     )
 
 
-def _build_member(described: DescribedKey) -> Member:
+def _build_member(described: DescribedKey) -> ModelMember:
     key = described.key
     about = key.data or f"{key.about} {key.reading}".rstrip()
-    return Member(described.name, data_notation(described), about, **key.member)
+    return ModelMember(described.name, data_notation(described), about, **key.member)

@@ -17,13 +17,13 @@ from ...dump.xml import without_invalid_characters
 from ...model import Biss, Crc, Device, Field, Layout, Variant
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
-from ...plan.values import Active, meaning_of
+from ...plan.values import ActiveFlag, meaning_of
 from ...say import order_code as say_order_code
-from ...say.errata import errata, erratum
+from ...say.errata import describe_erratum, errata
 from ...say.layout import crc_parameters
 from ...say.names_and_places import field_at
 from ...say.order_code import initial
-from ...say.plain_text import counted, in_ascii, plain
+from ...say.plain_text import count_with_unit, in_ascii, text_on_one_line
 from ...say.text import PLAIN_STYLE
 from .identity import DataLength, IdBits, profile_ids
 
@@ -34,7 +34,7 @@ _SPELLED_SIGNS = {"±": "+/-", "→": "to", "°": " deg", "\N{OHM SIGN}": "Ohm"}
 
 def ascii_only(text: object) -> str:
     """Return ``text`` in ASCII for comments, where XML allows no character references."""
-    return in_ascii(plain(text), _SPELLED_SIGNS)
+    return in_ascii(text_on_one_line(text), _SPELLED_SIGNS)
 
 
 def comment_text(text: object) -> Markup:
@@ -81,7 +81,7 @@ def _wrapped_lines(paragraph: str, width: int) -> Sequence[str]:
 
 def ascii_text(text: object) -> Markup:
     """Return ``text`` for an element, in ASCII, with character references such as ``&#176;`` for other characters."""
-    escaped_text = str(escape(without_invalid_characters(plain(text))))
+    escaped_text = str(escape(without_invalid_characters(text_on_one_line(text))))
     return Markup(escaped_text.encode("ascii", "xmlcharrefreplace").decode())
 
 
@@ -157,7 +157,7 @@ def _data_label(device: Device, layout: Layout) -> str:
     Unlike the label of a device, it does not start with a comma.
     """
     measurement = device.measurement_of(Biss.name)
-    return measurement.of if measurement is not None else plain(layout.name.replace("_", " "))
+    return measurement.of if measurement is not None else text_on_one_line(layout.name.replace("_", " "))
 
 
 _LENGTH_NOTE = (
@@ -194,7 +194,7 @@ def master_settings(
     if crc is not None:
         lines.append(f"  CRC: {_crc_text(device, crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
-    settings = say_order_code.settings(device, device.interface(Biss.name))
+    settings = say_order_code.describe_settings(device, device.interface(Biss.name))
     lines += [f"  {PLAIN_STYLE.sentence(setting)}" for setting in settings]
     lines += _one_profile(device, lengths)
     lines += _errata_lines(device, layout, ids)
@@ -230,7 +230,7 @@ def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list
     paths = (f"interfaces.biss.{layout.name}", *dict.fromkeys(register_paths))
     indented_lines = []
     for frame_erratum in errata(device, *paths):
-        first_line, *further_lines = PLAIN_STYLE.lines(erratum(frame_erratum))
+        first_line, *further_lines = PLAIN_STYLE.lines(describe_erratum(frame_erratum))
         indented_lines.append(f"  {first_line}")
         indented_lines += [f"    {line}" for line in further_lines]
     return indented_lines
@@ -240,7 +240,7 @@ def _active_level(status: Field) -> str:
     """Return ``active low`` or ``active high`` for a status bit, or ``not used, always 1`` if it is not a flag."""
     # A status bit is a flag or one unused bit that is always 1.
     meaning = meaning_of(status)
-    if not isinstance(meaning, Active):
+    if not isinstance(meaning, ActiveFlag):
         return "not used, always 1"
     return "active low" if meaning.low else "active high"
 
@@ -283,7 +283,7 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
 
 
 def _crc_text(device: Device, crc: Crc) -> str:
-    return f"{counted(crc.width, 'bit')}, {crc_parameters(device, crc)}"
+    return f"{count_with_unit(crc.width, 'bit')}, {crc_parameters(device, crc)}"
 
 
 def _other_channels(device: Device, layout: Layout) -> list[str]:

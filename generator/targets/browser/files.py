@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
-from ...language.problems import LONGEST_QUOTE, listed
+from ...language.problems import LONGEST_QUOTE, join_words
 from ...model import (
     UNEXPLAINED,
     Alternative,
@@ -30,16 +30,16 @@ from ...model import (
 from ...model.known_crcs import KNOWN_CRCS
 from ...model.layout import have_lengths
 from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, expression_of_code
-from ...plan.crcs import Carrier, carriers
-from ...plan.frames import Dispatch, HeldParameter, dispatches, held_parameters
+from ...plan.crcs import CoveredData, carriers
+from ...plan.frames import FrameDispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
 from ...say import notations, report
-from ...say.evidence import GRADES, grade, lowest_grade, mark_in_lists, origin
+from ...say.evidence import GRADES, describe_grade, lowest_grade, mark_in_lists, origin
 from ...say.markdown import escape
 from ...say.names_and_places import field_at
 from ...say.order_code import not_on_label
-from ...say.plain_text import plain
+from ...say.plain_text import text_on_one_line
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
 from ...why import MOST_FRAMES
 from ...why.channels import LEAST_CRC_BITS
@@ -64,7 +64,7 @@ from ...why.hypotheses import (
 from ...why.in_bytes import MOST_ECHOED_BYTES
 from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.other_order_codes import MOST_CUT_BITS, MOST_STATES
-from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
+from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, LineMistakes, line_name
 from ...why.texts import START_BITS, TEXTS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..palette import palette_css
@@ -153,7 +153,7 @@ def family_data(device: Device) -> Data:
         special=next((overlay.special for overlay in device.overlays if overlay.special), ""),
         special_codes=device.order_code.special,
         about=[PLAIN_STYLE.sentence(fact) for fact in (*not_on_label(device), *origin(device))],
-        evidence=PLAIN_STYLE.sentence(grade(device)),
+        evidence=PLAIN_STYLE.sentence(describe_grade(device)),
         mark=mark_in_lists(device),
         given=parameter_names,
         derived=[[name, expression_data(value)] for name, value in device.definitions.items()],
@@ -208,8 +208,8 @@ def _crc_data(device: Device, crc: Crc) -> Data:
     """
     carriers_of_crc = carriers(device, crc)
     similar_crcs = {
-        "others": other_crcs_over_bits(crc) if Carrier.BITS in carriers_of_crc else (),
-        "byte_others": other_crcs_over_bytes(crc) if Carrier.BYTES in carriers_of_crc else (),
+        "others": other_crcs_over_bits(crc) if CoveredData.BITS in carriers_of_crc else (),
+        "byte_others": other_crcs_over_bytes(crc) if CoveredData.BYTES in carriers_of_crc else (),
     }
     others = {name: _similar_crcs(crc, similar) for name, similar in similar_crcs.items()}
     return _crc_parameters(crc) | {"text": crc.polynomial} | without_empty(**others)
@@ -276,7 +276,7 @@ def _position_unit(device: Device, interface: Interface) -> Data:
     )
 
 
-def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
+def _dispatch_data(interface: Interface, dispatch: FrameDispatch) -> Data:
     """Return the pieces of bytes that form the selector of a sender's frames, and the values that select each frame.
 
     A frame is ``[index of the layout, value, …]``. ``fallback`` is the index of the frame for all other values, or -1.
@@ -285,7 +285,10 @@ def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
     return without_empty(
         sender=dispatch.sender,
         selector=dispatch.selector.name,
-        pieces=[[piece.byte, piece.low_in_byte, piece.mask, piece.low_in_number] for piece in dispatch.bits.pieces],
+        pieces=[
+            [bit_slice.byte, bit_slice.low_in_byte, bit_slice.mask, bit_slice.low_in_number]
+            for bit_slice in dispatch.bits.bit_slices
+        ],
         needs=dispatch.needs,
         frames=[[indexes[branch.layout.name], *map(json_number, branch.values)] for branch in dispatch.branches],
     ) | {"fallback": indexes[dispatch.fallback.name] if dispatch.fallback is not None else -1}
@@ -304,7 +307,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the page, the script and the README."""
     codes = [variant.code for device in library.devices for variant in device.variants]
     page: Page = {
-        "title": listed(plain(manufacturer.title) for manufacturer, _ in library.by_manufacturer()),
+        "title": join_words(text_on_one_line(manufacturer.title) for manufacturer, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
         "example": linked_frame(library.devices),
         "table": script_table(library),
@@ -358,7 +361,7 @@ def script_table(library: Library) -> Data:
     }
 
 
-def _line_data(line: Line) -> Data:
+def _line_data(line: LineMistakes) -> Data:
     """Return the mistakes with the bits around a frame, each as a list, with patterns in the notation of JavaScript."""
     return {
         "slips": [[slip.kind, slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in line.slips],

@@ -26,15 +26,15 @@ from ...model.expressions import Expression, Factor, Term
 from ...model.key_types import LARGEST
 from ...model.lookup import assert_never
 from ...order_codes.labels import edition_before, tests_of
-from ...plan.codec import Codec, codec_of
+from ...plan.codec import LayoutPlan, layout_plan_of
 from ...plan.description import Check as DescribedCheck
 from ...plan.description import DescribedReportCause, Description, Name, describe
-from ...plan.limits import Limits, limits_of
+from ...plan.limits import NumberLimits, limits_of
 from ...plan.operations import (
     AlwaysIs,
     AtMost,
     Check,
-    Fixed,
+    ConstantNumber,
     IsBetween,
     IsOneOf,
     NotAbove,
@@ -43,18 +43,18 @@ from ...plan.operations import (
     ReservedBits,
     ZerosAbove,
 )
-from ...plan.verdicts import ReportCause, Reporting, codes_with_explanation
+from ...plan.verdicts import ReportCause, ReportsAndVerdict, codes_with_explanation
 from ...say.layout import box_colour
-from ...say.names_and_places import register_at, title
-from ...say.register import facts
-from ...say.report import alarm_of, meaning, of_older_edition, remedy, source, states
+from ...say.names_and_places import register_at, title_of
+from ...say.register import describe_register_facts
+from ...say.report import alarm_of, alarm_source, flag_state_meanings, meaning, of_older_edition, remedy
 from ...say.text import PLAIN_STYLE, spec_text
 from ...why.exchanges import usual_values_of
 from ...why.other_order_codes import states_of_widths
 
 Data = dict[str, Any]
 #: Characters that could end the surrounding script element, an HTML comment, or a line of the script.
-_ESCAPES = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029"}
+_SCRIPT_ESCAPES = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029"}
 
 
 def without_empty(**members: Any) -> Data:
@@ -120,7 +120,7 @@ def plain_data(value: Any) -> Any:
 def script_json(value: object, indent: int | None = None) -> str:
     """Return data as JSON that is also valid JavaScript and cannot end the markup around the script."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), indent=indent)
-    return text.translate(_ESCAPES)
+    return text.translate(_SCRIPT_ESCAPES)
 
 
 class SharedParts:
@@ -164,13 +164,13 @@ def channel_data(device: Device, interface: Interface) -> Data:
     ) | {"position": index_of_position}
 
 
-def frame_data(device: Device, interface: str, layout: Layout, reporting: Reporting | None) -> Data:
+def frame_data(device: Device, interface: str, layout: Layout, reporting: ReportsAndVerdict | None) -> Data:
     """Return a frame with its verdict and reports (``tells``). ``reporting`` is None if it has neither.
 
     ``usual`` contains the values that fields usually have, which are evidence for the frame.
     """
     usual_values = usual_values_of(device, interface, layout)
-    codec = codec_of(device, layout)
+    codec = layout_plan_of(device, layout)
     description = describe(codec, reporting)
     causes = reporting.causes if reporting is not None else ()
     reports = []
@@ -180,7 +180,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
     flags = (*layout.fields, *(sign.flag for sign in layout.signs))
     flag_names = [flag.name for flag in flags]
     return _layout_data(device, codec, description) | without_empty(
-        title=title(layout),
+        title=title_of(layout),
         source=cite(layout.source),
         sender=layout.sender,
         channel=layout.channel,
@@ -198,15 +198,15 @@ def register_data(device: Device, register: Register) -> Data:
     """
     meanings: tuple[RegisterMeaning | None, ...] = register.meanings or (None,)
     default = register.default_bytes()
-    statements = (*spec_text(register.meaning), *facts(device, register), *spec_text(register.note))
+    statements = (*spec_text(register.meaning), *describe_register_facts(device, register), *spec_text(register.note))
     alarm_reports = []
     for field in register.layout.fields:
         alarm = alarm_of(device, field, register.name)
         if alarm is not None:
             alarm_reports.append(_alarm_report_data(field, alarm))
-    codec = codec_of(device, register.layout)
+    codec = layout_plan_of(device, register.layout)
     return _layout_data(device, codec, describe(codec)) | without_empty(
-        title=title(register),
+        title=title_of(register),
         source=cite(register.source),
         place=register_at(register),
         length=register.length,
@@ -232,7 +232,7 @@ def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
     return data | _report_texts(field, alarm)
 
 
-def _layout_data(device: Device, codec: Codec, description: Description) -> Data:
+def _layout_data(device: Device, layout_plan: LayoutPlan, description: Description) -> Data:
     """Return the description of a frame or register with the texts about its parts.
 
     ``asks`` are the open questions that a decoder needs answers to, and ``offers`` those that only affect the verdict.
@@ -247,29 +247,33 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
         "otherwise": description.otherwise,
         "judging_bits": description.judging_bits,
     }
-    checks = zip(description.checks, codec.checks, strict=True)
-    crc = codec.only_crc
-    optional_crcs = {frame_crc.field.name: frame_crc.crc.name for frame_crc in codec.crcs if frame_crc.is_optional}
+    checks = zip(description.checks, layout_plan.checks, strict=True)
+    crc = layout_plan.only_crc
+    optional_crcs = {
+        frame_crc.field.name: frame_crc.crc.name for frame_crc in layout_plan.crcs if frame_crc.is_optional
+    }
     return without_empty(
-        name=codec.layout.name,
+        name=layout_plan.layout.name,
         **{name: plain_data(member) for name, member in described_members.items()},
-        fields=[*_field_data(codec, description)],
-        checks=[_check_data(check) | _check_message(codec.layout, operation) for check, operation in checks],
+        fields=[*_field_data(layout_plan, description)],
+        checks=[_check_data(check) | _check_message(layout_plan.layout, operation) for check, operation in checks],
         # A byte that the bits sent do not fill begins with these zeros.
-        fill=(codec.layout.bits - codec.layout.sent_bits).constant,
+        fill=(layout_plan.layout.bits - layout_plan.layout.sent_bits).constant,
         crc=crc.crc.name if crc is not None else "",
         # For each register field that decides the length, all values of its parameters.
-        states=[[*map(dict, states)] for states in states_of_widths(device, codec.layout)] if codec.crcs else [],
+        states=[[*map(dict, states)] for states in states_of_widths(device, layout_plan.layout)]
+        if layout_plan.crcs
+        else [],
         crcs=optional_crcs,
         # If the CRC covers only a part of the frame: the lowest bit, and the number of bits.
         crc_of=[crc.low, crc.covered.constant] if crc is not None and crc.is_part else [],
-        asks=[alternative.name for alternative in codec.alternatives],
-        offers=[alternative.name for alternative in device.verdict_alternatives(codec.layout)],
-        held=_parameters_in_registers(device, codec.layout, codec),
+        asks=[alternative.name for alternative in layout_plan.alternatives],
+        offers=[alternative.name for alternative in device.verdict_alternatives(layout_plan.layout)],
+        held=_parameters_in_registers(device, layout_plan.layout, layout_plan),
     )
 
 
-def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> list[str]:
+def _parameters_in_registers(device: Device, layout: Layout, layout_plan: LayoutPlan) -> list[str]:
     """Return the names of those parameters that registers hold and that the layout needs.
 
     It needs them for its length, for the places and widths of fields, or for its Gray code.
@@ -279,20 +283,20 @@ def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> li
         names_in_layout.update(field.low.parameters, field.width.parameters)
     if layout.gray_excess is not None:
         names_in_layout.update(layout.gray_excess.parameters)
-    if codec.gray is not None and codec.gray.when:
-        names_in_layout.add(codec.gray.when)
+    if layout_plan.gray is not None and layout_plan.gray.when:
+        names_in_layout.add(layout_plan.gray.when)
     needed_names = device.needed_parameters(names_in_layout)
     return [parameter.name for parameter in device.run_time_parameters if parameter.name in needed_names]
 
 
-def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
+def _field_data(layout_plan: LayoutPlan, description: Description) -> Iterator[Data]:
     """Yield the data of each field: its bits, the texts about it, and its encoding if it has a value of its own.
 
     A constant, a parity and a CRC have a value of their own. Users provide the values of other fields.
     """
-    own_values = {term.field.name: term.value for term in codec.terms}
-    for column, field in zip(description.columns, codec.layout.fields, strict=True):
-        when_active, when_inactive = states(field)
+    own_values = {term.field.name: term.value for term in layout_plan.terms}
+    for column, field in zip(description.columns, layout_plan.layout.fields, strict=True):
+        when_active, when_inactive = flag_state_meanings(field)
         only = codes_with_explanation(field)
         texts = without_empty(
             printed=field.printed_name,
@@ -344,7 +348,7 @@ def _encoding_data(value: object) -> Data:
     ``value`` is the value of the field's term. A CRC has no term.
     """
     match value:
-        case Fixed(constant):
+        case ConstantNumber(constant):
             return {"fixed": json_number(constant)}
         case ParityOf(covered_fields, odd, mask):
             parity: Data = {"parity": [field.name for field in covered_fields], "odd": int(odd)}
@@ -403,10 +407,12 @@ def _check_message(layout: Layout, check: Check) -> Data:
 
 def _report_texts(field: Field, alarm: Alarm | None) -> Data:
     """Return the meaning, remedy and source of a report, shown while the field is active or differs from the manual."""
-    return without_empty(meaning=meaning(field, alarm), remedy=remedy(field, alarm), source=cite(source(field, alarm)))
+    return without_empty(
+        meaning=meaning(field, alarm), remedy=remedy(field, alarm), source=cite(alarm_source(field, alarm))
+    )
 
 
-def _limits_data(register_meaning: RegisterMeaning | None, limits: Limits) -> Data:
+def _limits_data(register_meaning: RegisterMeaning | None, limits: NumberLimits) -> Data:
     """Return the limits of a register, or of one of its meanings. ``low`` and ``high`` are None without a limit."""
     data = without_empty(
         name=register_meaning.name if register_meaning is not None else "",

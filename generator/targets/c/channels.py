@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...model import ChannelFrame, channel_frame, first_of
+from ...model import ChannelFrame, channel_frame, first_or_raise
 from .codec import StructCodec
-from .context import Context
-from .names import Declared, Expr, c_name
+from .context import HeaderContext
+from .names import CExpression, DeclaredName, c_name
 
 
 class ChannelCode:
@@ -16,18 +16,18 @@ class ChannelCode:
     ``compared`` contains the member and the width of each compared field.
     """
 
-    def __init__(self, context: Context, frame: ChannelFrame, codecs: Sequence[StructCodec]) -> None:
+    def __init__(self, context: HeaderContext, frame: ChannelFrame, codecs: Sequence[StructCodec]) -> None:
         self._context = context
         self._frame = frame
         self.type = f"{context.prefix}_channels"
         codec_by_layout = {codec.struct.layout.name: codec for codec in codecs}
         self.codecs = [codec_by_layout[layout.name] for layout in frame.layouts]
-        self.compared: list[tuple[str, Expr]] = []
+        self.compared: list[tuple[str, CExpression]] = []
         for field in frame.compared:
             member = f"{c_name(field.layout.name)}.{c_name(field.name)}"
             self.compared.append((member, context.scope.expression_of(field.width)))
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names of the struct, its functions and its macros."""
         path = ("interfaces", self._context.interface.name, "channels")
         functions = ["bits", "decode", "verdict", "receive"]
@@ -50,7 +50,7 @@ class ChannelCode:
         return [f"Return true unless the highest {bits} bits of {members} differ{tolerance}."]
 
     @property
-    def compared_bits(self) -> Expr:
+    def compared_bits(self) -> CExpression:
         return self._context.scope.expression_of(self._frame.compared_bits)
 
     @property
@@ -68,7 +68,7 @@ class ChannelCode:
         """The channel with the position."""
         interface = self._context.interface.name
         layouts = (layout for layout in self._frame.layouts if self._context.device.sends_position(interface, layout))
-        layout = first_of(layouts, "channel with the position")
+        layout = first_or_raise(layouts, "channel with the position")
         # The codecs are in the order of the layouts.
         return self.codecs[self._frame.layouts.index(layout)]
 
@@ -79,7 +79,7 @@ class ChannelCode:
         return [codec for codec in others if codec.reports is not None and codec.reports.verdict]
 
 
-def channel_code(context: Context, codecs: Sequence[StructCodec]) -> ChannelCode | None:
+def channel_code(context: HeaderContext, codecs: Sequence[StructCodec]) -> ChannelCode | None:
     """Return the frame with all data channels of an interface, or None if there is none."""
     frame = channel_frame(context.interface)
     return ChannelCode(context, frame, codecs) if frame is not None else None

@@ -12,17 +12,30 @@ from ...plan.operations import FrameCrc
 from .about import about_bits_crc, about_member, about_unused, about_word_crc
 from .comments import Paragraph
 from .crc_functions import BitsCrc, WordCrc, fold_operations
-from .decode import Decoder
-from .encode import Encoder
+from .decode import CDecoder
+from .encode import CEncoder
 from .enumerations import AlternativeCode, alternatives_in
-from .names import Declared, Expr, Name, Number, Operation, c_name, join_operands, number, string, unsigned
-from .structs import Struct
+from .names import (
+    CExpression,
+    CName,
+    CNumber,
+    COperation,
+    DeclaredName,
+    c_name,
+    c_number,
+    join_operands,
+    string,
+    unsigned,
+)
+from .structs import LayoutStruct
 
 
 class StructCodec:
     """The values that the templates print for a layout. ``about`` describes a frame and is empty for a register."""
 
-    def __init__(self, struct: Struct, about: Sequence[Paragraph] = (), outside: Sequence[OutsideLimits] = ()) -> None:
+    def __init__(
+        self, struct: LayoutStruct, about: Sequence[Paragraph] = (), outside: Sequence[OutsideLimits] = ()
+    ) -> None:
         self.struct = struct
         self.plan = struct.plan
         self.scope = struct.scope
@@ -30,8 +43,8 @@ class StructCodec:
         self.type = struct.type
         self.length_macro = struct.length_macro
         self.about = tuple(about)
-        self.decoder = Decoder(struct)
-        self.encoder = Encoder(struct, outside)
+        self.decoder = CDecoder(struct)
+        self.encoder = CEncoder(struct, outside)
         alternatives = struct.context.alternatives
         self.alternatives = tuple(code for code in alternatives if code.alternative in self.plan.alternatives)
         #: Whether a program that talks to an encoder decodes it, and encodes it. A simulator does the rest.
@@ -42,7 +55,7 @@ class StructCodec:
         if struct.register is None:
             self.reports = struct.context.reports.of(struct.layout, self.name, self.type)
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         for name in self._yield_names():
             yield name, self.struct.path
 
@@ -274,24 +287,24 @@ class StructCodec:
                 return string(characters)
             case Expression(constant):
                 # Only values that are the same for all order codes have a macro.
-                return number(constant)
+                return c_number(constant)
             case _:
-                return number(field.equals or 0, hexadecimal=True)
+                return c_number(field.equals or 0, hexadecimal=True)
 
     def expected_macro(self, field: Field) -> str:
         return f"{self.name}_{field.name}_EXPECTED".upper()
 
     @property
-    def is_expected(self) -> Expr:
+    def is_expected(self) -> CExpression:
         """Condition that a struct has the values of the manual, and that no unused bit differs from it."""
-        conditions: list[Expr] = []
+        conditions: list[CExpression] = []
         for field in self.expected:
             conditions += self._has_expected_value(field)
         if self.struct.unused:
-            conditions.append(Operation("==", (Name("in->unused"), Number(0))))
+            conditions.append(COperation("==", (CName("in->unused"), CNumber(0))))
         return join_operands("&&", tuple(conditions))
 
-    def _has_expected_value(self, field: Field) -> Iterator[Expr]:
+    def _has_expected_value(self, field: Field) -> Iterator[CExpression]:
         """Yield the conditions under which a member equals the value in the manual.
 
         A string has one piece per character.
@@ -301,8 +314,8 @@ class StructCodec:
         match field.equals:
             case str(characters):
                 for index in range(len(characters)):
-                    yield Operation("==", (Name(f"{member}[{index}]"), Name(f"{macro}[{index}]")))
+                    yield COperation("==", (CName(f"{member}[{index}]"), CName(f"{macro}[{index}]")))
             case Expression() as equals if not equals.is_constant:
-                yield Operation("==", (Name(member), self.scope.expression_of(equals)))
+                yield COperation("==", (CName(member), self.scope.expression_of(equals)))
             case _:
-                yield Operation("==", (Name(member), Name(macro)))
+                yield COperation("==", (CName(member), CName(macro)))

@@ -9,20 +9,20 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.crcs import carriers
 from ...plan.frames import held_parameters
-from ...say.order_code import timing as say_timing
+from ...say.order_code import describe_timing as say_timing
 from .comments import HEADER_STYLE
 from .enumerations import AlternativeCode, Enumerations, Reports
-from .names import BY_VALUE, Cast, Expr, Passing, Scope, number, unsigned
+from .names import BY_VALUE, CCast, CExpression, ParameterSpelling, StructPassing, c_number, unsigned
 
 
-class Context:
+class HeaderContext:
     """The values that all parts of the headers of an interface share. The class imports no part, and its values never
     change.
 
     The device has only this interface. ``prefix`` begins every name, and is the type of the order codes.
     """
 
-    def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
+    def __init__(self, device: Device, passing: StructPassing = BY_VALUE) -> None:
         self.device = device
         self.passing = passing
         self.maker = device.manufacturer
@@ -37,7 +37,7 @@ class Context:
         for alternative in self.alternatives:
             # All answers of an alternative set the same parameters.
             argument_by_parameter |= dict.fromkeys(alternative.alternative.answers[0].sets, alternative.argument)
-        self.scope = Scope(
+        self.scope = ParameterSpelling(
             prefix=self.prefix, largest=_largest_values(device), answers=argument_by_parameter, passing=passing
         )
         self.enumerations = Enumerations(device, self.prefix)
@@ -90,17 +90,17 @@ def _largest_values(device: Device) -> dict[str, int]:
 
 
 @dataclass(frozen=True, slots=True)
-class Function:
+class CFunction:
     """A function that returns one expression. ``uses_variant`` is True if the value depends on the order code."""
 
     name: str
     type: str
-    value: Expr
+    value: CExpression
     about: str
     uses_variant: bool
 
 
-def number_function(scope: Scope, name: str, expression: Expression, largest: int, about: str) -> Function:
+def number_function(scope: ParameterSpelling, name: str, expression: Expression, largest: int, about: str) -> CFunction:
     """Build a function for numbers up to ``largest``, in 32 bits if they and all intermediate results fit.
 
     ``about`` is the comment on the function.
@@ -112,28 +112,28 @@ def number_function(scope: Scope, name: str, expression: Expression, largest: in
     bits = max(largest_intermediate.bit_length(), 32)
     value = scope.expression_of(expression)
     if bits == 32 and scope.has_64_bits(expression):
-        value = Cast("uint32_t", value)
-    return Function(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
+        value = CCast("uint32_t", value)
+    return CFunction(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
 
 
-def wide_number_function(scope: Scope, name: str, expression: Expression, about: str) -> Function:
+def wide_number_function(scope: ParameterSpelling, name: str, expression: Expression, about: str) -> CFunction:
     """Build a function for numbers of 64 bits."""
     value = scope.expression_of(expression)
     # A power of two is computed in 64 bits, and so is what follows it.
     has_64_bits = bool(expression.terms) and expression.terms[0].is_power
     if not has_64_bits:
-        value = Cast("uint64_t", value)
-    return Function(name, type="uint64_t", value=value, about=about, uses_variant=not expression.is_constant)
+        value = CCast("uint64_t", value)
+    return CFunction(name, type="uint64_t", value=value, about=about, uses_variant=not expression.is_constant)
 
 
 @dataclass(frozen=True, slots=True)
-class Macro:
+class CMacro:
     name: str
     value: str
     note: str = ""
 
 
-def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
+def timing_macros(timing: Timing, stem: str) -> Iterator[CMacro]:
     """Yield the bounds of a time in microseconds, such as ``ACME_X_STARTUP_AT_MOST_US``.
 
     The comment on the first describes all of them, and the other comments refer to it.
@@ -142,19 +142,19 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
     for bound, value in bounds.items():
         if value is not None:
-            yield Macro(f"{stem}_{timing.name}_{bound}_US".upper(), number(value), note)
+            yield CMacro(f"{stem}_{timing.name}_{bound}_US".upper(), c_number(value), note)
             note = f"see {timing.name} above"
 
 
-def scale_macros(layout: Layout, stem: str) -> Iterator[Macro]:
+def scale_macros(layout: Layout, stem: str) -> Iterator[CMacro]:
     """Yield the numbers of each scale. The numbers have 64 bits, so that no product overflows."""
     for field in layout.fields:
         scale = field.scale
         name = f"{stem}_{field.name}".upper()
         if scale is not None:
             note = f"{field.name} in {scale.unit}: ({field.name} * NUMERATOR + OFFSET) / DENOMINATOR"
-            yield Macro(f"{name}_NUMERATOR", f"INT64_C({scale.numerator})", note)
+            yield CMacro(f"{name}_NUMERATOR", f"INT64_C({scale.numerator})", note)
             magnitude = f"INT64_C({abs(scale.offset)})"
             offset = f"(-{magnitude})" if scale.offset < 0 else magnitude
-            yield Macro(f"{name}_OFFSET", offset)
-            yield Macro(f"{name}_DENOMINATOR", f"INT64_C({scale.denominator})")
+            yield CMacro(f"{name}_OFFSET", offset)
+            yield CMacro(f"{name}_DENOMINATOR", f"INT64_C({scale.denominator})")

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Crc
 from ...model.record import dataclass
-from ...plan.crcs import Carrier, CrcFunction, Form, byte_table, carrier_of, reflect, word_table
+from ...plan.crcs import CoveredData, CrcFunction, CrcMethod, byte_table, carrier_of, reflect, word_table
 from .about import about_crc
 from .codec import StructCodec
 from .comments import Paragraph
-from .context import Context
-from .names import Declared, unsigned
+from .context import HeaderContext
+from .names import DeclaredName, unsigned
 from .structs import covers_32_bits
 
 
@@ -30,7 +30,7 @@ class CrcCode:
     #: The type of the bits that a function over bits takes.
     data_type: str
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         if self.is_called:
             yield self.name, ("crcs", self.crc.name)
         if self.table:
@@ -46,15 +46,15 @@ class CrcCode:
 
     @property
     def in_bytes(self) -> bool:
-        return self.function.carrier is Carrier.BYTES
+        return self.function.carrier is CoveredData.BYTES
 
     @property
     def is_fold(self) -> bool:
-        return self.function.form is Form.FOLD
+        return self.function.form is CrcMethod.FOLD
 
     @property
     def by_bits(self) -> bool:
-        return self.function.form is Form.TABLE
+        return self.function.form is CrcMethod.TABLE
 
     @property
     def is_reflected(self) -> bool:
@@ -71,7 +71,7 @@ class CrcCode:
         return self.crc.refout != self.is_reflected
 
 
-def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
+def crc_code(context: HeaderContext, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
     """Return the function of a CRC. It has a table only if its form needs one and a codec uses it.
 
     A codec with a CRC for words does not call the function, and uses only the table.
@@ -107,9 +107,9 @@ def _table_entries(function: CrcFunction) -> tuple[int, ...]:
     A folded CRC has a table only for frames that are words.
     """
     crc = function.crc
-    if function.form is Form.TABLE:
-        is_reflected = function.carrier is Carrier.BYTES and crc.refin
+    if function.form is CrcMethod.TABLE:
+        is_reflected = function.carrier is CoveredData.BYTES and crc.refin
         return byte_table(crc.width, crc.poly, is_reflected)
-    if function.form is Form.FOLD and function.in_words:
+    if function.form is CrcMethod.FOLD and function.in_words:
         return word_table(crc.width, crc.poly)
     return ()

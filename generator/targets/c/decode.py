@@ -7,39 +7,39 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from ...model import Field, assert_never
 from ...model.record import dataclass
 from ...plan.codec import ShiftedBits, characters, is_plain_flag
-from ...plan.operations import AlwaysIs, Bits, Check, JoinedNumber, ParityIs, Part, ZerosAbove
+from ...plan.operations import AlwaysIs, Check, FieldBits, FieldToDecode, JoinedNumber, ParityIs, ZerosAbove
 from ...plan.values import (
-    Active,
-    Characters,
-    DigitRuns,
-    Named,
-    Raw,
+    ActiveFlag,
+    DecimalDigits,
+    Latin1Text,
+    NamedChoice,
     TwosComplement,
+    UnsignedNumber,
     ZeroMeans,
 )
-from ...say.names_and_places import words
+from ...say.names_and_places import name_in_words
 from .bits import digits
 from .names import (
-    Call,
-    Cast,
+    CCall,
+    CCast,
+    CExpression,
+    CName,
+    CNumber,
     Conditional,
-    Expr,
-    Name,
-    Number,
-    Operation,
+    COperation,
     c_name,
     join_operands,
     masked,
     unsigned,
 )
-from .structs import Struct
+from .structs import LayoutStruct
 
 #: Names of arguments and locals in the generated functions. The locals of fields have different names.
-_LOCALS = frozenset("variant word received plain bytes length out in crc index v wide value flags".split())
+_NAMES_OF_LOCALS = frozenset("variant word received plain bytes length out in crc index v wide value flags".split())
 
 
 @dataclass(frozen=True, slots=True)
-class ByteIs:
+class ConstantByte:
     """A byte whose bits under ``mask`` never change. ``reasons`` contains the names of its constant fields."""
 
     byte: int
@@ -61,7 +61,7 @@ class FlagsIn:
 class UnusedIn:
     """A byte with unused bits, at its position in the member. The first byte initialises the local variable."""
 
-    bits: Expr
+    bits: CExpression
     is_first: bool
 
 
@@ -69,17 +69,17 @@ class UnusedIn:
 class UnusedAre:
     """All unused bits."""
 
-    bits: Expr
+    bits: CExpression
 
 
 #: Masks of the odd and the even bits in the lower 32 bits of a word.
 _ODD_BITS, _EVEN_BITS = 0xAAAAAAAA, 0x55555555
 
 
-class Decoder:
+class CDecoder:
     """The operations of a decoder in order, and the expressions in them."""
 
-    def __init__(self, struct: Struct) -> None:
+    def __init__(self, struct: LayoutStruct) -> None:
         self.struct = struct
         self.plan = struct.plan
         self.reader = struct.reader
@@ -99,9 +99,9 @@ class Decoder:
                     checked_names.update(covered.name for covered in check.of)
         self._only_reported = {reserved.field.name for reserved in self.plan.reserved} - checked_names
 
-    def local(self, field: Field) -> Expr:
+    def local(self, field: Field) -> CExpression:
         """Return the local that holds the bits of a field."""
-        return Name(c_name(field.name, _LOCALS))
+        return CName(c_name(field.name, _NAMES_OF_LOCALS))
 
     @property
     def fields_with_local(self) -> tuple[Field, ...]:
@@ -112,15 +112,15 @@ class Decoder:
         """
         names_without_local = self._plain_flags | self._only_reported | self.plan.constants.keys()
         names_without_local |= self._word_parities.keys()
-        names_without_local |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Characters)}
+        names_without_local |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Latin1Text)}
         names_without_local |= {crc.field.name for crc in self.plan.crcs}
         return tuple(field for field in self.plan.layout.fields if field.name not in names_without_local)
 
-    def raw(self, field: Field) -> tuple[str, Expr]:
+    def raw(self, field: Field) -> tuple[str, CExpression]:
         """Return the type and the bits of a field, such as ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``."""
         return self.reader.value(self.plan.bits_of(field.name))
 
-    def bits_as_sent(self, field: Field) -> Expr:
+    def bits_as_sent(self, field: Field) -> CExpression:
         """Return the bits of a field before any Gray code is converted."""
         return self.reader.bits_as_sent(field)
 
@@ -150,7 +150,7 @@ class Decoder:
         return tuple(parity for parity in parities if parity.field.name in self._word_parities)
 
     @property
-    def checks(self) -> Iterator[Check | ByteIs]:
+    def checks(self) -> Iterator[Check | ConstantByte]:
         """The checks in order: constants, parity bits, parity bits of the selector, and then values.
 
         In bytes, constants are checked byte by byte, after the zeros above fields. A parity bit of the selector is
@@ -176,7 +176,7 @@ class Decoder:
             if is_of_value and check.field.name not in selector_names:
                 yield check
 
-    def is_of_other_frame(self, parity: ParityIs) -> Expr:
+    def is_of_other_frame(self, parity: ParityIs) -> CExpression:
         """Return the condition that the selector or its parity bit differs from this frame's.
 
         A byte that holds both is compared once, together with the constants in it, such as
@@ -186,9 +186,9 @@ class Decoder:
         # A known parity covers a single field with a single value: here the selector, with the value of this frame.
         (selected_value,) = self.plan.layout.selects
         (selector_bits,) = parity.of_bits
-        pieces = [(piece, selected_value) for piece in selector_bits.pieces]
-        pieces += [(piece, parity.known_parity) for piece in parity.bits.pieces]
-        bytes_of_pieces = {piece.byte for piece, _ in pieces}
+        bit_slices = [(bit_slice, selected_value) for bit_slice in selector_bits.bit_slices]
+        bit_slices += [(bit_slice, parity.known_parity) for bit_slice in parity.bits.bit_slices]
+        bytes_of_pieces = {bit_slice.byte for bit_slice, _ in bit_slices}
         if self.plan.by_word or len(bytes_of_pieces) != 1:
             return self._selector_or_parity_differs(parity, parity.known_parity)
         (byte,) = bytes_of_pieces
@@ -200,19 +200,19 @@ class Decoder:
             if constant.byte == byte:
                 mask = constant.mask
                 expected_value = constant.value
-        for piece, number in pieces:
-            mask |= piece.mask << piece.low_in_byte
-            expected_value |= ((number >> piece.low_in_number) & piece.mask) << piece.low_in_byte
-        whole_byte = Name(f"bytes[{byte}]")
+        for bit_slice, number in bit_slices:
+            mask |= bit_slice.mask << bit_slice.low_in_byte
+            expected_value |= ((number >> bit_slice.low_in_number) & bit_slice.mask) << bit_slice.low_in_byte
+        whole_byte = CName(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
-        return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
+        return COperation("!=", (compared_bits, CNumber(expected_value, hexadecimal=True)))
 
-    def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> Expr:
+    def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> CExpression:
         """Return the condition that the local of the selector or of its parity bit has another value."""
         selects = self.plan.layout.selects
         selector = parity.selector
         other_value = self.struct.is_none_of(selector, self.local(selector), selects, is_raw=True)
-        other_parity = Operation("!=", (self.local(parity.field), Number(known_parity)))
+        other_parity = COperation("!=", (self.local(parity.field), CNumber(known_parity)))
         return join_operands("||", (other_value, other_parity))
 
     def _mask_in_word(self, parity: ParityIs) -> int:
@@ -241,19 +241,19 @@ class Decoder:
             names |= alternative.answers[0].sets.keys()
         return names
 
-    def parity_in_word(self, parity: ParityIs) -> Expr:
+    def parity_in_word(self, parity: ParityIs) -> CExpression:
         """Return the parity of a parity bit in the word and all bits that it covers."""
         mask = self._word_parities[parity.field.name]
-        return Call("cw_parity", (masked(self.reader.lower(32), mask),))
+        return CCall("cw_parity", (masked(self.reader.lower(32), mask),))
 
-    def parities_in_word_together(self, parities: Sequence[ParityIs]) -> Expr:
+    def parities_in_word_together(self, parities: Sequence[ParityIs]) -> CExpression:
         """Return the parities of the odd and of the even bits in the word that two parity bits cover."""
         mask = 0
         for parity in parities:
             mask |= self._word_parities[parity.field.name]
-        return Call("cw_parities", (masked(self.reader.lower(32), mask),))
+        return CCall("cw_parities", (masked(self.reader.lower(32), mask),))
 
-    def parity(self, fields: Sequence[Field], mask: int) -> Expr:
+    def parity(self, fields: Sequence[Field], mask: int) -> CExpression:
         """Return the parity of these fields, or of their bits in ``mask`` if it is not 0."""
         if self.plan.parity_covers_converted:
             return self.reader.parity_as_sent(fields, mask)
@@ -262,7 +262,7 @@ class Decoder:
     # -- members
 
     @property
-    def fill_operations(self) -> Iterator[FlagsIn | Part | JoinedNumber | UnusedIn | UnusedAre]:
+    def fill_operations(self) -> Iterator[FlagsIn | FieldToDecode | JoinedNumber | UnusedIn | UnusedAre]:
         """The operations that fill the members, in order. Unused bits are taken from a byte together with its flags."""
         unused = self.struct.unused
         # The unused bits of each byte that no operation has taken yet. It shrinks in the calls below.
@@ -270,14 +270,14 @@ class Decoder:
         for operation in self._parts_and_wholes():
             yield operation
             if isinstance(operation, FlagsIn) and operation.byte in ungathered:
-                yield from self._gather_unused(ungathered, operation.byte, Name("flags"))
+                yield from self._gather_unused(ungathered, operation.byte, CName("flags"))
         for byte in tuple(ungathered):
-            yield from self._gather_unused(ungathered, byte, Name(f"bytes[{byte}]"))
+            yield from self._gather_unused(ungathered, byte, CName(f"bytes[{byte}]"))
         if unused and (self.plan.by_word or unused.single):
             yield UnusedAre(unused.member)
 
     def _gather_unused(
-        self, ungathered: dict[int, ShiftedBits], byte: int, bits_of_byte: Expr
+        self, ungathered: dict[int, ShiftedBits], byte: int, bits_of_byte: CExpression
     ) -> Iterator[UnusedIn | UnusedAre]:
         """Yield the unused bits of a byte, and after the last such byte the whole member.
 
@@ -293,9 +293,9 @@ class Decoder:
             return
         yield UnusedIn(unused.at_place(moved, bits_of_byte), is_first=is_first)
         if not ungathered:
-            yield UnusedAre(unused.member_from(Name("unused")))
+            yield UnusedAre(unused.member_from(CName("unused")))
 
-    def _parts_and_wholes(self) -> Iterator[FlagsIn | Part | JoinedNumber]:
+    def _parts_and_wholes(self) -> Iterator[FlagsIn | FieldToDecode | JoinedNumber]:
         """Yield all parts and joins. The byte of adjacent flags comes before the first of them."""
         flags_in = self._first_flags_of_bytes()
         for part in self.plan.parts:
@@ -313,7 +313,7 @@ class Decoder:
         previous_byte = -1
         for part in self.plan.parts:
             if is_plain_flag(part) and not self.plan.by_word:
-                byte = part.bits.pieces[0].byte
+                byte = part.bits.bit_slices[0].byte
                 if byte != previous_byte:
                     byte_by_first_flag[part.field.name] = byte
                 previous_byte = byte
@@ -324,78 +324,82 @@ class Decoder:
             flags_in[name] = FlagsIn(byte, is_first=is_first, is_only=is_only)
         return flags_in
 
-    def members(self, part: Part) -> Iterator[tuple[str, Expr]]:
+    def members(self, part: FieldToDecode) -> Iterator[tuple[str, CExpression]]:
         """Yield the members that a part fills, each with its value, such as ``error`` and ``(flags & 0x80U) != 0U``."""
         name = c_name(part.field.name)
         bits = self.local(part.field)
         type_ = self.struct.type_of(part.field)
         match part.meaning:
-            case Raw() | Named():
+            case UnsignedNumber() | NamedChoice():
                 yield name, self._bits_as(type_, part)
             case TwosComplement():
                 width = self.struct.scope.expression_of(part.field.width)
-                yield name, Cast(type_, Call("cw_signed", (bits, width)))
+                yield name, CCast(type_, CCall("cw_signed", (bits, width)))
             case ZeroMeans(number):
-                is_zero = Operation("==", (bits, Number(0)))
-                yield name, Cast(type_, Conditional(is_zero, Number(number), bits))
-            case Active(low):
+                is_zero = COperation("==", (bits, CNumber(0)))
+                yield name, CCast(type_, Conditional(is_zero, CNumber(number), bits))
+            case ActiveFlag(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
                 is_active = self._is_active(part, bit, low_is_active=low)
-                yield name, Name(is_active.operand)
-            case DigitRuns(runs):
+                yield name, CName(is_active.operand)
+            case DecimalDigits(runs):
                 yield name, self._bits_as(type_, part)
                 for run in runs:
                     highest_of_run = run.modulus - 1
                     type_of_run = unsigned(highest_of_run.bit_length())
-                    yield c_name(run.name), Cast(type_of_run, digits(bits, part.field, run))
-            case Characters():
+                    yield c_name(run.name), CCast(type_of_run, digits(bits, part.field, run))
+            case Latin1Text():
                 for index, byte in characters(part.field):
-                    yield f"{name}[{index}]", Cast(type_, Name(f"bytes[{byte}]"))
+                    yield f"{name}[{index}]", CCast(type_, CName(f"bytes[{byte}]"))
             case never:
                 assert_never(never)
 
-    def _is_active(self, part: Part, bit: Expr, *, low_is_active: bool) -> Expr:
+    def _is_active(self, part: FieldToDecode, bit: CExpression, *, low_is_active: bool) -> CExpression:
         """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
         An active-low flag of which only some order codes have the bit is compared with its width, which is 1 or 0.
         """
         if low_is_active and not part.field.width.is_constant:
-            return Operation("!=", (bit, self.struct.scope.expression_of(part.field.width)))
+            return COperation("!=", (bit, self.struct.scope.expression_of(part.field.width)))
         operator = "==" if low_is_active else "!="
-        return Operation(operator, (bit, Number(0)))
+        return COperation(operator, (bit, CNumber(0)))
 
-    def _bits_as(self, type_: str, part: Part) -> Expr:
+    def _bits_as(self, type_: str, part: FieldToDecode) -> CExpression:
         """Return the bits of a part, with a cast if the member has another type."""
         bits = self.local(part.field)
         type_of_local, _ = self.raw(part.field)
-        return bits if type_of_local == type_ else Cast(type_, bits)
+        return bits if type_of_local == type_ else CCast(type_, bits)
 
     def is_fixed(self, field: Field) -> bool:
         """Return True if a field always has the same bits."""
         return field.name in self.plan.constants
 
-    def number_of_join(self, joined_number: JoinedNumber) -> Expr:
+    def number_of_join(self, joined_number: JoinedNumber) -> CExpression:
         return self.reader.number_of_join(joined_number, self.local)
 
 
-def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
+def _constant_bytes(checks: Iterable[Check]) -> list[ConstantByte]:
     """Return the bytes with constant bits, in order, each with the mask and the value of all its constants."""
-    constant_bytes: dict[int, ByteIs] = {}
+    constant_bytes: dict[int, ConstantByte] = {}
     for check in checks:
-        name = words(check.field.name)
+        name = name_in_words(check.field.name)
         match check:
             case ZerosAbove(beyond=pieces_beyond):
-                for piece in pieces_beyond:
-                    constant_bytes[piece.byte] = ByteIs(piece.byte, mask=0xFF, value=0, reasons=(f"above {name}",))
+                for bit_slice in pieces_beyond:
+                    constant_bytes[bit_slice.byte] = ConstantByte(
+                        bit_slice.byte, mask=0xFF, value=0, reasons=(f"above {name}",)
+                    )
             case AlwaysIs(bits=bits, value=constant):
-                for piece in bits.pieces:
+                for bit_slice in bits.bit_slices:
                     # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
-                    value_in_byte = ((constant >> piece.low_in_number) & piece.mask) << piece.low_in_byte
+                    value_in_byte = ((constant >> bit_slice.low_in_number) & bit_slice.mask) << bit_slice.low_in_byte
                     # The constants that earlier checks have in the same byte.
-                    earlier = constant_bytes.get(piece.byte, ByteIs(piece.byte, mask=0, value=0, reasons=()))
-                    constant_bytes[piece.byte] = ByteIs(
-                        piece.byte,
-                        mask=earlier.mask | (piece.mask << piece.low_in_byte),
+                    earlier = constant_bytes.get(
+                        bit_slice.byte, ConstantByte(bit_slice.byte, mask=0, value=0, reasons=())
+                    )
+                    constant_bytes[bit_slice.byte] = ConstantByte(
+                        bit_slice.byte,
+                        mask=earlier.mask | (bit_slice.mask << bit_slice.low_in_byte),
                         value=earlier.value | value_in_byte,
                         reasons=tuple(dict.fromkeys((*earlier.reasons, name))),
                     )
@@ -410,7 +414,7 @@ def _mask_for_code(parity: ParityIs, parameters: Mapping[str, int]) -> int:
     return word_mask
 
 
-def _bits_mask(bits: Bits, parameters: Mapping[str, int], mask: int) -> int:
+def _bits_mask(bits: FieldBits, parameters: Mapping[str, int], mask: int) -> int:
     """Return the mask of bits in the word, or of the bits in ``mask`` if it is not 0.
 
     ``mask`` is relative to the lowest of the bits: at bit 8, a mask of 0b11 becomes 0x300.

@@ -10,15 +10,15 @@ from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol, TypeVar
 
-from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_of
+from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_or_raise
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...order_codes.reduction import for_codes
 from ...plan.crcs import crc_functions
 from ...plan.frames import held_parameters
 from ...plan.values import TwosComplement
-from ...say.errata import errata, erratum
-from ...say.evidence import grade, origin, other_editions, removals, titled_in_lists
+from ...say.errata import describe_erratum, errata
+from ...say.evidence import describe_grade, origin, other_editions, removals, titled_in_lists
 from ...say.order_code import initial
 from .. import TargetError
 from .channels import channel_code
@@ -26,22 +26,22 @@ from .chosen import chosen_variant
 from .code_facts import CodeFacts
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
-from .context import Context, timing_macros
+from .context import HeaderContext, timing_macros
 from .crc_code import CrcCode, crc_code
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import BY_VALUE, Declared, Names, Passing, c_name, errata_page_name
+from .names import BY_VALUE, DeclaredName, HeaderNames, StructPassing, c_name, errata_page_name
 from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
 from .reading import ReadCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
 from .runtime_texts import runtime_version
-from .variants import LengthCode, Taker, VariantCode
+from .variants import LengthCode, VariantCode, VariantUpdater
 
 _Built = TypeVar("_Built")
 
 
 class _Declaring(Protocol):
-    def declared(self) -> Iterator[Declared]: ...
+    def declared(self) -> Iterator[DeclaredName]: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ class Usage:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class HeaderPart:
     """A header that only some users of an interface need. ``includes`` lists the headers that it needs itself."""
 
     name: str
@@ -76,9 +76,9 @@ class DeviceView:
     ``device`` contains only this interface, and only its order codes.
     """
 
-    def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
+    def __init__(self, device: Device, passing: StructPassing = BY_VALUE) -> None:
         self.device = device
-        self.context = context = Context(device, passing)
+        self.context = context = HeaderContext(device, passing)
         self.parameter = passing.parameter
         self.argument = passing.argument
         self.member = passing.member
@@ -102,7 +102,7 @@ class DeviceView:
         self.crcs = list(self._crc_codes())
         codes = {code.register.name: code for code in self.registers}
         self.take_functions = [
-            Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)
+            VariantUpdater(context, group, codes[group.register.name].access) for group in held_parameters(device)
         ]
         usage = self.usage
         reads_twice = usage is not None and usage.reads_twice
@@ -150,7 +150,7 @@ class DeviceView:
         return f"{self.maker.name}/{self.stem}.h"
 
     @property
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[HeaderPart]:
         """The other headers. Each includes the first header, and its other dependencies."""
         first_header = self.header
         encoder_header = "codewheel/encoder.h"
@@ -174,8 +174,8 @@ class DeviceView:
         parts.append(self._build_part("simulate", "the encoder's side, for simulators and tests", first_header))
         return parts
 
-    def _build_part(self, name: str, about: str, *includes: str) -> Part:
-        return Part(name=name, file=f"{self.stem}_{name}.h", about=about, includes=includes)
+    def _build_part(self, name: str, about: str, *includes: str) -> HeaderPart:
+        return HeaderPart(name=name, file=f"{self.stem}_{name}.h", about=about, includes=includes)
 
     @property
     def headers(self) -> list[str]:
@@ -193,10 +193,10 @@ class DeviceView:
         return f"{c_name(self.maker.name)}::{c_name(self.stem)}"
 
     @cached_property
-    def names(self) -> Names:
-        return Names(self._yield_declared())
+    def names(self) -> HeaderNames:
+        return HeaderNames(self._yield_declared())
 
-    def _yield_declared(self) -> Iterator[Declared]:
+    def _yield_declared(self) -> Iterator[DeclaredName]:
         """Yield all names in the headers, each with the part of the spec that it comes from."""
         yield f"{self.PREFIX}_H", ()
         yield f"{self.PREFIX}_HPP", ()
@@ -253,7 +253,7 @@ class DeviceView:
     @property
     def evidence(self) -> list[Paragraph]:
         """Grade of the evidence."""
-        return [HEADER_STYLE.sentence(grade(self.device))]
+        return [HEADER_STYLE.sentence(describe_grade(self.device))]
 
     @property
     def origin(self) -> list[Paragraph]:
@@ -280,7 +280,7 @@ class DeviceView:
             LookupError: There is no such frame.
         """
         codecs = (codec for codec in self.interface.codecs if codec.struct.layout.name in self.lengths.layouts)
-        return first_of(codecs, f"frame received over {self.context.interface.title}")
+        return first_or_raise(codecs, f"frame received over {self.context.interface.title}")
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:
         """Return the call for the counts after which the position wraps around, or ``0U`` if it may never wrap around.
@@ -323,7 +323,7 @@ class DeviceView:
         return is_unprotected and not is_signed
 
     def errata(self, *paths: str) -> list[Paragraph]:
-        return [HEADER_STYLE.sentence(erratum(correction)) for correction in errata(self.device, *paths)]
+        return [HEADER_STYLE.sentence(describe_erratum(correction)) for correction in errata(self.device, *paths)]
 
 
 def _bank_selectors_first(device: Device) -> list[Register]:
@@ -355,25 +355,25 @@ def manual_title(device: Device) -> str:
     return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{compared})'
 
 
-def views_of(device: Device, passing: Passing = BY_VALUE) -> Sequence[DeviceView]:
+def views_of(device: Device, passing: StructPassing = BY_VALUE) -> Sequence[DeviceView]:
     """Return the interfaces of a family, in the order of the spec. The last families are remembered.
 
     Raises:
         TargetError: C cannot express an interface.
     """
-    for known_device, known_passing, known_views in _LATEST:
+    for known_device, known_passing, known_views in _LATEST_VIEW:
         if known_device is device and known_passing == passing:
             return known_views
     views = tuple(_views_of(device, passing))
-    _LATEST.append((device, passing, views))
+    _LATEST_VIEW.append((device, passing, views))
     return views
 
 
 #: Families are compared by identity, because comparing their members takes longer than making their views.
-_LATEST: deque[tuple[Device, Passing, Sequence[DeviceView]]] = deque(maxlen=8)
+_LATEST_VIEW: deque[tuple[Device, StructPassing, Sequence[DeviceView]]] = deque(maxlen=8)
 
 
-def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
+def _views_of(device: Device, passing: StructPassing) -> Iterator[DeviceView]:
     """Yield each interface with only its own order codes, registers and parameters."""
     for interface in device.interfaces:
         codes = {variant.code for variant in device.variants_over(interface.name)}

@@ -19,17 +19,25 @@ from ...model import (
     Verdict,
     WriteStep,
     cite,
-    first_of,
+    first_or_raise,
     number_to_bytes,
 )
 from ...model.record import dataclass
 from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
-from ...plan.operations import Part
-from ...plan.steps import Sends
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, meaning_of
-from ...say.names_and_places import title, words
+from ...plan.operations import FieldToDecode
+from ...plan.steps import SendRequest
+from ...plan.values import (
+    ActiveFlag,
+    DecimalDigits,
+    Latin1Text,
+    NamedChoice,
+    TwosComplement,
+    UnsignedNumber,
+    meaning_of,
+)
+from ...say.names_and_places import name_in_words, title_of
 from ...say.text import VERDICT_CLAUSES
-from .chosen import Chosen, Frame, NoFrame
+from .chosen import Chosen, ExampleFrame, NoFrame
 from .codec import StructCodec
 from .comments import ascii_text
 from .device import DeviceView
@@ -37,13 +45,13 @@ from .enumerations import AlternativeCode, FrameReports
 from .interfaces import ReplyRequest
 from .names import c_name
 from .positions import Positions
-from .procedures import ProcedureCode, Row
-from .registers import Access
-from .structs import Struct
+from .procedures import ProcedureCode, StepRow
+from .registers import RegisterFunctions
+from .structs import LayoutStruct
 from .variants import CodeRow
 
 #: Names of the program and the README that a register must not take: the function show_frame, and variables.
-_TAKEN = frozenset(("bus", "encoder", "failure", "frame", "result"))
+_NAMES_OF_LOCALS = frozenset(("bus", "encoder", "failure", "frame", "result"))
 #: Maximum number of characters of explanation after a number.
 _LONGEST_EXPLANATION = 40
 #: Smallest size of the simulated registers in bytes: the addresses 0 to 127, which BiSS can access.
@@ -57,8 +65,8 @@ class ShownRegister:
     title: str
     name: str
     about: str
-    access: Access
-    struct: Struct
+    access: RegisterFunctions
+    struct: LayoutStruct
 
     @property
     def members(self) -> int:
@@ -112,7 +120,7 @@ class Session:
     ``size`` is the number of bytes of the longest word of the request.
     """
 
-    request: Struct
+    request: LayoutStruct
     initial: str
     macro: str
     data: bytes
@@ -132,7 +140,7 @@ class ExampleCode:
         self._chosen = chosen = Chosen(view.device, self.interface)
         self.name = view.stem
         self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
-        self.frame: Frame = chosen.frame
+        self.frame: ExampleFrame = chosen.frame
         self.run = self._shown_run()
         self.reads = [self._show_register(register) for register, _ in chosen.registers.values()]
         self.memory = list(self._yield_memory())
@@ -143,7 +151,7 @@ class ExampleCode:
     def codec(self) -> StructCodec:
         """The functions of the frame."""
         codecs = (codec for codec in self.view.interface.codecs if codec.struct is self.struct)
-        return first_of(codecs, f"codec for '{self.struct.layout.name}'")
+        return first_or_raise(codecs, f"codec for '{self.struct.layout.name}'")
 
     @property
     def alternatives(self) -> tuple[AlternativeCode, ...]:
@@ -174,15 +182,15 @@ class ExampleCode:
 
     @property
     def title(self) -> str:
-        name = words(self.frame.layout.name)
+        name = name_in_words(self.frame.layout.name)
         return name[0].upper() + name[1:]
 
     @property
-    def struct(self) -> Struct:
+    def struct(self) -> LayoutStruct:
         """The struct of the frame."""
         structs = (codec.struct for codec in self.view.interface.codecs)
         own_structs = (struct for struct in structs if struct.layout is self.frame.layout)
-        return first_of(own_structs, f"struct for '{self.frame.layout.name}'")
+        return first_or_raise(own_structs, f"struct for '{self.frame.layout.name}'")
 
     @property
     def reports(self) -> FrameReports | None:
@@ -231,7 +239,7 @@ class ExampleCode:
             return None
         structs = (codec.struct for codec in self.view.interface.codecs)
         requests = (struct for struct in structs if struct.layout.name == request_name)
-        request = first_of(requests, f"struct for '{request_name}'")
+        request = first_or_raise(requests, f"struct for '{request_name}'")
         parameters = self._chosen.variant.parameters
         reply_bits = self.frame.layout.place(parameters).bits
         return Session(
@@ -257,7 +265,7 @@ class ExampleCode:
         parameters = self._chosen.variant.parameters
         numbers: dict[str, int] = {}
         for placed_field in self.frame.layout.place(parameters).fields:
-            if isinstance(meaning_of(placed_field.field), Raw):
+            if isinstance(meaning_of(placed_field.field), UnsignedNumber):
                 numbers[placed_field.name] = (self.frame.wire >> placed_field.low) & placed_field.mask
         for whole in self.struct.plan.joined_numbers:
             if all(field.name in numbers for field in whole.fields):
@@ -288,8 +296,8 @@ class ExampleCode:
         code = self.run.code if self.run is not None else None
         if code is None or code.arguments or code.reads or not self.request:
             return False
-        operations = [row.op for row in code.rows if isinstance(row, Row)]
-        requests = [operation for operation in operations if isinstance(operation, Sends)]
+        operations = [row.op for row in code.rows if isinstance(row, StepRow)]
+        requests = [operation for operation in operations if isinstance(operation, SendRequest)]
         return bool(requests) and all(request.reply is not None for request in requests)
 
     @property
@@ -361,7 +369,7 @@ class ExampleCode:
             return None
         procedure, example = self._chosen.procedure
         candidates = (code for code in self.view.procedures if code.run.procedure is procedure)
-        code = first_of(candidates, f"code for the procedure '{procedure.name}'")
+        code = first_or_raise(candidates, f"code for the procedure '{procedure.name}'")
         argument_values: dict[str, int] = {}
         if example is not None:
             argument_values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
@@ -379,10 +387,10 @@ class ExampleCode:
         """Return a register that the program reads, with the source of its worked example."""
         _, example = self._chosen.registers[register.name]
         candidates = (code for code in self.view.registers if code.register is register)
-        code = first_of(candidates, f"code for the register '{register.name}'")
+        code = first_or_raise(candidates, f"code for the register '{register.name}'")
         return ShownRegister(
-            title=f"{ascii_text(title(register))} {register.address:02X}h",
-            name=c_name(register.name, _TAKEN),
+            title=f"{ascii_text(title_of(register))} {register.address:02X}h",
+            name=c_name(register.name, _NAMES_OF_LOCALS),
             about=f"a worked example [{cite(example.source)}]",
             access=code.access,
             struct=code.struct,
@@ -398,23 +406,23 @@ class ExampleCode:
         for register, example in registers_and_examples:
             if register.name in written_names:
                 factory_default = register.default_bytes() or bytes(register.length)
-                yield Memory(register.address, factory_default, f"{title(register)}, factory default")
+                yield Memory(register.address, factory_default, f"{title_of(register)}, factory default")
             else:
-                yield Memory(register.address, example.bytes, title(register))
+                yield Memory(register.address, example.bytes, title_of(register))
 
-    def printed(self, part: Part, variable: str) -> Iterator[PrintedMember]:
+    def printed(self, part: FieldToDecode, variable: str) -> Iterator[PrintedMember]:
         """Yield the members of a part of the struct ``variable`` as ``printf`` shows them. Runs of digits are extra."""
         member = f"{variable}.{c_name(part.field.name)}"
         match part.meaning:
-            case Characters():
+            case Latin1Text():
                 yield PrintedMember(part.field.name, "%.*s", f"(int)sizeof({member}), {member}")
-            case Active():
+            case ActiveFlag():
                 yield PrintedMember(part.field.name, "%s", f'{member} ? "yes" : "no"')
             case TwosComplement():
                 yield PrintedMember(part.field.name, "%lld", f"(long long){member}")
-            case Named(values):
+            case NamedChoice(values):
                 yield replace(self.number(part.field.name, variable), value_names=_value_meanings(values))
-            case DigitRuns(runs):
+            case DecimalDigits(runs):
                 member_names = (part.field.name, *(run.name for run in runs))
                 yield from (self.number(name, variable) for name in member_names)
             case _:
@@ -438,7 +446,7 @@ def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:
 
 def _value_meanings(values: Iterable[Value]) -> str:
     """Return the meanings of the values, such as ``0 off, 1 on``, or an empty string if the line would be too long."""
-    meanings = ", ".join(f"{value.value} {ascii_text(title(value))}" for value in values)
+    meanings = ", ".join(f"{value.value} {ascii_text(title_of(value))}" for value in values)
     return meanings if len(meanings) <= _LONGEST_EXPLANATION else ""
 
 

@@ -24,8 +24,8 @@ from ...plan.operations import Check, JoinedNumber
 from ...render import Templates, our_templates, tests_for
 from ...say.layout import join as say_join
 from ...say.markdown import escape as markdown_text
-from ...say.names_and_places import addresses, title, words
-from ...say.plain_text import plain
+from ...say.names_and_places import addresses_text, name_in_words, title_of
+from ...say.plain_text import text_on_one_line
 from ...say.text import TITLE_STYLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
 from ..registry import licence_in
@@ -42,20 +42,20 @@ from .comments import (
     mark_for_doxygen,
 )
 from .crc_functions import FoldOperation
-from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
-from .device import DeviceView, Part, views_of
+from .decode import ConstantByte, FlagsIn, UnusedAre, UnusedIn
+from .device import DeviceView, HeaderPart, views_of
 from .errata_page import ERRATA_TEMPLATE, ErrataPage, errata_files
 from .examples import ExampleCode
 from .names import (
     BY_ADDRESS,
     BY_VALUE,
     FOLDER,
-    Passing,
+    StructPassing,
     c_name,
+    c_number,
     clashes,
     describe_path,
-    mask,
-    number,
+    mask_constant,
     string,
     unsigned,
 )
@@ -81,14 +81,14 @@ from .single import SingleHeader, single_header, single_path, single_views
 
 #: Operations of the plan and further operations of this target.
 TESTS = tests_for(
-    *(Expression, Check, Refusal, JoinedNumber, steps.Operation, steps.ArgumentRefusal),
-    *(ByteIs, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
+    *(Expression, Check, Refusal, JoinedNumber, steps.PlannedStep, steps.ArgumentRefusal),
+    *(ConstantByte, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
 )
 
 
 def _format_hex(value: int, digits: int = 2) -> str:
     """Return a number as a hexadecimal constant of at least this many digits."""
-    return number(value, hexadecimal=True, digits=digits)
+    return c_number(value, hexadecimal=True, digits=digits)
 
 
 def _refuse_operation(op: object) -> NoReturn:
@@ -117,7 +117,7 @@ def _count_bytes(count: int) -> str:
 
 
 FILTERS: dict[str, Callable[..., object]] = {
-    "addresses": addresses,
+    "addresses": addresses_text,
     "end_comment": end_comment,
     "bytes": _count_bytes,
     "c_name": c_name,
@@ -127,17 +127,17 @@ FILTERS: dict[str, Callable[..., object]] = {
     "digits_type": _digits_type,
     "hex": _format_hex,
     "in_lines": call_in_lines,
-    "in_words": words,
+    "in_words": name_in_words,
     "literals": literals,
-    "mask": mask,
+    "mask": mask_constant,
     "md": _format_markdown,
     "never": _refuse_operation,
-    "number": number,
+    "number": c_number,
     "made_of": _fields_of_join,
     "place": place_of_field,
     "string": string,
     "text": in_comment,
-    "title": title,
+    "title": title_of,
     "type": unsigned,
 }
 
@@ -178,7 +178,7 @@ class FamilyHeader(Family):
 
 
 class PartHeader(Family):
-    further: Annotated[Part, "the header that the template generates, such as that of the registers"]
+    further: Annotated[HeaderPart, "the header that the template generates, such as that of the registers"]
 
 
 class Receiver(Family):
@@ -240,7 +240,7 @@ def _shared_files(
     return files
 
 
-def _choose_passing(options: Options) -> Passing:
+def _choose_passing(options: Options) -> StructPassing:
     return BY_ADDRESS if options.get(PASSING.name) == "address" else BY_VALUE
 
 
@@ -294,7 +294,9 @@ def _yield_headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Ca
         yield f"{view.maker.name}/{part.file}", text_function
 
 
-def _single_headers(device: Device, library: Library, passing: Passing) -> Iterator[tuple[str, Callable[[], str]]]:
+def _single_headers(
+    device: Device, library: Library, passing: StructPassing
+) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of the header of each order code, and a function for its text."""
 
     def text(view: DeviceView) -> str:
@@ -321,7 +323,7 @@ def _render_template(library: Library, template: str, template_values: Mapping[s
 
 def _format_json(value: object) -> str:
     """Return text of a spec as a JSON string."""
-    return json.dumps(plain(value))
+    return json.dumps(text_on_one_line(value))
 
 
 TEMPLATES = Templates(

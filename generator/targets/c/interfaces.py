@@ -18,15 +18,15 @@ from ...model import (
     Ssi,
     Timeout,
     WordFormat,
-    first_of,
+    first_or_raise,
 )
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
-from ...plan.frames import Branch, Dispatch, Exchanged, dispatches, exchanges, reply_to_data_id
-from ...say.errata import errata, erratum
-from ...say.names_and_places import title
-from ...say.order_code import control_field, data_id, exchange, settings, timing
-from ...say.order_code import interface as say_interface
+from ...plan.frames import FrameDispatch, RequestAndReply, SelectedFrame, dispatches, exchanges, reply_to_data_id
+from ...say.errata import describe_erratum, errata
+from ...say.names_and_places import title_of
+from ...say.order_code import control_field, describe_data_id, describe_exchange, describe_settings, describe_timing
+from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
 from .bits import of_bytes
@@ -41,35 +41,35 @@ from .code_facts import (
 )
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
-from .context import Context, Macro, timing_macros
-from .names import Declared, Expr, c_name, number
-from .structs import Struct
+from .context import CMacro, HeaderContext, timing_macros
+from .names import CExpression, DeclaredName, c_name, c_number
+from .structs import LayoutStruct
 
-_PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}
+_PARITY_CHARACTERS = {"none": "'N'", "even": "'E'", "odd": "'O'"}
 #: Time allowed for an encoder to answer a request, in microseconds, in examples.
 ANSWER_US = 10_000
-_KINDS = {"encoder": "reply", "master": "request"}
+_FRAME_KIND_BY_SENDER = {"encoder": "reply", "master": "request"}
 
 
 class FrameTeller:
     """The functions that distinguish the frames of one sender, by bytes and by the value of the selecting field."""
 
-    def __init__(self, context: Context, prefix: str, dispatch: Dispatch) -> None:
+    def __init__(self, context: HeaderContext, prefix: str, dispatch: FrameDispatch) -> None:
         self.dispatch = dispatch
-        self.by_bytes = f"{prefix}_{_KINDS[dispatch.sender]}_frame"
-        self.by_value = f"{prefix}_{_KINDS[dispatch.sender]}_for"
+        self.by_bytes = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_frame"
+        self.by_value = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_for"
         choice = context.choices.get((dispatch.branches[0].layout.name, dispatch.selector.name))
         self._names = choice.names if choice is not None else {}
 
     @property
-    def value(self) -> Expr:
+    def value(self) -> CExpression:
         """The selecting field, extracted from the bytes, such as ``bytes[0] & 0x1FU``."""
-        _, bits = of_bytes(self.dispatch.bits.pieces)
+        _, bits = of_bytes(self.dispatch.bits.bit_slices)
         return bits
 
-    def values(self, branch: Branch) -> list[str]:
+    def values(self, branch: SelectedFrame) -> list[str]:
         """Return the values that select a frame, as constants of an enumeration or as numbers such as ``0x1AU``."""
-        return [self._names.get(value, number(value, hexadecimal=True)) for value in branch.values]
+        return [self._names.get(value, c_number(value, hexadecimal=True)) for value in branch.values]
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ class ReplyRequest:
 class InterfaceCode:
     """The values that the templates print for an interface. ``frames`` are those selected by a field."""
 
-    def __init__(self, context: Context, interface: Interface) -> None:
+    def __init__(self, context: HeaderContext, interface: Interface) -> None:
         self.device = context.device
         self.interface = interface
         self.prefix = context.prefix
@@ -109,7 +109,7 @@ class InterfaceCode:
         )
         self.codecs = tuple(self._build_codec(context, layout) for layout in interface.layouts)
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with its path in the spec.
 
         The codecs yield the names of their layouts.
@@ -177,9 +177,9 @@ class InterfaceCode:
         if exchanged is None or not ports:
             return None
         candidates = (candidate for candidate in self.codecs if candidate.struct.layout is exchanged.request)
-        codec = first_of(candidates, f"codec for '{exchanged.request.name}'")
+        codec = first_or_raise(candidates, f"codec for '{exchanged.request.name}'")
         variants = self.device.variants_over(self.interface.name)
-        parameters = first_of(variants, f"order code with the interface '{self.interface.name}'").parameters
+        parameters = first_or_raise(variants, f"order code with the interface '{self.interface.name}'").parameters
         reply_names = set(_member_names(reply))
         common_names = [name for name in _member_names(exchanged.request) if name in reply_names]
         bytes_on_line = (exchanged.request.widest + reply.widest) // 8
@@ -192,7 +192,7 @@ class InterfaceCode:
             repeated_members=tuple(c_name(name) for name in common_names if codec.struct.member_type(name) != "char"),
         )
 
-    def _exchange_with_reply(self, reply: Layout) -> Exchanged | None:
+    def _exchange_with_reply(self, reply: Layout) -> RequestAndReply | None:
         """Return the first exchange whose reply is this frame in bytes, or None."""
         for exchanged in exchanges(self.interface):
             if exchanged.reply is reply and reply.in_bytes:
@@ -202,12 +202,12 @@ class InterfaceCode:
     def frame_name(self, layout: Layout) -> str:
         return f"{self.upper}_FRAME_{layout.name}".upper()
 
-    def _build_codec(self, context: Context, layout: Layout) -> StructCodec:
+    def _build_codec(self, context: HeaderContext, layout: Layout) -> StructCodec:
         """Return the struct, decoder and encoder of a frame."""
         # The functions of the only frame of an interface need no further name.
         is_only_frame = len(self.interface.layouts) == 1 and not self.frame_selectors
         name = context.prefix if is_only_frame else f"{context.prefix}_{layout.name}"
-        struct = Struct(context, layout, name, context.length_macro(layout))
+        struct = LayoutStruct(context, layout, name, context.length_macro(layout))
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
     def _yield_comment(self) -> Iterator[Paragraph]:
@@ -231,7 +231,7 @@ class InterfaceCode:
         errata_of_layouts = errata(self.device, *layout_paths)
         for correction in errata(self.device, path, *group_paths, without=layout_paths):
             if correction not in errata_of_layouts:
-                yield HEADER_STYLE.sentence(erratum(correction))
+                yield HEADER_STYLE.sentence(describe_erratum(correction))
 
     def _explain_receiving(self) -> Iterator[Paragraph]:
         """Yield one paragraph on how to send a request and receive its reply in bytes, if there are such replies."""
@@ -250,26 +250,26 @@ class InterfaceCode:
 
     # -- constants
 
-    def _define_macro(self, name: str, value: int, about: Statement | str = "", hexadecimal: bool = False) -> Macro:
+    def _define_macro(self, name: str, value: int, about: Statement | str = "", hexadecimal: bool = False) -> CMacro:
         """Return a macro, and note a statement in its comment, so that the comment on the interface leaves it out."""
         if isinstance(about, Statement):
             self._macro_statements.append(about)
         note = about if isinstance(about, str) else HEADER_STYLE.sentence(about)
-        return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
+        return CMacro(f"{self.upper}_{name}".upper(), c_number(value, hexadecimal), note)
 
-    def _yield_macros(self) -> Iterator[Macro]:
+    def _yield_macros(self) -> Iterator[CMacro]:
         """Yield the constants of the interface: clock, time-out, port, words and times."""
         interface = self.interface
-        for fact, about in zip(interface.facts(), settings(self.device, interface), strict=True):
+        for fact, about in zip(interface.facts(), describe_settings(self.device, interface), strict=True):
             yield from self._fact_macros(fact, about)
         if isinstance(interface, Biss):
             yield from self._control_data(interface)
         for time in interface.timings:
             if time.name not in repeated_names(interface.timings):
-                self._macro_statements.append(timing(time))
+                self._macro_statements.append(describe_timing(time))
                 yield from timing_macros(time, self.upper)
 
-    def _fact_macros(self, fact: Fact, statement: Statement) -> Iterator[Macro]:
+    def _fact_macros(self, fact: Fact, statement: Statement) -> Iterator[CMacro]:
         """Yield the constants of a fact. Facts of some order codes are in macros of these codes."""
         if isinstance(fact, (Clock, Timeout)) and fact.only:
             return
@@ -293,29 +293,31 @@ class InterfaceCode:
             case _:
                 pass  # Code needs no number from it.
 
-    def _yield_clock_macros(self, clock: Clock, statement: Statement) -> Iterator[Macro]:
+    def _yield_clock_macros(self, clock: Clock, statement: Statement) -> Iterator[CMacro]:
         """Yield the limits, and the fastest clock in use. The first macro carries the comment on all of them."""
         has_comment_on_all = False
         for name, clock_hz, note in clock_limits(clock):
             yield self._define_macro(name, clock_hz, about=note if has_comment_on_all else statement)
             has_comment_on_all = True
 
-    def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[Macro]:
+    def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[CMacro]:
         """Yield the settings of a serial port. The first macro carries the comment on all of them."""
         yield self._define_macro("BAUD", port.baud, about=statement)
         yield self._define_macro("DATA_BITS", port.data_bits, about="number of data bits")
-        yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
+        yield CMacro(f"{self.upper}_PARITY", _PARITY_CHARACTERS[port.parity], f"parity: {port.parity}")
         yield self._define_macro("STOP_BITS", port.stop_bits, about="number of stop bits")
 
-    def _control_data(self, interface: Biss) -> Iterator[Macro]:
+    def _control_data(self, interface: Biss) -> Iterator[CMacro]:
         """Yield the widths and the named values of the fields in the control data."""
         for field in interface.control_data:
             yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, about=control_field(field))
             for value in field.values:
                 name = f"CONTROL_{field.name}_{value.name}"
-                yield self._define_macro(name, value.value, about=f"{title(field)}: {title(value)}", hexadecimal=True)
+                yield self._define_macro(
+                    name, value.value, about=f"{title_of(field)}: {title_of(value)}", hexadecimal=True
+                )
 
-    def _yield_timeout_macros(self, timeout: Timeout, statement: Statement) -> Iterator[Macro]:
+    def _yield_timeout_macros(self, timeout: Timeout, statement: Statement) -> Iterator[CMacro]:
         """Yield the typical and the longest time-out. The first macro carries the comment on all of them.
 
         If the time-out is not a number of clock periods, those printed for each clock follow.
@@ -333,18 +335,18 @@ class InterfaceCode:
                 return f"{self.upper}_REQUEST_{spi_exchange.request}".upper()
         return ""
 
-    def _yield_control_macros(self) -> Iterator[Macro]:
+    def _yield_control_macros(self) -> Iterator[CMacro]:
         """Yield the macros of requests: the control field over RS-485, or a number over SPI."""
         if isinstance(self.interface, Rs485):
             for rs485_id in self.interface.data_ids:
                 yield self._define_macro(
-                    f"CONTROL_{rs485_id.name}", rs485_id.control, about=data_id(rs485_id), hexadecimal=True
+                    f"CONTROL_{rs485_id.name}", rs485_id.control, about=describe_data_id(rs485_id), hexadecimal=True
                 )
         if isinstance(self.interface, Spi):
             # 0 means that there is none.
             for request_number, spi_exchange in enumerate(self.interface.exchanges, 1):
                 yield self._define_macro(
-                    f"REQUEST_{spi_exchange.request}", request_number, about=exchange(spi_exchange)
+                    f"REQUEST_{spi_exchange.request}", request_number, about=describe_exchange(spi_exchange)
                 )
 
     @property
@@ -365,7 +367,7 @@ def _time_on_line_us(port: Port, number_of_bytes: int) -> int:
     return -(-1_000_000 * bits // port.baud)
 
 
-def _take_function(exchanged: Exchanged) -> str:
+def _take_function(exchanged: RequestAndReply) -> str:
     """Return the function that receives a reply: one that begins like its request, or one with any first byte."""
     return "cw_rs485_take" if exchanged.repeats_first else "cw_rs485_take_any"
 

@@ -31,7 +31,7 @@ def c_name(name: str, taken_names: Iterable[str] = ()) -> str:
     return f"{name}_" if is_reserved else name
 
 
-_WORDS = {
+_SECTION_IN_WORDS = {
     "alarms": "the alarm",
     "alternatives": "the alternative",
     "crcs": "the CRC",
@@ -48,11 +48,11 @@ _WORDS = {
 
 #: A name at file scope, and the part of the spec that it comes from, empty for names that every header has.
 #: Each part of a header lists its names in ``declared()``.
-Declared = tuple[str, Path]
+DeclaredName = tuple[str, Path]
 
 
 @dataclass(frozen=True)
-class Clash:
+class NameClash:
     """Two parts of a spec with the same name in C. ``other`` is empty for names that every header has."""
 
     name: str
@@ -71,27 +71,27 @@ def describe_path(path: Path) -> str:
 
     Its kind is the last step of the path that has a word here, or else the first step.
     """
-    kind = next((step for step in reversed(path) if step in _WORDS), path[0])
-    kind_in_words = _WORDS.get(str(kind), str(kind))
+    kind = next((step for step in reversed(path) if step in _SECTION_IN_WORDS), path[0])
+    kind_in_words = _SECTION_IN_WORDS.get(str(kind), str(kind))
     name = path[-1]
     # A path such as ("order_code",) has no name.
     return f"{kind_in_words} '{name}'" if name != kind else kind_in_words
 
 
-class Names:
+class HeaderNames:
     """The names of one header. A name belongs to the first part that declares it. Any other part is a clash."""
 
-    def __init__(self, declared: Iterable[Declared]) -> None:
+    def __init__(self, declared: Iterable[DeclaredName]) -> None:
         self.paths: dict[str, Path] = {}
-        self.clashes: list[Clash] = []
+        self.clashes: list[NameClash] = []
         for name, path in declared:
             if name not in self.paths:
                 self.paths[name] = path
             elif path:
-                self.clashes.append(Clash(name, path, self.paths[name]))
+                self.clashes.append(NameClash(name, path, self.paths[name]))
             else:
                 # Every header declares this name, so the earlier part is the one to rename.
-                self.clashes.append(Clash(name, self.paths[name], ()))
+                self.clashes.append(NameClash(name, self.paths[name], ()))
 
 
 def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
@@ -116,7 +116,7 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
         yield from ((c_name(argument.name), ("procedures", procedure.name)) for argument in procedure.arguments)
 
 
-def clashes(headers: Iterable[tuple[Device, Names]]) -> Iterator[tuple[Device, Clash]]:
+def clashes(headers: Iterable[tuple[Device, HeaderNames]]) -> Iterator[tuple[Device, NameClash]]:
     """Yield every clash within these headers, and between families, with the device in whose spec it is.
 
     An inner name clashes with a name that an earlier header or its own declares at file scope. The name of a
@@ -125,20 +125,20 @@ def clashes(headers: Iterable[tuple[Device, Names]]) -> Iterator[tuple[Device, C
     declared_paths: dict[str, Path] = {}
     for device, names in headers:
         if device.manufacturer.name in TAKEN:
-            yield device, Clash(device.manufacturer.name, ("manufacturer",), ())
+            yield device, NameClash(device.manufacturer.name, ("manufacturer",), ())
         for clash in names.clashes:
             yield device, clash
         for name, path in names.paths.items():
             if name in declared_paths:
-                yield device, Clash(name, path or ("device",), declared_paths[name])
+                yield device, NameClash(name, path or ("device",), declared_paths[name])
             # For the families that follow, a name belongs to the family rather than to a part of it.
             declared_paths[name] = ("device", device.name)
         for name, path in inner_names(device):
             if name in declared_paths:
-                yield device, Clash(name, path, ())
+                yield device, NameClash(name, path, ())
 
 
-_PLAIN = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter not in '"\\?')
+_PLAIN_CHARACTERS = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter not in '"\\?')
 
 
 def string(text: object) -> str:
@@ -148,10 +148,10 @@ def string(text: object) -> str:
 
 def _escape_character(byte: int) -> str:
     """Return a byte as a character of a string literal, in octal if it has another meaning in C or in a trigraph."""
-    return chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}"
+    return chr(byte) if chr(byte) in _PLAIN_CHARACTERS else f"\\{byte:03o}"
 
 
-def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
+def c_number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
     """Return ``value`` as an unsigned constant, such as ``24U``, ``0x1BU`` or ``UINT64_C(4294967296)``.
 
     ``digits`` is the least number of hexadecimal digits. More than 8 digits also make it a constant of 64 bits.
@@ -168,9 +168,9 @@ def signed_number(value: int) -> str:
     return f"(-{magnitude})" if value < 0 else magnitude
 
 
-def mask(width: int) -> str:
+def mask_constant(width: int) -> str:
     """Return a constant whose lowest ``width`` bits are 1."""
-    return number((1 << width) - 1, hexadecimal=True)
+    return c_number((1 << width) - 1, hexadecimal=True)
 
 
 def size_of(bits: int) -> int:
@@ -194,7 +194,7 @@ def unsigned(bits: int) -> str:
     return f"uint{size_of(bits)}_t"
 
 
-class Expr:
+class CExpression:
     """C expression, whose text is its ``str``."""
 
     __slots__ = ()
@@ -206,7 +206,7 @@ class Expr:
 
 
 @dataclass(frozen=True, slots=True)
-class Name(Expr):
+class CName(CExpression):
     """A name: a local, ``in->flag``, ``bytes[3]``."""
 
     text: str
@@ -216,7 +216,7 @@ class Name(Expr):
 
 
 @dataclass(frozen=True, slots=True)
-class Number(Expr):
+class CNumber(CExpression):
     """An unsigned constant, or with ``signed`` one with a sign."""
 
     value: int
@@ -224,41 +224,41 @@ class Number(Expr):
     signed: bool = False
 
     def __str__(self) -> str:
-        return signed_number(self.value) if self.signed else number(self.value, self.hexadecimal)
+        return signed_number(self.value) if self.signed else c_number(self.value, self.hexadecimal)
 
 
 @dataclass(frozen=True, slots=True)
-class Call(Expr):
+class CCall(CExpression):
     function: str
-    arguments: tuple[Expr, ...]
+    arguments: tuple[CExpression, ...]
 
     def __str__(self) -> str:
         return f"{self.function}({', '.join(map(str, self.arguments))})"
 
 
 @dataclass(frozen=True, slots=True)
-class Cast(Expr):
+class CCast(CExpression):
     type: str
-    value: Expr
+    value: CExpression
 
     def __str__(self) -> str:
         return f"({self.type}){self.value.operand}"
 
 
-_SUMS = frozenset("+-")
+_SUM_OPERATORS = frozenset("+-")
 
 
 @dataclass(frozen=True, slots=True)
-class Operation(Expr):
+class COperation(CExpression):
     """Two or more operands with one operator."""
 
     operator: str
-    operands: tuple[Expr, ...]
+    operands: tuple[CExpression, ...]
 
     def __str__(self) -> str:
         leftmost, *others = self.operands
         # A sum continues without parentheses, from the left: ``a + b - c``.
-        continues_sum = isinstance(leftmost, Operation) and {leftmost.operator, self.operator} <= _SUMS
+        continues_sum = isinstance(leftmost, COperation) and {leftmost.operator, self.operator} <= _SUM_OPERATORS
         operand_texts = [str(leftmost) if continues_sum else leftmost.operand]
         operand_texts += [operand.operand for operand in others]
         return f" {self.operator} ".join(operand_texts)
@@ -269,12 +269,12 @@ class Operation(Expr):
 
 
 @dataclass(frozen=True, slots=True)
-class Conditional(Expr):
+class Conditional(CExpression):
     """One of two values: the first if the condition holds."""
 
-    condition: Expr
-    then: Expr
-    otherwise: Expr
+    condition: CExpression
+    then: CExpression
+    otherwise: CExpression
 
     def __str__(self) -> str:
         return f"{self.condition.operand} ? {self.then.operand} : {self.otherwise.operand}"
@@ -284,30 +284,30 @@ class Conditional(Expr):
         return f"({self})"
 
 
-def shifted_right(value: Expr, by: int) -> Expr:
+def shifted_right(value: CExpression, by: int) -> CExpression:
     """Return ``value`` shifted to the right, or unchanged for a shift of 0."""
-    return Operation(">>", (value, Number(by))) if by else value
+    return COperation(">>", (value, CNumber(by))) if by else value
 
 
-def shifted_left(value: Expr, by: int | Expr) -> Expr:
+def shifted_left(value: CExpression, by: int | CExpression) -> CExpression:
     """Return ``value`` shifted to the left, unless by 0."""
     if not by:
         return value
-    distance = Number(by) if isinstance(by, int) else by
-    return Operation("<<", (value, distance))
+    distance = CNumber(by) if isinstance(by, int) else by
+    return COperation("<<", (value, distance))
 
 
-def masked(value: Expr, mask: int) -> Expr:
-    return Operation("&", (value, Number(mask, hexadecimal=True)))
+def masked(value: CExpression, mask: int) -> CExpression:
+    return COperation("&", (value, CNumber(mask, hexadecimal=True)))
 
 
-def join_operands(operator: str, operands: tuple[Expr, ...]) -> Expr:
+def join_operands(operator: str, operands: tuple[CExpression, ...]) -> CExpression:
     """Return the operands joined by an operator, or the only operand."""
-    return operands[0] if len(operands) == 1 else Operation(operator, operands)
+    return operands[0] if len(operands) == 1 else COperation(operator, operands)
 
 
 @dataclass(frozen=True, slots=True)
-class Passing:
+class StructPassing:
     """The spelling of structures that functions receive: by value, or by address for compilers that cannot do this."""
 
     by_address: bool = False
@@ -322,12 +322,12 @@ class Passing:
         return f"{parameter}{'->' if self.by_address else '.'}{member}"
 
 
-BY_VALUE = Passing()
-BY_ADDRESS = Passing(by_address=True)
+BY_VALUE = StructPassing()
+BY_ADDRESS = StructPassing(by_address=True)
 
 
 @dataclass(frozen=True)
-class Scope:
+class ParameterSpelling:
     """The spelling of parameters: set parameters are members of the variant, others are functions of it.
 
     ``largest`` contains the highest values of the parameters that an order code sets. A parameter that depends on an
@@ -337,27 +337,27 @@ class Scope:
     prefix: str
     largest: Mapping[str, int]
     answers: Mapping[str, str]
-    passing: Passing = BY_VALUE
+    passing: StructPassing = BY_VALUE
 
-    def atom(self, parameter: str) -> Expr:
+    def atom(self, parameter: str) -> CExpression:
         """Return a parameter: a function of an answer, a member of the variant, or a function of the variant."""
         if parameter in self.answers:
-            return Call(f"{self.prefix}_{parameter}", (Name(self.answers[parameter]),))
+            return CCall(f"{self.prefix}_{parameter}", (CName(self.answers[parameter]),))
         if parameter in self.largest:
             return self.member(parameter)
-        return Call(f"{self.prefix}_{parameter}", (Name("variant"),))
+        return CCall(f"{self.prefix}_{parameter}", (CName("variant"),))
 
-    def member(self, parameter: str) -> Expr:
+    def member(self, parameter: str) -> CExpression:
         """Return a parameter that order codes set: a member of the variant, such as ``variant.position_bits``."""
-        return Name(self.passing.member("variant", c_name(parameter)))
+        return CName(self.passing.member("variant", c_name(parameter)))
 
-    def mask(self, width: Expression) -> Expr:
+    def mask(self, width: Expression) -> CExpression:
         """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
-            return Number((1 << width.constant) - 1, hexadecimal=True)
-        return Call("cw_mask", (self.expression_of(width),))
+            return CNumber((1 << width.constant) - 1, hexadecimal=True)
+        return CCall("cw_mask", (self.expression_of(width),))
 
-    def expression_of(self, expression: Expression) -> Expr:
+    def expression_of(self, expression: Expression) -> CExpression:
         """Return the expression in C, unsigned, such as ``8U + variant.position_bits - 1U``.
 
         No intermediate result is negative unless the result is.
@@ -365,61 +365,61 @@ class Scope:
         match expression:
             case Expression(-1, (Term(1, (Factor(exponent, True),)),)):
                 # 2 to the power of the parameter, minus 1.
-                return Call("cw_mask", (self.atom(exponent),))
+                return CCall("cw_mask", (self.atom(exponent),))
         # Terms with positive multiples come first, so that no intermediate result is negative.
         added = [self._express_term(term) for term in expression.terms if term.multiple > 0]
         subtracted = [self._express_term(term) for term in expression.terms if term.multiple < 0]
         is_single_operand = len(expression.terms) == 1 and expression.constant >= 0
         if expression.constant > 0 or not added:
             # Without terms to add, the subtraction begins with 0.
-            added.insert(0, Number(max(expression.constant, 0)))
-        elif isinstance(added[0], Name) and not is_single_operand:
+            added.insert(0, CNumber(max(expression.constant, 0)))
+        elif isinstance(added[0], CName) and not is_single_operand:
             # The member can have 8 bits, which would be promoted to a signed type.
-            added[0] = Cast("uint32_t", added[0])
+            added[0] = CCast("uint32_t", added[0])
         if expression.constant < 0:
-            subtracted.append(Number(-expression.constant))
+            subtracted.append(CNumber(-expression.constant))
         return join_operands("-", (join_operands("+", tuple(added)), *subtracted))
 
-    def signed(self, expression: Expression) -> Expr:
+    def signed(self, expression: Expression) -> CExpression:
         """Return the expression in 64 bits with a sign.
 
         A power of two is written as its mask plus one, since the power itself may not fit.
         """
         constant = expression.constant
-        signs_and_products: list[tuple[str, Expr]] = []
+        signs_and_products: list[tuple[str, CExpression]] = []
         for term in expression.terms:
             sign = "+" if term.multiple > 0 else "-"
             if term.is_power and not term.is_product and abs(term.multiple) == 1:
                 # The power is one more than its mask.
                 constant += term.multiple
                 (exponent,) = term.factors
-                product: Expr = Call("cw_mask", (self.atom(exponent.parameter),))
+                product: CExpression = CCall("cw_mask", (self.atom(exponent.parameter),))
             else:
                 product = self._express_term(term)
-            signs_and_products.append((sign, Cast("int64_t", product)))
+            signs_and_products.append((sign, CCast("int64_t", product)))
         if not signs_and_products:
-            return Number(constant, signed=True)
+            return CNumber(constant, signed=True)
         (first_sign, first_product), *further = signs_and_products
         total = first_product
         if constant or first_sign == "-":
-            total = Operation(first_sign, (Number(constant, signed=True), first_product))
+            total = COperation(first_sign, (CNumber(constant, signed=True), first_product))
         for sign, product in further:
-            total = Operation(sign, (total, product))
+            total = COperation(sign, (total, product))
         return total
 
-    def _express_term(self, term: Term) -> Expr:
+    def _express_term(self, term: Term) -> CExpression:
         """Return the product of a term without its sign, in 64 bits if 32 may be too few.
 
         A single parameter keeps its own type. A power of two has 64 bits already.
         """
         first_factor, *further_factors = (self._express_factor(factor) for factor in term.factors)
         if abs(term.multiple) != 1:
-            further_factors.append(Number(abs(term.multiple)))
+            further_factors.append(CNumber(abs(term.multiple)))
         if not further_factors:
             return first_factor
         if not term.factors[0].power:
-            first_factor = Cast("uint64_t" if self._has_64_bits(term) else "uint32_t", first_factor)
-        return Operation("*", (first_factor, *further_factors))
+            first_factor = CCast("uint64_t" if self._has_64_bits(term) else "uint32_t", first_factor)
+        return COperation("*", (first_factor, *further_factors))
 
     def _has_64_bits(self, term: Term) -> bool:
         """Return True if a term is computed in 64 bits: a power of two, or a product that may need more than 32."""
@@ -434,6 +434,6 @@ class Scope:
         """Return True if the expression is computed in 64 bits, also if its result is small."""
         return any(map(self._has_64_bits, expression.terms))
 
-    def _express_factor(self, factor: Factor) -> Expr:
+    def _express_factor(self, factor: Factor) -> CExpression:
         name = self.atom(factor.parameter)
-        return Operation("<<", (Cast("uint64_t", Number(1)), name)) if factor.power else name
+        return COperation("<<", (CCast("uint64_t", CNumber(1)), name)) if factor.power else name

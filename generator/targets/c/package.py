@@ -7,11 +7,23 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Biss, Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, channel_frame, choices, first_of
+from ...model import (
+    Biss,
+    Crc,
+    Device,
+    Layout,
+    Manufacturer,
+    Spi,
+    Ssi,
+    Verdict,
+    answer_combinations,
+    channel_frame,
+    first_or_raise,
+)
 from ...model.record import dataclass
-from ...plan.crcs import Residual, residual_of
+from ...plan.crcs import UndetectedErrors, residual_of
 from ...plan.verdicts import reportings
-from ...say.names_and_places import words
+from ...say.names_and_places import name_in_words
 from .. import main_manufacturer, manufacturers
 from .comments import ascii_text
 from .crc_code import CrcCode
@@ -30,7 +42,7 @@ class Frames:
 
     crc: Crc
     names: tuple[str, ...]
-    residual: Residual
+    residual: UndetectedErrors
 
 
 class Assumptions(TypedDict):
@@ -91,7 +103,7 @@ def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterato
         for crc in device.crcs_of(layout):
             yield crc, layout.widest
     for variant in device.variants_over(interface):
-        for _, parameters_of_answers in choices(device.alternatives):
+        for _, parameters_of_answers in answer_combinations(device.alternatives):
             placed = layout.place({**variant.parameters, **parameters_of_answers})
             placed_crc = device.crc_of(placed)
             if placed_crc is not None:
@@ -102,8 +114,12 @@ def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with a position whose verdict is always unknown: no flag or unused bit affects it."""
     for device in devices:
         for reporting in reportings(device).values():
-            judgement = reporting.judgement
-            if judgement is not None and judgement.otherwise is Verdict.UNKNOWN and not judgement.worst_first:
+            verdict_rules = reporting.verdict_rules
+            if (
+                verdict_rules is not None
+                and verdict_rules.otherwise is Verdict.UNKNOWN
+                and not verdict_rules.worst_first
+            ):
                 yield _frame_name(device, reporting.interface.title, reporting.codec.layout)
 
 
@@ -131,7 +147,7 @@ def _frames_with_comparison(devices: tuple[Device, ...]) -> Iterator[str]:
         for interface in device.interfaces:
             frame = channel_frame(interface)
             if frame is not None and frame.compared:
-                names = " and ".join(words(layout.name) for layout in frame.layouts)
+                names = " and ".join(name_in_words(layout.name) for layout in frame.layouts)
                 yield f"{device.name.upper()} {interface.title}: {names}"
 
 
@@ -141,7 +157,7 @@ def _of_some_codes(layout: Layout) -> str:
 
 
 def _frame_name(device: Device, interface: str, layout: Layout) -> str:
-    return f"{device.name.upper()} {interface}: {words(layout.name)}"
+    return f"{device.name.upper()} {interface}: {name_in_words(layout.name)}"
 
 
 class ReceiverCode:
@@ -161,7 +177,7 @@ class ReceiverCode:
         self.longest = max(example.received, key=lambda frame: frame.bits)
         variant = self.longest.variant
         rows = (row for row in view.variants.rows if row.variant is variant)
-        self.row: CodeRow = first_of(rows, f"row for {variant.code}")
+        self.row: CodeRow = first_or_raise(rows, f"row for {variant.code}")
         #: The macros of the bits in a frame and of the bytes in its buffer.
         self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
         reading = view.reading
@@ -341,8 +357,8 @@ class Guide:
         variant = self.example.row.variant
         frames = (frame for frame in self.example.received if frame.variant is variant)
         # The first of its two macros takes the bits, the second takes the bytes.
-        macros = self.example.view.lengths.macros_of(first_of(frames, f"frame received from {variant.code}"))
-        return first_of(macros, f"macro for the length of the frames of {variant.code}").name
+        macros = self.example.view.lengths.macros_of(first_or_raise(frames, f"frame received from {variant.code}"))
+        return first_or_raise(macros, f"macro for the length of the frames of {variant.code}").name
 
     @property
     def number(self) -> str:

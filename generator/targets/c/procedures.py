@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from itertools import count
 
-from ...model import Piece, Procedure, Register, assert_never
+from ...model import BitSlice, Procedure, Register, assert_never
 from ...model.record import dataclass
 from ...plan.limits import TooWide
 from ...plan.steps import (
@@ -15,36 +15,48 @@ from ...plan.steps import (
     CheckedArgument,
     FixedNumber,
     InField,
-    Operation,
     OutsideArgumentLimits,
-    Polls,
-    Reads,
-    Sends,
+    PlannedStep,
+    PollRegister,
+    ReadRegister,
+    SendRequest,
     Undecodable,
-    Verifies,
-    Waits,
-    Writes,
+    VerifyWrite,
+    WaitTime,
+    WriteRegister,
     field_refusals,
     run_of,
 )
 from .. import TargetError
 from .about import about_argument, about_procedure, about_run, note_of_read, note_of_step
 from .comments import Paragraph
-from .context import Context
-from .names import Cast, Declared, Expr, Name, Number, c_name, masked, shifted_left, shifted_right, size_of, unsigned
+from .context import HeaderContext
+from .names import (
+    CCast,
+    CExpression,
+    CName,
+    CNumber,
+    DeclaredName,
+    c_name,
+    masked,
+    shifted_left,
+    shifted_right,
+    size_of,
+    unsigned,
+)
 from .registers import RegisterCode
 
 #: Names of arguments and locals in the generated functions.
-_TAKEN = frozenset(
+_NAMES_OF_LOCALS = frozenset(
     ("variant", "steps", "capacity", "count", "index", "result", "address", "transport", "out", "failure", "bytes")
 )
 
 
-_ZERO = Number(0)
+_ZERO = CNumber(0)
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class StepRow:
     """An elementary step at index ``at`` of the list: one byte of a register, a wait, a request.
 
     ``address`` is an expression with the macro of the register. ``more`` is true if the byte is accessed together with
@@ -52,11 +64,11 @@ class Row:
     """
 
     at: int
-    op: Operation
+    op: PlannedStep
     note: str
     address: str = ""
     mask: int = 0
-    value: Expr = _ZERO
+    value: CExpression = _ZERO
     more: bool = False
 
 
@@ -83,7 +95,7 @@ class WholeRegister:
     code: RegisterCode
     local: str
     bytes: str
-    values: tuple[Expr, ...]
+    values: tuple[CExpression, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +133,7 @@ class ProcedureCode:
     """A procedure. ``function`` is the function that carries it out, ``steps`` the function that returns its steps."""
 
     def __init__(
-        self, context: Context, registers: Mapping[str, RegisterCode], read_state: str, procedure: Procedure
+        self, context: HeaderContext, registers: Mapping[str, RegisterCode], read_state: str, procedure: Procedure
     ) -> None:
         self.context = context
         self.registers = registers
@@ -129,13 +141,15 @@ class ProcedureCode:
         self.function = f"{context.prefix}_{procedure.name}"
         self.steps = f"{self.function}_steps"
         self.count_macro = f"{self.steps}_count".upper()
-        self._names = {parameter.argument.name: c_name(parameter.argument.name, _TAKEN) for parameter in run.arguments}
+        self._names = {
+            parameter.argument.name: c_name(parameter.argument.name, _NAMES_OF_LOCALS) for parameter in run.arguments
+        }
         #: Both by argument and register.
         self._filled = dict(self._structs_to_fill())
         self._wholes = dict(self._whole_numbers())
         #: Registers with parameters on which the limits of later steps depend.
         self._teaching = {
-            step.register.name for step in run.operations if isinstance(step, Writes) and step.determines_limits
+            step.register.name for step in run.operations if isinstance(step, WriteRegister) and step.determines_limits
         }
         self.arguments = [self._build_argument(parameter) for parameter in run.arguments]
         self.rows = list(self._yield_rows())
@@ -190,7 +204,7 @@ class ProcedureCode:
                     return True
         return False
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         for name in (self.steps, self.count_macro, self.function, self.read_type):
             if name:
                 yield name, ("procedures", self.run.procedure.name)
@@ -224,14 +238,14 @@ class ProcedureCode:
             refusals=tuple(refusals),
         )
 
-    def _byte_refusals(self, write: Writes) -> Iterator[ArgumentRefusal]:
+    def _byte_refusals(self, write: WriteRegister) -> Iterator[ArgumentRefusal]:
         """Yield the reasons to refuse an argument that is a whole register of one byte, which has no encoder."""
         match write.value:
             case AsMember(argument, member) if self.registers[write.register.name].is_plain:
                 field = write.register.layout.field(member)
                 yield from field_refusals(self.context.device, write.register, field, argument)
 
-    def _argument_type(self, write: Writes) -> str:
+    def _argument_type(self, write: WriteRegister) -> str:
         """Return the type of the argument that a step writes: the type of the field, the member or the register."""
         match write.value:
             case InField(field=field):
@@ -284,26 +298,26 @@ class ProcedureCode:
                         code=self.registers[register],
                         local=c_name(f"{argument}_{register}_held", self._names),
                         bytes=c_name(f"{argument}_{register}_sent", self._names),
-                        values=tuple(self._byte_value(write, piece) for piece in write.pieces),
+                        values=tuple(self._byte_value(write, bit_slice) for bit_slice in write.bit_slices),
                     )
                     yield (argument, register), whole
 
     # -- steps
 
-    def _yield_rows(self) -> Iterator[Row | FilledRows]:
+    def _yield_rows(self) -> Iterator[StepRow | FilledRows]:
         """Yield the steps with their index in the list. A step on several bytes of a register takes several indices."""
         index = 0
         for step in self.run.operations:
             note = note_of_step(self.context.device, step)
-            if isinstance(step, (Waits, Sends)):
-                yield Row(at=index, op=step, note=note)
+            if isinstance(step, (WaitTime, SendRequest)):
+                yield StepRow(at=index, op=step, note=note)
             else:
                 yield from self._rows_of_register(index, step, note)
             index += _number_of_rows(step)
 
     def _rows_of_register(
-        self, first_index: int, step: Writes | Reads | Polls | Verifies, note: str
-    ) -> Iterator[Row | FilledRows]:
+        self, first_index: int, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, note: str
+    ) -> Iterator[StepRow | FilledRows]:
         """Yield the steps on the bytes of a register. Only the first has a note.
 
         If a struct is filled for the register, one item represents all its bytes, unless it reads back only some bits.
@@ -313,28 +327,33 @@ class ProcedureCode:
         """
         filled_register = self._filled_by(step)
         if filled_register is not None:
-            if isinstance(step, Verifies):
+            if isinstance(step, VerifyWrite):
                 yield from self._read_back(first_index, step, filled_register, note)
             else:
                 yield FilledRows(first_index, kind="write", filled=filled_register, note=note)
             return
         _refuse_unsupported(step)
-        for index, piece in enumerate(step.pieces):
-            value = self._byte_value(step, piece)
-            yield self._build_row(first_index + index, step, note if index == 0 else "", piece, value)
+        for index, bit_slice in enumerate(step.bit_slices):
+            value = self._byte_value(step, bit_slice)
+            yield self._build_row(first_index + index, step, note if index == 0 else "", bit_slice, value)
 
     def _build_row(
-        self, index: int, step: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr
-    ) -> Row:
+        self,
+        index: int,
+        step: WriteRegister | ReadRegister | PollRegister | VerifyWrite,
+        note: str,
+        bit_slice: BitSlice,
+        value: CExpression,
+    ) -> StepRow:
         """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
-        return Row(
+        return StepRow(
             at=index,
             op=step,
             note=note,
-            address=self._address(step.register, piece.byte),
-            mask=piece.mask << piece.low_in_byte,
+            address=self._address(step.register, bit_slice.byte),
+            mask=bit_slice.mask << bit_slice.low_in_byte,
             value=value,
-            more=step.register.is_accessed_whole and piece.byte > 0,
+            more=step.register.is_accessed_whole and bit_slice.byte > 0,
         )
 
     def _address(self, register: Register, byte: int) -> str:
@@ -344,43 +363,47 @@ class ProcedureCode:
         return f"{macro} + {distance}U" if distance else macro
 
     def _read_back(
-        self, first_index: int, step: Verifies, filled_register: FilledRegister, note: str
-    ) -> Iterator[Row | FilledRows]:
+        self, first_index: int, step: VerifyWrite, filled_register: FilledRegister, note: str
+    ) -> Iterator[StepRow | FilledRows]:
         """Yield one row for all bytes if every bit of them counts, else one row per byte."""
-        if step.pieces == step.write.pieces:
+        if step.bit_slices == step.write.bit_slices:
             yield FilledRows(first_index, kind="verify", filled=filled_register, note=note)
             return
-        for index, piece in enumerate(step.pieces):
-            written_byte = Name(f"{filled_register.bytes}[{piece.byte}]")
+        for index, bit_slice in enumerate(step.bit_slices):
+            written_byte = CName(f"{filled_register.bytes}[{bit_slice.byte}]")
             # A mask of 0 is a byte of reserved bits, which is read but not compared.
-            expected = masked(written_byte, piece.mask) if piece.mask else _ZERO
-            yield self._build_row(first_index + index, step, note if index == 0 else "", piece, expected)
+            expected = masked(written_byte, bit_slice.mask) if bit_slice.mask else _ZERO
+            yield self._build_row(first_index + index, step, note if index == 0 else "", bit_slice, expected)
 
-    def _filled_by(self, step: Writes | Reads | Polls | Verifies) -> FilledRegister | None:
+    def _filled_by(self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite) -> FilledRegister | None:
         """Return the register whose struct a step writes or reads back, or None if it has no struct."""
-        write = step.write if isinstance(step, Verifies) else step
-        if isinstance(write, Writes) and isinstance(write.value, AsMember):
+        write = step.write if isinstance(step, VerifyWrite) else step
+        if isinstance(write, WriteRegister) and isinstance(write.value, AsMember):
             return self._filled.get((write.value.argument.name, write.register.name))
         return None
 
-    def _byte_value(self, step: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
+    def _byte_value(
+        self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, bit_slice: BitSlice
+    ) -> CExpression:
         """Return the value that a step writes to a byte, waits for, or reads back, or 0 for a step that only reads.
 
-        It has the bits of ``piece`` at their place in the byte. The other bits of the byte are 0.
+        It has the bits of ``bit_slice`` at their place in the byte. The other bits of the byte are 0.
         """
-        if isinstance(step, Reads) or not piece.mask:
+        if isinstance(step, ReadRegister) or not bit_slice.mask:
             return _ZERO
-        write_or_poll = step.write if isinstance(step, Verifies) else step
-        value = FixedNumber(write_or_poll.step.value) if isinstance(write_or_poll, Polls) else write_or_poll.value
+        write_or_poll = step.write if isinstance(step, VerifyWrite) else step
+        value = (
+            FixedNumber(write_or_poll.step.value) if isinstance(write_or_poll, PollRegister) else write_or_poll.value
+        )
         # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
         if isinstance(value, FixedNumber):
-            bits_of_piece = (value.number >> piece.low_in_number) & piece.mask
-            return Number(bits_of_piece << piece.low_in_byte, hexadecimal=True)
-        bits = shifted_right(Name(self._names[value.argument.name]), piece.low_in_number)
-        if piece.mask != 0xFF:
-            return Cast("uint8_t", shifted_left(masked(bits, piece.mask), piece.low_in_byte))
-        is_whole_byte = isinstance(value, AsNumber) and len(step.pieces) == 1
-        return bits if is_whole_byte else Cast("uint8_t", bits)
+            bits_of_piece = (value.number >> bit_slice.low_in_number) & bit_slice.mask
+            return CNumber(bits_of_piece << bit_slice.low_in_byte, hexadecimal=True)
+        bits = shifted_right(CName(self._names[value.argument.name]), bit_slice.low_in_number)
+        if bit_slice.mask != 0xFF:
+            return CCast("uint8_t", shifted_left(masked(bits, bit_slice.mask), bit_slice.low_in_byte))
+        is_whole_byte = isinstance(value, AsNumber) and len(step.bit_slices) == 1
+        return bits if is_whole_byte else CCast("uint8_t", bits)
 
     def _read_members(self) -> Iterator[ReadMember]:
         """Yield a member for each register or field that is read. Repeated names are numbered.
@@ -390,7 +413,7 @@ class ProcedureCode:
         used_names: set[str] = set()
         first_byte = 0
         for read in self.run.reads:
-            length = len(read.pieces)
+            length = len(read.bit_slices)
             stem = read.register.name
             if length != read.register.length and read.field is not None:
                 stem += f"_{read.field.name}"
@@ -411,15 +434,15 @@ def _unused_name(name: str, used_names: Collection[str]) -> str:
     return numbered_name
 
 
-def _refuse_unsupported(step: Writes | Reads | Polls | Verifies) -> None:
+def _refuse_unsupported(step: WriteRegister | ReadRegister | PollRegister | VerifyWrite) -> None:
     """Raise an error if the bytes of a step depend on the order code, or would be polled one after the other."""
-    if not step.pieces:
+    if not step.bit_slices:
         raise TargetError(
             f"the place of '{_place_text(step)}' depends on the order code; the C target cannot access it alone"
         )
-    if isinstance(step, Polls) and len(step.pieces) > 1 and not step.register.is_accessed_whole:
+    if isinstance(step, PollRegister) and len(step.bit_slices) > 1 and not step.register.is_accessed_whole:
         # The bytes could match one after the other, and never all at the same time.
-        problem = f"'{_place_text(step)}' is spread over {len(step.pieces)} bytes"
+        problem = f"'{_place_text(step)}' is spread over {len(step.bit_slices)} bytes"
         raise TargetError(f"{problem}, which the C target would poll one after the other")
 
 
@@ -430,9 +453,9 @@ def _has_variable_limits(refusal: ArgumentRefusal) -> bool:
     return any(not bound.is_constant for _, bound in refusal.limits.binding)
 
 
-def _number_of_rows(step: Operation) -> int:
+def _number_of_rows(step: PlannedStep) -> int:
     """Return the number of elementary steps: one for each byte of a register."""
-    return 1 if isinstance(step, (Waits, Sends)) else len(step.pieces)
+    return 1 if isinstance(step, (WaitTime, SendRequest)) else len(step.bit_slices)
 
 
 def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
@@ -440,5 +463,5 @@ def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 
-def _place_text(step: Writes | Reads | Polls | Verifies) -> str:
+def _place_text(step: WriteRegister | ReadRegister | PollRegister | VerifyWrite) -> str:
     return f"{step.register.name}.{step.field.name if step.field is not None else ''}"

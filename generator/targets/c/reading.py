@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from ...model import Spi
 from .codec import StructCodec
-from .context import Context
+from .context import HeaderContext
 from .enumerations import AlternativeCode
-from .names import Declared
+from .names import DeclaredName
 from .variants import LengthCode
 
 
@@ -19,14 +19,16 @@ class ReadCode:
     ``reads_twice`` is true if no CRC protects it, so that two frames must agree.
     """
 
-    def __init__(self, context: Context, frame: StructCodec | None, lengths: LengthCode, *, reads_twice: bool) -> None:
+    def __init__(
+        self, context: HeaderContext, frame: StructCodec | None, lengths: LengthCode, *, reads_twice: bool
+    ) -> None:
         self.frame = frame
         self.reads_twice = reads_twice
         self._context = context
         self._lengths = lengths
         self.macro = f"{context.PREFIX}_READ"
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names of the macros and of the function that reads twice. Without a frame, there are no macros."""
         if self.frame is not None:
             path = ("interfaces", self._context.interface.name)

@@ -18,29 +18,29 @@ from ...model import (
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.parameters import parameters_at_run_time
-from ...plan.codec import Codec
+from ...plan.codec import LayoutPlan
 from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
-from ...plan.values import Active, Characters, Named, Raw, meaning_of
-from ...say.names_and_places import full_title, title, words
+from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, UnsignedNumber, meaning_of
+from ...say.names_and_places import full_title, name_in_words, title_of
 from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
 from .codec import StructCodec
 from .comments import Paragraph
-from .context import Context, Function, Macro, number_function
-from .names import Declared, Expr, Name, number
-from .names import Number as NumberExpr
-from .structs import Struct
+from .context import CFunction, CMacro, HeaderContext, number_function
+from .names import CExpression, CName, DeclaredName, c_number
+from .names import CNumber as NumberExpr
+from .structs import LayoutStruct
 
 
-class Access:
+class RegisterFunctions:
     """The functions that read and write a register. A name is empty if the register does not allow that access.
 
     Registers reserved for the manufacturer are only read. ``struct`` is empty if the register is one plain byte.
     """
 
-    def __init__(self, layout: Struct, *, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
+    def __init__(self, layout: LayoutStruct, *, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
         context = layout.context
         register = layout.register
         assert register is not None
@@ -93,12 +93,12 @@ class Access:
         # One byte, as checked above.
         (self.bank,) = number_to_bytes(selector.layout, self.register.bank or 0, 8)
 
-    def is_unknown(self, name: str, is_raw: bool) -> Expr:
+    def is_unknown(self, name: str, is_raw: bool) -> CExpression:
         """Return the condition that a byte differs from all named values, such as ``kind != 1U && kind != 2U``.
 
         ``is_raw`` is True if the variable ``name`` holds the byte as read, rather than a value of the enumeration.
         """
-        return self._layout.is_none_of(self._field, Name(name), self.values, is_raw)
+        return self._layout.is_none_of(self._field, CName(name), self.values, is_raw)
 
     @property
     def write_depends(self) -> bool:
@@ -115,23 +115,23 @@ def state_registers(device: Device) -> list[str]:
 class AlarmCode:
     """The values that the templates print for an alarm."""
 
-    def __init__(self, context: Context, alarm: Alarm) -> None:
+    def __init__(self, context: HeaderContext, alarm: Alarm) -> None:
         self.alarm = alarm
         self.about = about_alarm(context.device, alarm)
         self.macros = tuple(_alarm_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         for macro in self.macros:
             yield macro.name, ("alarms", self.alarm.name)
 
 
-def _alarm_macros(device: Device, alarm: Alarm, stem: str) -> Iterator[Macro]:
+def _alarm_macros(device: Device, alarm: Alarm, stem: str) -> Iterator[CMacro]:
     """Yield the macros of an alarm: the mask of its bits, and the supply voltage below which it is raised."""
     bits, note = _alarm_mask(device, alarm)
     if bits:
-        yield Macro(f"{stem}_MASK", number(bits, hexadecimal=True), note)
+        yield CMacro(f"{stem}_MASK", c_number(bits, hexadecimal=True), note)
     if alarm.below_mv is not None:
-        yield Macro(f"{stem}_BELOW_MV", number(alarm.below_mv), "raised below this, in millivolts")
+        yield CMacro(f"{stem}_BELOW_MV", c_number(alarm.below_mv), "raised below this, in millivolts")
 
 
 def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
@@ -140,12 +140,12 @@ def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
     A flag in a frame counts before one in a register. The mask is 0 if the alarm has no bits at a fixed place.
     """
     frame_field = _frame_field_of(device, alarm)
-    if frame_field is not None and len(frame_field.pieces) == 1:
-        (piece,) = frame_field.pieces
+    if frame_field is not None and len(frame_field.bit_slices) == 1:
+        (bit_slice,) = frame_field.bit_slices
         group = member_named(device.field_groups, alarm.group, "field group")
         # A group of several bytes has several bits with the same mask.
         note = "in its byte" if group.bits > 8 else ""
-        return piece.mask << piece.low_in_byte, note
+        return bit_slice.mask << bit_slice.low_in_byte, note
     if not alarm.register:
         return 0, ""
     layout = device.register(alarm.register).layout
@@ -164,17 +164,17 @@ def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
         return None
     for _, layout in device.layouts():
         for field in layout.fields:
-            if field.group == alarm.group and field.name == alarm.field and field.pieces:
+            if field.group == alarm.group and field.name == alarm.field and field.bit_slices:
                 return field
     return None
 
 
 @dataclass(frozen=True, slots=True)
-class Bounds:
+class RegisterBounds:
     """The limits that are the same for all order codes, as macros with their values, and the others as functions."""
 
-    macros: tuple[tuple[str, Expr], ...]
-    functions: tuple[Function, ...]
+    macros: tuple[tuple[str, CExpression], ...]
+    functions: tuple[CFunction, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +189,7 @@ class ExplainingBits:
 class RegisterCode:
     """The values that the templates print for a register. ``codec`` is None if the byte itself is the value."""
 
-    def __init__(self, context: Context, register: Register) -> None:
+    def __init__(self, context: HeaderContext, register: Register) -> None:
         self.context = context
         self.device = context.device
         self.scope = context.scope
@@ -197,18 +197,18 @@ class RegisterCode:
         self.layout = register.layout
         self.name = f"{context.prefix}_reg_{register.name}"
         self.stem = self.name.upper()
-        self.struct = Struct(context, self.layout, self.name, f"{self.stem}_LENGTH", register)
+        self.struct = LayoutStruct(context, self.layout, self.name, f"{self.stem}_LENGTH", register)
         self.enumerations = context.enumerations.of("registers", register.name)
         # The check for the limits, or None if they limit no single field or join, or if no value is outside them.
         outside_limits = outside(self.struct.plan, limits_of(self.device, register))
         refused = (outside_limits,) if outside_limits is not None else ()
         self.codec = None if self.is_plain else StructCodec(self.struct, outside=refused)
-        self.access = Access(self.struct, has_struct=self.codec is not None, outside=refused)
+        self.access = RegisterFunctions(self.struct, has_struct=self.codec is not None, outside=refused)
         #: Its own limits, and the limits of each of its meanings.
         self.limits = tuple(self._find_limits(meaning) for meaning in (None, *register.meanings))
         self.explained = tuple(self._yield_explaining_bits())
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with its path in the spec."""
         for name in self._yield_names():
             yield name, ("registers", self.register.name)
@@ -289,16 +289,16 @@ class RegisterCode:
         values, because such a field is the register itself.
         """
         fields = self.layout.fields
-        is_whole_register = len(fields) == 1 and not isinstance(meaning_of(fields[0]), Named)
+        is_whole_register = len(fields) == 1 and not isinstance(meaning_of(fields[0]), NamedChoice)
         if self.is_plain or self.register.length > 8 or is_whole_register:
             return ()
         variable_fields = [field for field in fields if field.name not in self.struct.plan.constants]
-        return tuple(field for field in variable_fields if not isinstance(meaning_of(field), Characters))
+        return tuple(field for field in variable_fields if not isinstance(meaning_of(field), Latin1Text))
 
     @staticmethod
     def has_shift(field: Field) -> bool:
         """Return True if a field needs a shift and a mask. For a flag, the mask is enough."""
-        return not isinstance(meaning_of(field), Active)
+        return not isinstance(meaning_of(field), ActiveFlag)
 
     @property
     def masked(self) -> tuple[Field, ...]:
@@ -326,21 +326,21 @@ class RegisterCode:
                 yield ExplainingBits(
                     name=f"{self.stem}_{field.name}_IN_{register_name}".upper(),
                     bits=mask,
-                    register=title(self.device.register(register_name)),
+                    register=title_of(self.device.register(register_name)),
                 )
 
     # -- limits
 
-    def _find_limits(self, meaning: RegisterMeaning | None) -> Bounds:
+    def _find_limits(self, meaning: RegisterMeaning | None) -> RegisterBounds:
         """Return the limits of the register, or of one of its meanings, under names that end in ``min`` and ``max``.
 
         A limit that the manual does not give is left out.
         """
         limits = limits_of(self.device, self.register, meaning)
-        name_of_limited = self.register.limits_of if meaning is None else words(meaning.name)
+        name_of_limited = self.register.limits_of if meaning is None else name_in_words(meaning.name)
         stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
-        macros: list[tuple[str, Expr]] = []
-        functions: list[Function] = []
+        macros: list[tuple[str, CExpression]] = []
+        functions: list[CFunction] = []
         for ending, adjective, limit in (("min", "lowest", limits.low), ("max", "highest", limits.high)):
             if limit is None:
                 continue
@@ -350,9 +350,9 @@ class RegisterCode:
             else:
                 about = f"Return the {adjective} {name_of_limited}: {limit.render()}."
                 functions.append(self._limit_function(name, about, limit, is_signed=limits.signed))
-        return Bounds(tuple(macros), tuple(functions))
+        return RegisterBounds(tuple(macros), tuple(functions))
 
-    def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> Function:
+    def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> CFunction:
         """Return the function for a limit that depends on the order code.
 
         With ``is_signed`` it returns an ``int64_t``. Otherwise the largest limit of all order codes, with all
@@ -360,7 +360,7 @@ class RegisterCode:
         """
         if is_signed:
             value = self.scope.signed(limit)
-            return Function(name, type="int64_t", value=value, about=about, uses_variant=True)
+            return CFunction(name, type="int64_t", value=value, about=about, uses_variant=True)
         unsigned_limits = [0]
         for variant in self.device.variants_over(self.register.interface):
             for parameters in parameters_at_run_time(self.device, variant):
@@ -368,7 +368,7 @@ class RegisterCode:
         return number_function(self.scope, name=name, expression=limit, largest=max(unsigned_limits), about=about)
 
 
-def _is_byte(plan: Codec) -> bool:
+def _is_byte(plan: LayoutPlan) -> bool:
     """Return True if the first field is a whole byte, as a number or as a named value.
 
     A field that only allows powers of two does not count, since the byte needs a check.
@@ -376,7 +376,7 @@ def _is_byte(plan: Codec) -> bool:
     if not plan.parts or any(isinstance(refusal, NoPowerOfTwo) for refusal in refusals(plan)):
         return False
     only_part = plan.parts[0]
-    return isinstance(only_part.meaning, (Raw, Named)) and only_part.field.width == Expression(8)
+    return isinstance(only_part.meaning, (UnsignedNumber, NamedChoice)) and only_part.field.width == Expression(8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -398,12 +398,12 @@ class IdentityCode:
                 return True
         return False
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         for ending in ("identity", "could_be", "next_candidate", "read_identity"):
             yield f"{self.prefix}_{ending}", ()
 
 
-def identity_codes(context: Context, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
+def identity_codes(context: HeaderContext, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
     """Yield the identifying registers of each interface that has any. ``codes`` are all registers by name."""
     for identity in identities(context.device):
         compared = tuple(codes[comparison.register.name] for comparison in identity.compared)

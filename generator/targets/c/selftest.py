@@ -21,19 +21,19 @@ from ...model import (
     Write,
     assert_never,
     cite,
-    first_of,
+    first_or_raise,
     member_named,
 )
 from ...model.record import dataclass
 from ...plan.crcs import CONTROL_FIELDS, vectors_of
-from ...plan.operations import Part
-from ...plan.values import Active, Characters, Named, Raw, TwosComplement
+from ...plan.operations import FieldToDecode
+from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, TwosComplement, UnsignedNumber
 from .. import manufacturers
 from .codec import StructCodec
 from .crc_functions import WordCrc
 from .device import DeviceView
 from .enumerations import AlternativeCode
-from .names import c_name, number, signed_number, string
+from .names import c_name, c_number, signed_number, string
 from .positions import LengthPositions
 from .procedures import ProcedureCode
 from .runtime_texts import runtime_tests
@@ -105,7 +105,7 @@ Work = ConstantCheck | FrameCheck | CrcCheck | ProcedureCheck | MeasureCheck
 
 
 @dataclass(frozen=True, slots=True)
-class Check:
+class SelfTestCheck:
     """A numbered check. ``about`` names the example and its source."""
 
     number: int
@@ -121,7 +121,7 @@ class SelfTest:
         self.name = f"{view.prefix}_selftest"
         self.path = f"selftest/{view.stem}.c"
         works = [*self._example_checks(), *self._vector_checks()]
-        self.checks = [Check(index, about, work) for index, (about, work) in enumerate(works, 1)]
+        self.checks = [SelfTestCheck(index, about, work) for index, (about, work) in enumerate(works, 1)]
 
     @property
     def is_used(self) -> Mapping[str, bool]:
@@ -190,7 +190,7 @@ class SelfTest:
         return ProcedureCheck(
             code=code,
             variant=self._find_variant(example.order_code),
-            arguments=tuple(number(example.arguments[name]) for name in argument_names),
+            arguments=tuple(c_number(example.arguments[name]) for name in argument_names),
             writes=tuple(written_bytes),
         )
 
@@ -205,7 +205,7 @@ class SelfTest:
             interface = self.view.context.interface.name
             writable = [register for register in self.view.device.registers_over(interface) if register.writable]
             registers = (register for register in writable if register.address == write.address)
-            length = first_of(registers, f"writable register at {write.address:#x}").length
+            length = first_or_raise(registers, f"writable register at {write.address:#x}").length
         for byte in write.value.to_bytes(length, "big"):
             yield _format_hex(write.address), _format_hex(byte)
 
@@ -270,7 +270,7 @@ class SelfTest:
         It is a literal if the example states bits, or else a call such as ``acme_x24_bits(variant, WIDE)``.
         """
         if example.bits:
-            return number(len(example.bits))
+            return c_number(len(example.bits))
         answers = self._format_answers(codec.length_alternatives, example).removesuffix(", ")
         arguments = ", ".join(filter(None, ("variant", answers)))
         return f"{codec.name}_bits({arguments})"
@@ -289,7 +289,7 @@ class SelfTest:
     def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
         """Yield the check that a register decodes to the values of the example, or nothing if it has no decoder."""
         codes = (code for code in self.view.registers if code.register.name == example.register)
-        code = first_of(codes, f"code for the register '{example.register}'")
+        code = first_or_raise(codes, f"code for the register '{example.register}'")
         if code.codec is not None:
             yield FrameCheck(
                 codec=code.codec,
@@ -315,25 +315,25 @@ class SelfTest:
             if name in member_names:
                 yield self._expected_member(key, name, value, part_by_field.get(name))
 
-    def _expected_member(self, key: str, name: str, value: int | str | bool, part: Part | None) -> Expected:
+    def _expected_member(self, key: str, name: str, value: int | str | bool, part: FieldToDecode | None) -> Expected:
         """Return the expected value of a member, as C. ``part`` is None for a join or a run of digits: a plain number.
 
         A named value has its constant, if C has one.
         """
-        match part.meaning if part is not None else Raw():
-            case Characters():
+        match part.meaning if part is not None else UnsignedNumber():
+            case Latin1Text():
                 return Expected(c_name(name), string(value), text=True)
-            case Named(values) if isinstance(value, str):
+            case NamedChoice(values) if isinstance(value, str):
                 named_value = member_named(values, value, f"value of '{name}'").value
                 choice = self.view.context.choices.get((key, name))
                 constants = choice.names if choice else {}
-                return Expected(c_name(name), constants.get(named_value, number(named_value)))
-            case Active():
+                return Expected(c_name(name), constants.get(named_value, c_number(named_value)))
+            case ActiveFlag():
                 return Expected(c_name(name), "true" if value else "false")
             case TwosComplement() if int(value) < 0:
                 return Expected(c_name(name), signed_number(int(value)))
             case _:
-                return Expected(c_name(name), number(int(value)))
+                return Expected(c_name(name), c_number(int(value)))
 
     def _crc_checks(self, example: CrcExample) -> Iterator[Work]:
         """Yield the checks of a CRC over the bytes of the example, and over them as a word that ends in its CRC."""
@@ -354,8 +354,8 @@ class SelfTest:
             yield MeasureCheck(
                 function=f"{self.view.prefix}_micrometres",
                 variant=self._find_variant(example.order_code),
-                counts=number(example.counts),
-                micrometres=number(example.micrometres),
+                counts=c_number(example.counts),
+                micrometres=c_number(example.micrometres),
             )
 
 

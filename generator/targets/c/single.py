@@ -20,7 +20,7 @@ from .comments import COLUMNS, break_lines
 from .context import timing_macros
 from .declarations import Declaration, declarations_in, declarations_needed_by, names_of, without_settings
 from .device import DeviceView, views_of
-from .names import Passing
+from .names import StructPassing
 from .runtime_texts import runtime_headers, runtime_version
 from .single_comments import (
     SENTENCE_END,
@@ -35,15 +35,15 @@ from .single_comments import (
 
 TEMPLATE = "single.h.jinja"
 #: The headers of the runtime that receive frames, in the order in which they include each other.
-_RECEIVING = ("bits.h", "receive.h", "receive_frame.h", "channels.h", "spi.h")
+_RECEIVING_HEADERS = ("bits.h", "receive.h", "receive_frame.h", "channels.h", "spi.h")
 #: The part of the runtime that all headers share.
-_SHARED = "result.h"
+_SHARED_HEADER = "result.h"
 #: Macros of the runtime that mark functions and constants. Every header defines them alike.
 _MARKS = ("CW_CONSTEXPR", "CW_CONST")
 #: The macros of an interface that only accesses to registers need.
 _FOR_REGISTERS = "_CONTROL_"
 #: Suffixes of the functions of a frame that are needed to read its position.
-_READING = ("bits", "decode", "verdict", "position", "read")
+_READING_SUFFIXES = ("bits", "decode", "verdict", "position", "read")
 #: Suffixes of the functions that collect the bytes of a reply over RS-485.
 _BYTE_BY_BYTE = ("ask", "take", "take_any", "resume", "late", "reason")
 #: The parts of the runtime that a program uses itself. Their comments stay, without examples.
@@ -57,7 +57,7 @@ _OTHER_PARAGRAPHS = (
 _ABOUT_ABSENT = re.compile(r"\b\w+\.h\b|examples/|_reports\(\)|order code is named once|[Cc]ode can be ")
 #: Sentences of the same kind.
 _OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC")
-_WORD = re.compile(r"\b[A-Za-z_]\w*\b")
+_C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
 #: A condition on one line, after which the function only returns a result.
 _GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
 
@@ -80,7 +80,7 @@ class SingleCode:
         self.STEM = self.stem.upper()
         settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
         # The mark of functions to be inlined needs more lines than it saves here.
-        headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING]
+        headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING_HEADERS]
         runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
         declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]
         needed = declarations_needed_by(self._yield_roots(names_of(declarations)), declarations)
@@ -88,12 +88,12 @@ class SingleCode:
         kept_names = names_of(self.declarations)
         self._runtime_names = names_of(runtime_declarations) & kept_names
         self._renamed = self._new_names(kept_names)
-        self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED]))
+        self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED_HEADER]))
 
     @property
     def shared(self) -> str:
         """The declarations of the results and verdicts, which other headers share."""
-        declarations = declarations_in(runtime_headers()[_SHARED])
+        declarations = declarations_in(runtime_headers()[_SHARED_HEADER])
         return "\n".join(first_paragraph(declaration.comment) + declaration.code for declaration in declarations)
 
     @property
@@ -154,7 +154,7 @@ class SingleCode:
 
     def named(self, text: str) -> str:
         """Return text with the names of this header instead of the names in the tree."""
-        return _WORD.sub(lambda word: self._renamed.get(word[0], word[0]), text)
+        return _C_IDENTIFIER.sub(lambda word: self._renamed.get(word[0], word[0]), text)
 
     def _is_helper(self, declaration: Declaration) -> bool:
         """Return True if a declaration is one of the runtime."""
@@ -178,7 +178,7 @@ class SingleCode:
         yield view.row.macro
         yield f"{view.prefix}_counts_per_turn"
         for codec in self._position_codecs():
-            yield from (f"{codec.name}_{suffix}" for suffix in _READING)
+            yield from (f"{codec.name}_{suffix}" for suffix in _READING_SUFFIXES)
             if view.reading.frame is None:
                 yield f"{codec.name}_receive"
         starts = (view.reading.macro, f"{view.row.macro}_")
@@ -316,7 +316,7 @@ class SingleCode:
         if sentence.startswith(_OTHER_SENTENCES):
             return True
         is_elsewhere = _ABOUT_ABSENT.search(sentence)
-        return is_elsewhere is not None or any(map(self._is_absent, _WORD.findall(sentence)))
+        return is_elsewhere is not None or any(map(self._is_absent, _C_IDENTIFIER.findall(sentence)))
 
     def _is_absent(self, name: str) -> bool:
         """Return True if a name occurs in the tree but not in this header."""
@@ -334,7 +334,7 @@ def single_path(maker: Manufacturer, order_code: str) -> str:
     return f"{maker.name}_{identifier(order_code)}.h"
 
 
-def single_views(device: Device, passing: Passing) -> Iterator[DeviceView]:
+def single_views(device: Device, passing: StructPassing) -> Iterator[DeviceView]:
     """Yield a view of the device for each of its order codes."""
     for variant in device.variants:
         yield from views_of(for_codes(device, {variant.code}), passing)

@@ -6,32 +6,32 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 from ...model import Field, Layout, Register, Spi
-from ...plan.codec import Codec, characters, codec_of
+from ...plan.codec import LayoutPlan, characters, layout_plan_of
 from ...plan.operations import FrameCrc
 from ...plan.values import (
-    Active,
-    Characters,
-    DigitRuns,
-    Named,
+    ActiveFlag,
+    DecimalDigits,
+    Latin1Text,
+    NamedChoice,
     TwosComplement,
     ZeroMeans,
     meaning_of,
     widest_value,
 )
 from .. import TargetError
-from .bits import Reader, Unused
-from .context import Context, Macro, scale_macros
-from .enumerations import Enumeration
+from .bits import BitReader, UnusedMember
+from .context import CMacro, HeaderContext, scale_macros
+from .enumerations import CEnumeration
 from .names import (
-    Cast,
-    Expr,
-    Name,
-    Number,
-    Operation,
+    CCast,
+    CExpression,
+    CName,
+    CNumber,
+    COperation,
     c_name,
+    c_number,
     join_operands,
     masked,
-    number,
     shifted_right,
     signed,
     signed_number,
@@ -40,11 +40,11 @@ from .names import (
 )
 
 
-class Struct:
+class LayoutStruct:
     """One layout, its names and its types. A register of one plain byte also has a struct, which is not printed."""
 
     def __init__(
-        self, context: Context, layout: Layout, name: str, length_macro: str, register: Register | None = None
+        self, context: HeaderContext, layout: Layout, name: str, length_macro: str, register: Register | None = None
     ) -> None:
         self.context = context
         self.device = context.device
@@ -55,11 +55,11 @@ class Struct:
         self.type = f"{name}_frame" if name == context.prefix else name
         self.length_macro = length_macro
         self.register = register
-        self.plan: Codec = codec_of(context.device, layout)
-        self.reader = Reader(self.plan, context.scope, word_size(context, layout))
+        self.plan: LayoutPlan = layout_plan_of(context.device, layout)
+        self.reader = BitReader(self.plan, context.scope, word_size(context, layout))
         #: The numbers of the scales of its fields.
-        self.scales: tuple[Macro, ...] = tuple(scale_macros(layout, name))
-        self.unused = Unused(self.reader)
+        self.scales: tuple[CMacro, ...] = tuple(scale_macros(layout, name))
+        self.unused = UnusedMember(self.reader)
         self._check_supported()
 
     def _check_supported(self) -> None:
@@ -85,7 +85,7 @@ class Struct:
             field = part.field
             # Called for its error if the field has more than 64 bits.
             self.type_of(field)
-            if isinstance(meaning_of(field), Characters) and not characters(field):
+            if isinstance(meaning_of(field), Latin1Text) and not characters(field):
                 raise TargetError(
                     f"the text '{field.name}' does not begin at a byte boundary, which the C target does not support",
                     (*self.path, "fields", field.name),
@@ -108,7 +108,7 @@ class Struct:
         """The type of the word as a number, which an encoder stores."""
         return unsigned(self.reader.word_size)
 
-    def covered(self, crc: FrameCrc) -> Expr:
+    def covered(self, crc: FrameCrc) -> CExpression:
         """Return the bits of the word that a CRC covers, as they are sent, with bit 0 the last of them.
 
         An example is ``(uint32_t)(word >> 6)``.
@@ -118,22 +118,22 @@ class Struct:
         end = crc.low + crc.covered.constant if covers_32_bits(crc) else word_size
         bits = shifted_right(self.reader.before_conversion.lower(end), crc.low)
         is_across_halves = covers_32_bits(crc) and end > 32
-        return Cast("uint32_t", bits) if is_across_halves else bits
+        return CCast("uint32_t", bits) if is_across_halves else bits
 
-    def received(self, crc: FrameCrc) -> Expr:
+    def received(self, crc: FrameCrc) -> CExpression:
         """Return the CRC in a word as it is sent, in its lowest bits."""
         width = crc.crc.width
         return masked(self.reader.before_conversion.lower(width), (1 << width) - 1)
 
     # -- members
 
-    def choice(self, field: Field) -> Enumeration | None:
+    def choice(self, field: Field) -> CEnumeration | None:
         """Return the named values of a field as an enumeration or as macros, or None if its values have no names."""
         # A register can have the same name as a frame.
         owner = self.layout.name if self.register is None else f"reg_{self.register.name}"
         return self.context.choices.get((owner, field.name))
 
-    def enumeration(self, field: Field) -> Enumeration | None:
+    def enumeration(self, field: Field) -> CEnumeration | None:
         """Return the enumeration of a field, or None if its values have no names or are macros."""
         choice = self.choice(field)
         return choice if choice is not None and choice.is_enum else None
@@ -141,21 +141,21 @@ class Struct:
     def type_of(self, field: Field) -> str:
         """Return the type of a member, or of each character of a string."""
         match meaning_of(field):
-            case Active():
+            case ActiveFlag():
                 return "bool"
-            case Named():
+            case NamedChoice():
                 choice = self.enumeration(field)
                 return choice.type if choice is not None else unsigned(field.widest)
             case TwosComplement():
                 return signed(field.widest)
-            case Characters():
+            case Latin1Text():
                 return "char"
             case _:
                 return unsigned(widest_value(field))
 
     def member(self, field: Field) -> str:
         """Return the name of a member in its declaration, with the length of a string."""
-        size = f"[{field.widest // 8}]" if isinstance(meaning_of(field), Characters) else ""
+        size = f"[{field.widest // 8}]" if isinstance(meaning_of(field), Latin1Text) else ""
         return f"{c_name(field.name)}{size}"
 
     def member_type(self, name: str) -> str:
@@ -183,7 +183,7 @@ class Struct:
         for part in self.plan.parts:
             initial_values += self._initial_values(part.field, numbers[part.field.name])
         for whole in self.plan.joined_numbers:
-            initial_values.append(number(whole.joined(numbers, parameters), hexadecimal=True))
+            initial_values.append(c_number(whole.joined(numbers, parameters), hexadecimal=True))
         if self.unused:
             initial_values.append("0U")
         return ", ".join(initial_values)
@@ -196,24 +196,24 @@ class Struct:
     def _initial_values(self, field: Field, initial_number: int) -> Iterator[str]:
         """Yield the initial value of each member of a field: one, or with runs of digits also one for each run."""
         match meaning_of(field):
-            case Active():
+            case ActiveFlag():
                 yield "true" if initial_number else "false"
-            case Named():
+            case NamedChoice():
                 choice = self.choice(field)
                 constants = choice.names if choice is not None else {}
-                yield constants.get(initial_number, number(initial_number, hexadecimal=True))
+                yield constants.get(initial_number, c_number(initial_number, hexadecimal=True))
             case TwosComplement():
                 yield signed_number(initial_number)
-            case DigitRuns(runs):
-                yield number(initial_number)
+            case DecimalDigits(runs):
+                yield c_number(initial_number)
                 for run in runs:
-                    yield number(initial_number // run.divisor % run.modulus)
-            case Characters():
+                    yield c_number(initial_number // run.divisor % run.modulus)
+            case Latin1Text():
                 yield '""'
             case _:
-                yield number(initial_number, hexadecimal=True)
+                yield c_number(initial_number, hexadecimal=True)
 
-    def is_none_of(self, field: Field, name: Expr, values: Sequence[int], is_raw: bool = False) -> Expr:
+    def is_none_of(self, field: Field, name: CExpression, values: Sequence[int], is_raw: bool = False) -> CExpression:
         """Return the condition that ``name`` has none of these values, such as ``kind != 0x01U && kind != 0x02U``.
 
         ``is_raw`` is True if ``name`` contains the bits as read, as a number rather than as a member of the
@@ -225,13 +225,13 @@ class Struct:
         type_of_bits = ""
         if is_raw and self.enumeration(field) is not None:
             type_of_bits, _ = self.reader.value(self.plan.bits_of(field.name))
-        conditions: list[Expr] = []
+        conditions: list[CExpression] = []
         for value in values:
-            compared: Expr = Number(value, hexadecimal=True)
+            compared: CExpression = CNumber(value, hexadecimal=True)
             if value in constants:
-                constant = Name(constants[value])
-                compared = Cast(type_of_bits, constant) if type_of_bits else constant
-            conditions.append(Operation("!=", (name, compared)))
+                constant = CName(constants[value])
+                compared = CCast(type_of_bits, constant) if type_of_bits else constant
+            conditions.append(COperation("!=", (name, compared)))
         return join_operands("&&", tuple(conditions))
 
 
@@ -240,7 +240,7 @@ def covers_32_bits(crc: FrameCrc) -> bool:
     return crc.covered.is_constant and crc.covered.constant <= 32
 
 
-def word_size(context: Context, layout: Layout) -> int:
+def word_size(context: HeaderContext, layout: Layout) -> int:
     """Return the number of bits in the type of a frame's word.
 
     A word over SPI has the smallest type for its bits, since a master exchanges it as a whole. Other words have 64
@@ -261,7 +261,7 @@ def _default_value(field: Field) -> int:
     if field.number.power_of_two:
         return 1
     match meaning_of(field):
-        case Named(values):
+        case NamedChoice(values):
             return min(value.value for value in values)
         case ZeroMeans(number_for_zero):
             return number_for_zero

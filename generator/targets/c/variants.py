@@ -7,33 +7,45 @@ from collections.abc import Iterator, Sequence, Set
 from copy import copy
 from itertools import chain
 
-from ...language.problems import listed
-from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
+from ...language.problems import join_words
+from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_or_raise
 from ...model.record import dataclass
 from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
-from ...plan.values import Raw, ZeroMeans, parameters_in_measurement, widest_value
-from ...say.names_and_places import title
+from ...plan.values import UnsignedNumber, ZeroMeans, parameters_in_measurement, widest_value
+from ...say.names_and_places import title_of
 from ...say.order_code import initial, timeouts_with_codes
 from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
 from .bits import of_bytes
-from .context import Context, Function, Macro, number_function
-from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, c_name, join_operands, number, unsigned
+from .context import CFunction, CMacro, HeaderContext, number_function
+from .names import (
+    CCast,
+    CExpression,
+    CName,
+    CNumber,
+    Conditional,
+    COperation,
+    DeclaredName,
+    c_name,
+    c_number,
+    join_operands,
+    unsigned,
+)
 from .order_codes import OpenCode, open_codes, unknown_parts
-from .registers import Access
+from .registers import RegisterFunctions
 
 #: Names of arguments and locals in the function that reads the registers.
-_TAKEN = frozenset(("failure", "result", "taken", "transport", "variant"))
+_NAMES_OF_LOCALS = frozenset(("failure", "result", "taken", "transport", "variant"))
 
 
 class HeldValue:
     """A parameter held by a register, and its local."""
 
-    def __init__(self, context: Context, parameter_in_register: HeldParameter) -> None:
+    def __init__(self, context: HeaderContext, parameter_in_register: HeldParameter) -> None:
         parameter = parameter_in_register.parameter
         field = parameter_in_register.field
-        if not field.pieces:
+        if not field.bit_slices:
             problem = f"the place of '{parameter.read_from}' depends on the order code; the C target cannot read it"
             raise TargetError(problem)
         self.held_parameter = parameter_in_register
@@ -50,37 +62,37 @@ class HeldValue:
         """Return the value of the parameter for one of its codes."""
         value = self.held_parameter.parameter.held_value(code)
         assert value is not None
-        return str(Number(value))
+        return str(CNumber(value))
 
-    def _yield_locals(self) -> Iterator[tuple[str, str, Expr]]:
+    def _yield_locals(self) -> Iterator[tuple[str, str, CExpression]]:
         """Yield the type, the name and the initial value of each local, such as ``("uint8_t", "turns", bytes[0])``.
 
         If 0 represents another number, a local with the bits as read comes first. A code has a local that ends in
         ``_code``.
         """
-        type_, bits = of_bytes(self.held_parameter.bits.pieces)
+        type_, bits = of_bytes(self.held_parameter.bits.bit_slices)
         match self.held_parameter.meaning:
             case ZeroMeans(number):
-                raw_local = Name(f"{self.local}_raw")
+                raw_local = CName(f"{self.local}_raw")
                 yield type_, raw_local.text, bits
-                is_zero = Operation("==", (raw_local, Number(0)))
+                is_zero = COperation("==", (raw_local, CNumber(0)))
                 type_of_value = unsigned(widest_value(self.held_parameter.field))
-                yield type_of_value, self.local, Cast(type_of_value, Conditional(is_zero, Number(number), raw_local))
-            case Raw():
+                yield type_of_value, self.local, CCast(type_of_value, Conditional(is_zero, CNumber(number), raw_local))
+            case UnsignedNumber():
                 local = f"{self.local}_code" if self.is_coded else self.local
                 yield type_, local, bits
             case meaning:
                 assert_never(meaning)
 
     @property
-    def is_outside(self) -> Expr | None:
+    def is_outside(self) -> CExpression | None:
         """Condition that the parameter cannot have the value, or None if it can have any value."""
         lowest, highest = self.held_parameter.low, self.held_parameter.high
-        comparisons: list[Expr] = []
+        comparisons: list[CExpression] = []
         if lowest is not None:
-            comparisons.append(Operation("<", (Name(self.local), Number(lowest))))
+            comparisons.append(COperation("<", (CName(self.local), CNumber(lowest))))
         if highest is not None:
-            comparisons.append(Operation(">", (Name(self.local), Number(highest))))
+            comparisons.append(COperation(">", (CName(self.local), CNumber(highest))))
         return join_operands("||", tuple(comparisons)) if comparisons else None
 
 
@@ -118,28 +130,28 @@ def _codes_of_held_value(held_value: HeldValue) -> set[int]:
 
 def _switch_case(code: int, held_values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
     """Return a code, and the assignments that it leads to, such as ``("2U", (("position_bits", "24U"),))``."""
-    return str(Number(code)), tuple((value.local, value.for_code(code)) for value in held_values)
+    return str(CNumber(code)), tuple((value.local, value.for_code(code)) for value in held_values)
 
 
-class Taker:
+class VariantUpdater:
     """The function that updates a variant from the content of a register."""
 
-    def __init__(self, context: Context, register_parameters: HoldingRegister, access: Access) -> None:
+    def __init__(self, context: HeaderContext, register_parameters: HoldingRegister, access: RegisterFunctions) -> None:
         register = register_parameters.register
         self.name = f"{context.prefix}_take_{register.name}"
-        parameter_names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
-        self.about = f"Update {parameter_names} in a variant from the content of the {title(register)} register."
+        parameter_names = join_words(parameter.parameter.name for parameter in register_parameters.parameters)
+        self.about = f"Update {parameter_names} in a variant from the content of the {title_of(register)} register."
         self.values = tuple(HeldValue(context, parameter) for parameter in register_parameters.parameters)
         self.switches = tuple(_yield_switches(self.values))
         #: Locals that the bits are read into: type, name and initial value.
         self.locals = tuple(self._yield_locals())
-        self.bytes = c_name(register.name, _TAKEN)
+        self.bytes = c_name(register.name, _NAMES_OF_LOCALS)
         self.access = access
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         yield self.name, ()
 
-    def _yield_locals(self) -> Iterator[tuple[str, str, Expr]]:
+    def _yield_locals(self) -> Iterator[tuple[str, str, CExpression]]:
         """Yield the locals of all values: type, name and initial value.
 
         Values that one field holds as a code share the local of its switch, which is the local of the first value.
@@ -165,21 +177,21 @@ class CodeRow:
 class VariantCode:
     """The order codes of a family over one interface, and the functions for derived parameters."""
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, context: HeaderContext) -> None:
         self.context = context
         self.device = context.device
         self.parameters = self.device.set_parameters
         #: Without those that the functions of positions return.
         measured = parameters_in_measurement(self.device)
         self._named = [parameter for parameter in self._in_order_of_use() if parameter.name not in measured]
-        self.derived: Sequence[Function] = [self._build_derived(parameter) for parameter in self._named]
+        self.derived: Sequence[CFunction] = [self._build_derived(parameter) for parameter in self._named]
         self.rows = [self._build_row(variant) for variant in self.device.variants]
         #: A macro with one bit for each open part of the order code.
         self.unlisted = list(self._unlisted_macros())
         self.patterns = open_codes(self.device)
         self.about = about_order_codes(self.device)
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with its path in the spec. Names that every header has have none."""
         yield self.context.prefix, ()
         for name in ("order_code", "order_codes", "find_order_code"):
@@ -201,13 +213,13 @@ class VariantCode:
         """Return the parts that a pattern leaves open as bits in C, such as ``ACME_X_UNLISTED_BITS``, or ``0U``."""
         return " | ".join(map(self._unlisted_macro, pattern.unlisted)) or "0U"
 
-    def _unlisted_macros(self) -> Iterator[Macro]:
+    def _unlisted_macros(self) -> Iterator[CMacro]:
         """Yield a macro with a bit for each open part of the order code, except parts that no pattern describes."""
         unknown_names = unknown_parts(self.device)
         bit = 1
         for part in self.device.order_code.parts:
             if part.open and part.name not in unknown_names:
-                yield Macro(self._unlisted_macro(part.name), number(bit, hexadecimal=True), part.name)
+                yield CMacro(self._unlisted_macro(part.name), c_number(bit, hexadecimal=True), part.name)
                 bit <<= 1
 
     def _unlisted_macro(self, part: str) -> str:
@@ -219,11 +231,11 @@ class VariantCode:
         ordered: list[Parameter] = []
         while waiting:
             ready = (parameter for parameter in waiting.values() if _needs_none_of(parameter, waiting.keys()))
-            parameter = first_of(ready, f"order in which to calculate {', '.join(waiting)}")
+            parameter = first_or_raise(ready, f"order in which to calculate {', '.join(waiting)}")
             ordered.append(waiting.pop(parameter.name))
         return ordered
 
-    def _build_derived(self, parameter: Parameter) -> Function:
+    def _build_derived(self, parameter: Parameter) -> CFunction:
         """Return the function that computes a derived parameter."""
         assert parameter.equals is not None
         name = f"{self.context.prefix}_{parameter.name}"
@@ -264,14 +276,14 @@ def _parameter_value(parameter: Parameter, variant: Variant) -> str:
     """Return a parameter of an order code, such as ``24U``. Codes are in hexadecimal, as in the manuals."""
     # A large number without a unit is a code, such as a profile ID.
     is_code = not parameter.unit and parameter.largest > 0xFF
-    return number(variant.parameters.get(parameter.name, 0), hexadecimal=is_code, digits=4)
+    return c_number(variant.parameters.get(parameter.name, 0), hexadecimal=is_code, digits=4)
 
 
 class LengthCode:
     """The lengths of one interface, empty if a peripheral receives its frames."""
 
     def __init__(
-        self, context: Context, interface: Interface, code_rows: Sequence[CodeRow], sample_row: CodeRow
+        self, context: HeaderContext, interface: Interface, code_rows: Sequence[CodeRow], sample_row: CodeRow
     ) -> None:
         self.interface = interface
         received_frames = list(received_sizes(context.device, interface))
@@ -337,7 +349,7 @@ class LengthCode:
         name_parts += [answer.name for answer in frame.answers]
         return "_".join(name_parts).upper()
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names of its macros at file scope, each with the path of the interface in the spec."""
         path = ("interfaces", self.interface.name)
         for macro in self.macros:
@@ -345,11 +357,11 @@ class LengthCode:
         if self.receive:
             yield self.receive, path
 
-    def macros_of(self, frame: FrameSize) -> Iterator[Macro]:
+    def macros_of(self, frame: FrameSize) -> Iterator[CMacro]:
         """Yield the macros of the number of bits and of the bytes of a buffer."""
         stem = f"{self._prefix}{self.code_of(frame)}"
-        yield Macro(f"{stem}_BITS", number(frame.bits), "number of bits in its frame")
-        yield Macro(f"{stem}_RX_BYTES", number(frame.bytes), "number of bytes in its buffer")
+        yield CMacro(f"{stem}_BITS", c_number(frame.bits), "number of bits in its frame")
+        yield CMacro(f"{stem}_RX_BYTES", c_number(frame.bytes), "number of bytes in its buffer")
 
 
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:

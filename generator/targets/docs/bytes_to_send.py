@@ -26,16 +26,16 @@ from ...model import (
     assert_never,
 )
 from ...model.record import dataclass
-from ...plan.codec import codec_of
-from ...plan.frames import Exchanged, exchanges
-from ...plan.values import Raw, TwosComplement, meaning_of
+from ...plan.codec import layout_plan_of
+from ...plan.frames import RequestAndReply, exchanges
+from ...plan.values import TwosComplement, UnsignedNumber, meaning_of
 from ...say.commands import Commands, commands_over
-from ...say.evidence import document
+from ...say.evidence import word_for_document
 from ...say.layout import name_as_words
-from ...say.markdown import code, escape, join_filled, link
-from ...say.names_and_places import addresses, bits, title
+from ...say.markdown import code_span, escape, join_filled, markdown_link
+from ...say.names_and_places import addresses_text, bits, title_of
 from ...say.order_code import PURPOSES, word_lengths
-from ...say.text import counted, microseconds
+from ...say.text import count_with_unit, time_text
 
 Row = tuple[str, ...]
 
@@ -68,7 +68,8 @@ def sending_section(
     )
     facts = list(introduction)
     input_links = [
-        link(escape(title(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs
+        markdown_link(escape(title_of(hardware_input)), f"#input-{hardware_input.name}")
+        for hardware_input in device.inputs
     ]
     if input_links:
         facts.append(f"Inputs: {', '.join(input_links)}.")
@@ -121,18 +122,18 @@ def _introduction_for_biss(
         zero = '<span id="preset-of-rows">The preset is 0 in these rows.</span>'
         yield f"Addresses and bytes are in hexadecimal. {zero}"
     elif has_rows and not possible_commands.may_preset:
-        yield f"The {document(device)} describes no preset over BiSS."
+        yield f"The {word_for_document(device)} describes no preset over BiSS."
     elif has_rows:
         yield "Addresses and bytes are in hexadecimal."
         yield from _sentences_on_writable_registers(possible_commands)
     elif possible_commands.registers or possible_commands.settings:
         yield from _sentences_on_writable_registers(possible_commands)
     elif not possible_commands.is_empty:
-        yield f"The {document(device)} describes no registers that can be written over BiSS."
-    elif document(device) == "manual" and not device.evidence.left_out:
+        yield f"The {word_for_document(device)} describes no registers that can be written over BiSS."
+    elif word_for_document(device) == "manual" and not device.evidence.left_out:
         yield "The manual describes no commands over BiSS: no preset, reset or save."
     else:
-        yield f"The {document(device)} describes no commands over BiSS. The encoder may have some."
+        yield f"The {word_for_document(device)} describes no commands over BiSS. The encoder may have some."
 
 
 def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[str]:
@@ -140,7 +141,7 @@ def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[st
     for register in possible_commands.registers:
         command_names: list[str] = []
         for field in register.layout.fields:
-            command_names += [code(title(command)) for command in field.values]
+            command_names += [code_span(title_of(command)) for command in field.values]
         yield f"Write a command to {_register_link(register)}: {', '.join(command_names)}."
     if possible_commands.settings:
         subject = "Other registers" if possible_commands.registers else "Registers"
@@ -149,7 +150,7 @@ def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[st
 
 
 def _register_link(register: Register) -> str:
-    return link(f"{addresses(register)} {escape(title(register))}", f"#register-{register.name}")
+    return markdown_link(f"{addresses_text(register)} {escape(title_of(register))}", f"#register-{register.name}")
 
 
 def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -> Iterator[str]:
@@ -161,7 +162,7 @@ def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -
         return
     exception = " other than the resets" if possible_commands.resets else ""
     save = "" if possible_commands.may_save else ", and no save command"
-    there_is = "There is" if document(device) == "manual" else "The spec describes"
+    there_is = "There is" if word_for_document(device) == "manual" else "The spec describes"
     yield f"{there_is} no preset{exception}{save}."
 
 
@@ -195,8 +196,8 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     example_position = min(1000, highest_position)
     example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
     return (
-        f"Another position: write position{shift} as {counted(register.length, 'byte')}, {order}, to "
-        f"{link(addresses(register), f'#register-{register.name}')}. For {example_position:,}: {code(example_bytes)}."
+        f"Another position: write position{shift} as {count_with_unit(register.length, 'byte')}, {order}, to "
+        f"{markdown_link(addresses_text(register), f'#register-{register.name}')}. For {example_position:,}: {code_span(example_bytes)}."
     )
 
 
@@ -209,13 +210,13 @@ def _request_rows(device: Device, interface: Interface, errata_at: Callable[...,
             yield _data_id_row(device, interface, data_id, errata_at)
 
 
-def _exchange_row(exchange: Exchanged) -> Row:
+def _exchange_row(exchange: RequestAndReply) -> Row:
     """Return a row: links to the request and its reply, and the purpose of the request.
 
     Without a purpose, it is the first sentence of the note on the request. The size of words that have one follows.
     """
     layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
-    frame_links = [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
+    frame_links = [markdown_link(code_span(layout.name), f"#layout-{layout.name}") for layout in layouts]
     first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")
     description = PURPOSES[exchange.exchange.purpose] or escape(first_sentence_of_note)
     word_bits = exchange.exchange.word_bits
@@ -235,14 +236,14 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
     request = _layout_with_data_id(interface, "master", data_id.id)
     reply = _layout_with_data_id(interface, "encoder", data_id.id)
     part_names = _names_after_control_field(request) if request is not None else []
-    sent_bytes = ", ".join([code(f"{data_id.control:02X}"), *part_names])
+    sent_bytes = ", ".join([code_span(f"{data_id.control:02X}"), *part_names])
     reply_link = ""
     if reply is not None:
-        reply_link = f" → {link(counted(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
+        reply_link = f" → {markdown_link(count_with_unit(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
     procedures = _procedures_sending_only(device, data_id)
     repetitions = (_repetition_text(procedure) for procedure in procedures)
     description = join_filled([escape(data_id.meaning or data_id.purpose), *repetitions], ". ")
-    identifier = f"<small>Data ID {data_id.id:X} {code(data_id.name)}</small>"
+    identifier = f"<small>Data ID {data_id.id:X} {code_span(data_id.name)}</small>"
     errata_links = errata_at(*(f"procedures.{procedure.name}" for procedure in procedures))
     return sent_bytes + reply_link, join_filled([f"{description}.", identifier, errata_links], " ")
 
@@ -274,9 +275,9 @@ def _requests_sent(procedure: Procedure) -> list[str]:
 def _repetition_text(procedure: Procedure) -> str:
     """Return how often a procedure repeats its only request, such as ``Send it 10 times, at least 40 µs apart``."""
     send_step = next(step for step in procedure.steps if isinstance(step, SendStep))
-    waits = [f"wait {microseconds(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
-    times = link(f"{send_step.times} times", f"#procedure-{procedure.name}")
-    interval = f"at least {microseconds(send_step.microseconds)} apart" if send_step.microseconds else ""
+    waits = [f"wait {time_text(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
+    times = markdown_link(f"{send_step.times} times", f"#procedure-{procedure.name}")
+    interval = f"at least {time_text(send_step.microseconds)} apart" if send_step.microseconds else ""
     return "Send it " + join_filled([times, interval, *waits], ", ")
 
 
@@ -303,7 +304,7 @@ def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str
         bit_changes = [step for step in procedure.steps if isinstance(step, ModifyStep)]
         changed_fields = [f"registers.{step.register}.{step.field}" for step in bit_changes]
         errata_links = errata_at(exactly=changed_fields) if changed_fields else ""
-        task = link(escape(procedure.title), f"#procedure-{procedure.name}")
+        task = markdown_link(escape(procedure.title), f"#procedure-{procedure.name}")
         yield task, join_filled([bytes_to_write, errata_links], ". ")
 
 
@@ -322,20 +323,22 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
     """Return a step of a procedure in short, such as ``wait 1 ms`` or an address with the bytes to write."""
     match step:
         case WaitStep():
-            return f"wait {microseconds(step.microseconds)}"
+            return f"wait {time_text(step.microseconds)}"
         case SendStep():
-            return code(step.request.hex(" ").upper())
+            return code_span(step.request.hex(" ").upper())
         case ReadStep():
-            return f"read {addresses(device.register(step.register))}"
+            return f"read {addresses_text(device.register(step.register))}"
         case PollStep():
-            return f"read {addresses(device.register(step.register))} until {code(step.field)} is {step.value}"
+            return (
+                f"read {addresses_text(device.register(step.register))} until {code_span(step.field)} is {step.value}"
+            )
         case ModifyStep():
             register = device.register(step.register)
             bit_value = "the new value" if step.value is None else f"{step.value}"
-            return f"{addresses(register)}: {_bits_of_field(register, step.field, variant)} = {bit_value}"
+            return f"{addresses_text(register)}: {_bits_of_field(register, step.field, variant)} = {bit_value}"
         case WriteStep():
             register = device.register(step.register)
-            return f"{addresses(register)}: {_bytes_to_write(device, register, step.value, variant)}"
+            return f"{addresses_text(register)}: {_bytes_to_write(device, register, step.value, variant)}"
         case _:
             assert_never(step)
 
@@ -345,13 +348,13 @@ def _bytes_to_write(device: Device, register: Register, value: int | None, varia
     register_bytes = bytes_of_zero_position(device, register, variant) if value is None else register.bytes_of(value)
     if register_bytes is None:
         return "the new value"
-    return code(register_bytes.hex(" ").upper())
+    return code_span(register_bytes.hex(" ").upper())
 
 
 def _bits_of_field(register: Register, name: str, variant: Variant) -> str:
     """Return the bits of a field in a register, or its name if the order code lacks it."""
     placed_field = register.layout.place(variant.parameters).find_field(name)
-    return bits(placed_field.high, placed_field.low) if placed_field is not None else code(name)
+    return bits(placed_field.high, placed_field.low) if placed_field is not None else code_span(name)
 
 
 def bytes_of_zero_position(device: Device, register: Register, variant: Variant) -> bytes | None:
@@ -362,11 +365,11 @@ def bytes_of_zero_position(device: Device, register: Register, variant: Variant)
     """
     if register not in _preset_registers(device):
         return None
-    constants = codec_of(device, register.layout).constants
+    constants = layout_plan_of(device, register.layout).constants
     content = 0
     for placed_field in register.layout.place(variant.parameters).fields:
         if placed_field.name in constants:
             content |= constants[placed_field.name] << placed_field.low
-        elif not isinstance(meaning_of(placed_field.field), (Raw, TwosComplement)):
+        elif not isinstance(meaning_of(placed_field.field), (UnsignedNumber, TwosComplement)):
             return None
     return register.bytes_of(content)

@@ -13,9 +13,9 @@ from ...order_codes.reduction import for_interface
 from ...say import register as say_register
 from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
-from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
-from ...say.names_and_places import TERMS, Term, Titled, addresses, title, words
-from ...say.order_code import parameter_value, settings
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
+from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses_text, name_in_words, title_of
+from ...say.order_code import describe_settings, parameter_value
 from ...say.text import volts
 from .order_code_tables import order_codes
 from .page_links import link_to_alarm, link_to_layout, link_to_register, links_to_steps, path_to_anchor
@@ -83,7 +83,7 @@ def _grouped_by_interface(rows: Iterable[Row]) -> list[Row]:
 
 
 def _family_link(device: Device) -> str:
-    return link(escape(device.name.upper()), f"{device.name}.md")
+    return markdown_link(escape(device.name.upper()), f"{device.name}.md")
 
 
 def _label_row(device: Device) -> Row:
@@ -112,12 +112,12 @@ def _identity_rows(device: Device) -> Iterator[Row]:
     Their content is the same for the whole family, or the order code determines it.
     """
     for register, field in device.identity:
-        register_title = title(register)
+        register_title = title_of(register)
         if len(register.layout.fields) > 1:
-            register_title += f", {words(field.name)}"
+            register_title += f", {name_in_words(field.name)}"
         yield (
             _family_link(device),
-            link_to_register(device, register, addresses(register)),
+            link_to_register(device, register, addresses_text(register)),
             escape(register_title),
             _documented_content(field),
             citation(field.source or register.source),
@@ -132,7 +132,7 @@ def _documented_content(field: Field) -> str:
             digits = (field.widest + 3) // 4
             return f"`{field.equals:0{digits}X}h`"
         case str():
-            return code(field.equals)
+            return code_span(field.equals)
         case None:
             return ""
         case expression:
@@ -142,7 +142,7 @@ def _documented_content(field: Field) -> str:
 def _interface_fact_rows(device: Device) -> Iterator[Row]:
     """Yield rows of interface, family, label, fact, source for the facts with a label in ``_COMPARED_LABELS``."""
     for interface in device.interfaces:
-        for setting in settings(device, interface):
+        for setting in describe_settings(device, interface):
             if setting.label in _COMPARED_LABELS:
                 yield (
                     interface.title,
@@ -166,7 +166,7 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
             yield (
                 interface.title,
                 _family_link(device),
-                link_to_layout(device, layout, code(layout.name)),
+                link_to_layout(device, layout, code_span(layout.name)),
                 _range_of_lengths(device, interface, layout),
                 byte_order if layout.in_bytes else "most significant bit first",
                 escape(" or ".join([*crcs, *without_crc])),
@@ -217,7 +217,7 @@ def _byte_order_rows(device: Device) -> Iterator[Row]:
 
 
 def _register_link(device: Device, register: Register) -> str:
-    return link_to_register(device, register, f"{addresses(register)} {escape(title(register))}")
+    return link_to_register(device, register, f"{addresses_text(register)} {escape(title_of(register))}")
 
 
 def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
@@ -241,12 +241,12 @@ def _register_row(register: Register, device: Device) -> Row:
     """Return a row of address, bank, register, family, access, default, meaning, source."""
     factory_default = register.default_bytes()
     return (
-        addresses(register),
+        addresses_text(register),
         "" if register.bank is None else f"{register.bank}",
-        link_to_register(device, register, code(register.name)),
+        link_to_register(device, register, code_span(register.name)),
         _family_link(device),
-        say_register.access(register),
-        code(factory_default.hex(" ").upper()) if factory_default is not None else "",
+        say_register.describe_access(register),
+        code_span(factory_default.hex(" ").upper()) if factory_default is not None else "",
         escape(register.meaning),
         citation(register.source),
     )
@@ -273,7 +273,7 @@ def _led_rows(device: Device) -> Iterator[Row]:
                 escape(state.state),
                 _family_link(device),
                 join_filled([escape(state.meaning), *links_to_steps(f"{device.name}/", state.by_hand)]),
-                code(state.only),
+                code_span(state.only),
                 citation(led.source),
             )
 
@@ -289,17 +289,17 @@ def _alarms_with_interfaces(device: Device) -> list[tuple[Alarm, Device, Interfa
 
 def _title_and_family(explained_alarm: tuple[Alarm, Device, Interface]) -> tuple[str, str]:
     alarm, device, _ = explained_alarm
-    return title(alarm).casefold(), device.name
+    return title_of(alarm).casefold(), device.name
 
 
 def _alarm_row(alarm: Alarm, device: Device, interface: Interface) -> Row:
     """Return a row of alarm, family, meaning, remedy, order codes that have it, source."""
     return (
-        link_to_alarm(device, interface, alarm, escape(title(alarm))),
+        link_to_alarm(device, interface, alarm, escape(title_of(alarm))),
         _family_link(device),
         escape(alarm.meaning) if alarm.implemented else "not implemented in this encoder",
         join_filled([escape(alarm.remedy), *links_to_steps(f"{device.name}/", alarm.by_hand)]),
-        code(alarm.only),
+        code_span(alarm.only),
         citation(alarm.source),
     )
 
@@ -339,18 +339,20 @@ def _interface_page(device: Device, interface: Interface) -> _InterfacePage:
     return _InterfacePage(interface_device, interface, tuple(_anchors_by_name(interface_device, interface)))
 
 
-def _links_to_term(term: Term, pages: Sequence[_InterfacePage]) -> str:
+def _links_to_term(term: GlossaryTerm, pages: Sequence[_InterfacePage]) -> str:
     """Return links to the sections about a term, one for each interface page with such a section."""
     page_links: list[str] = []
     for page in pages:
         anchor = _anchor_of_term(term, page)
         if anchor:
             page_title = f"{page.device.name.upper()} {page.interface.short}"
-            page_links.append(link(escape(page_title), path_to_anchor(page.device, page.interface.name, anchor)))
+            page_links.append(
+                markdown_link(escape(page_title), path_to_anchor(page.device, page.interface.name, anchor))
+            )
     return ", ".join(page_links)
 
 
-def _anchor_of_term(term: Term, page: _InterfacePage) -> str:
+def _anchor_of_term(term: GlossaryTerm, page: _InterfacePage) -> str:
     """Return the anchor of the section about a term on an interface page, or an empty string.
 
     It is the section that a term of an interface states. For another term, it is the first name that is a spelling of

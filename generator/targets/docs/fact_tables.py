@@ -28,17 +28,17 @@ from ...model import (
     Timing,
     assert_never,
 )
-from ...plan.steps import Verifies, run_of
+from ...plan.steps import VerifyWrite, run_of
 from ...say import register as say_register
-from ...say.commands import read_back, step
+from ...say.commands import describe_step, read_back
 from ...say.errata import changed, errata
 from ...say.layout import crc_sent
-from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_filled, link
-from ...say.names_and_places import Titled, addresses, heading, hexadecimal, title
-from ...say.order_code import bounds_with_codes, settings
-from ...say.plain_text import counted, number, quantity
-from ...say.register import value
-from ...say.text import sentence, statement
+from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, join_filled, markdown_link
+from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
+from ...say.order_code import bounds_with_codes, describe_settings
+from ...say.plain_text import count_with_unit, group_digits, quantity_text
+from ...say.register import describe_value
+from ...say.text import as_sentence, statement
 from .layout_tables import (
     field_cell,
     field_place_cell,
@@ -62,7 +62,7 @@ SEVERITIES = tuple(_SEVERITY_TEXTS)
 
 def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
     """Yield rows of fact, value, source."""
-    for setting in settings(device, interface):
+    for setting in describe_settings(device, interface):
         yield escape(setting.label), MARKDOWN.phrase(setting), citation(setting.source)
 
 
@@ -70,7 +70,7 @@ def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]
     """Yield number, instruction, reason, source. A step that exists only in generated code is not numbered."""
     number_of_step = 0
     for operation in run_of(device, procedure).operations:
-        if isinstance(operation, Verifies):
+        if isinstance(operation, VerifyWrite):
             field = operation.field.name if operation.field is not None else ""
             instruction = MARKDOWN.sentence(read_back(device, operation.register, field))
             reason = "Generated code adds this step, because a corrupted write can look successful."
@@ -81,7 +81,7 @@ def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]
         source = citation(spec_step.source) if spec_step.source != procedure.source else ""
         yield (
             f"{number_of_step}",
-            MARKDOWN.sentence(step(device, spec_step)),
+            MARKDOWN.sentence(describe_step(device, spec_step)),
             escape(spec_step.meaning),
             source,
         )
@@ -92,7 +92,7 @@ def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
     for timing in timings:
         duration = escape(bounds_with_codes(timing))
         yield (
-            join_filled([code(timing.name), escape(timing.symbol)]),
+            join_filled([code_span(timing.name), escape(timing.symbol)]),
             escape(timing.meaning),
             duration,
             citation(timing.source),
@@ -108,7 +108,7 @@ def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
     yield "without its top bit", f"`0x{crc.poly:02X}`"
     if with_top_bit & 1:
         yield "without its trailing 1 (Koopman notation)", f"`0x{with_top_bit >> 1:X}`"
-    yield "Width", counted(crc.width, "bit")
+    yield "Width", count_with_unit(crc.width, "bit")
     yield "Start value", f"`0x{crc.init:X}`"
     yield "Input, output reflected", f"{_yes_or_no(device.reflects_input(crc))}, {_yes_or_no(crc.refout)}"
     yield "Final XOR", f"`0x{crc.xorout:X}` ({crc_sent(crc)})"
@@ -131,7 +131,7 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
     listed_errata = {erratum.name for erratum in errata(device, f"examples.{example.name}", wording=True)}
     if example.erratum and example.erratum not in listed_errata:
         titles = {erratum.name: erratum.title for erratum in device.errata}
-        yield "Erratum", link(escape(titles[example.erratum]), f"{ERRATA}#erratum-{example.erratum}")
+        yield "Erratum", markdown_link(escape(titles[example.erratum]), f"{ERRATA}#erratum-{example.erratum}")
     if example.note:
         yield "Note", escape(example.note)
     yield "Source", citation(example.source)
@@ -142,37 +142,37 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
     match example:
         case FrameExample():
             if example.layout:
-                yield "Frame", link(code(example.layout), f"#layout-{example.layout}")
-            yield "Order code", code(example.order_code)
+                yield "Frame", markdown_link(code_span(example.layout), f"#layout-{example.layout}")
+            yield "Order code", code_span(example.order_code)
             yield "Sent by", f"the {example.sender}"
             for name, answer in example.alternatives.items():
-                yield "Alternative", f"{link(code(name), f'#alternative-{name}')} = {code(answer)}"
+                yield "Alternative", f"{markdown_link(code_span(name), f'#alternative-{name}')} = {code_span(answer)}"
             yield _bytes_fact(example.bytes)
-            yield "Bits", code(example.bits)
+            yield "Bits", code_span(example.bits)
             layouts = [layout for _, layout in device.layouts() if layout.name == example.layout]
             yield _values_fact(example.values, layouts)
             if example.refused:
                 yield "Rejected", f"because of its {escape(example.refused)}"
         case RegisterExample():
-            yield "Register", link(code(example.register), f"#register-{example.register}")
-            yield "Order code", code(example.order_code)
+            yield "Register", markdown_link(code_span(example.register), f"#register-{example.register}")
+            yield "Order code", code_span(example.order_code)
             yield _bytes_fact(example.bytes)
             yield _values_fact(example.values, [device.register(example.register).layout])
         case CrcExample():
-            yield "CRC", link(code(example.crc), f"#crc-{example.crc}")
+            yield "CRC", markdown_link(code_span(example.crc), f"#crc-{example.crc}")
             yield _bytes_fact(example.bytes)
             yield "Check value", f"`{hexadecimal(example.check)}`"
         case ProcedureExample():
-            yield "Procedure", link(code(example.procedure), f"#procedure-{example.procedure}")
-            yield "Order code", code(example.order_code)
+            yield "Procedure", markdown_link(code_span(example.procedure), f"#procedure-{example.procedure}")
+            yield "Order code", code_span(example.order_code)
             for name, value in example.arguments.items():
                 # A single digit is the same in both notations.
                 in_hexadecimal = f" ({hexadecimal(value)})" if value > 9 else ""
-                yield f"Argument {code(name)}", f"{number(value)}{in_hexadecimal}"
+                yield f"Argument {code_span(name)}", f"{group_digits(value)}{in_hexadecimal}"
             yield "Writes", ", ".join(f"`{write.address:02X}h: {write.value:02X}`" for write in example.writes)
         case MeasureExample():
-            yield "Order code", code(example.order_code)
-            yield "Length", f"{number(example.counts)} counts are {number(example.micrometres)} µm"
+            yield "Order code", code_span(example.order_code)
+            yield "Length", f"{group_digits(example.counts)} counts are {group_digits(example.micrometres)} µm"
         case _:
             assert_never(example)
 
@@ -185,7 +185,7 @@ def _bytes_fact(data: bytes) -> tuple[str, str]:
 def _values_fact(values: Mapping[str, int | str | bool], layouts: Iterable[Layout]) -> tuple[str, str]:
     """Return the label and the values of an example, with quantities for fields that have a scale in a layout."""
     scales = {field.name: field.scale for layout in layouts for field in layout.fields}
-    assignments = [f"{code(name)} = {_value_text(value, scales.get(name))}" for name, value in values.items()]
+    assignments = [f"{code_span(name)} = {_value_text(value, scales.get(name))}" for name, value in values.items()]
     return "Values", ", ".join(assignments)
 
 
@@ -194,16 +194,16 @@ def _value_text(value: int | str | bool, scale: Scale | None) -> str:
     if isinstance(value, bool):
         return _yes_or_no(value)
     if not isinstance(value, int):
-        return code(value)
+        return code_span(value)
     if scale is None:
-        return number(value)
-    return f"{number(value)} ({escape(quantity(scale, value))})"
+        return group_digits(value)
+    return f"{group_digits(value)} ({escape(quantity_text(scale, value))})"
 
 
 def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
     """Yield the printed text and the value used, or the parts of a change by an overlay or edition."""
     if erratum.overlay:
-        yield "Overlay", code(erratum.overlay)
+        yield "Overlay", code_span(erratum.overlay)
     if erratum.edition:
         yield "Edition", escape(erratum.edition)
     if erratum.overlay or erratum.edition:
@@ -229,16 +229,16 @@ def document_rows(documents: Iterable[Document]) -> list[tuple[str, ...]]:
 
 def _document_row(document: Document) -> tuple[str, ...]:
     address = f"<{document.url}>" if document.url else ""
-    return code(document.key), escape(document.title), address
+    return code_span(document.key), escape(document.title), address
 
 
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
     """Yield the name, bits, meaning and source of each field of the BiSS control frame."""
     for control_field in interface.control_data:
         value_phrases = [
-            MARKDOWN.phrase(value(named_value, control_field.bits)) for named_value in control_field.values
+            MARKDOWN.phrase(describe_value(named_value, control_field.bits)) for named_value in control_field.values
         ]
-        crc_link = link(code(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
+        crc_link = markdown_link(code_span(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
         yield (
             name_cell(control_field),
             f"{control_field.bits}",
@@ -252,7 +252,7 @@ Row = tuple[str, ...]
 
 def title_cell(titled_part: Titled) -> str:
     """Return a title in words, with the identifier for programmers in small type."""
-    return f"{escape(title(titled_part))} <small>{code(titled_part.name)}</small>"
+    return f"{escape(title_of(titled_part))} <small>{code_span(titled_part.name)}</small>"
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
@@ -268,15 +268,15 @@ def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
 def _place_cell(device: Device, layout: Layout, field: Field) -> str:
     """Return the place of a field. If it has a container, the place includes padding, and the width follows."""
     place = field_place_cell(layout, field, device.alternatives_of(layout))
-    width = counted(MARKDOWN.number(field.width), "bit") if field.container else ""
+    width = count_with_unit(MARKDOWN.number(field.width), "bit") if field.container else ""
     return join_filled([place, width])
 
 
 def _group_cell(layout: Layout, field_group: FieldGroup) -> str:
     """Return a link to the table of a group, and the names of its fields."""
-    group_link = link(escape(heading(field_group.name)), f"#group-{field_group.name}")
-    field_names = ", ".join(code(field.name) for field in layout.fields if field.group == field_group.name)
-    return f"{group_link} <small>{code(field_group.name)}</small>: {field_names}"
+    group_link = markdown_link(escape(heading(field_group.name)), f"#group-{field_group.name}")
+    field_names = ", ".join(code_span(field.name) for field in layout.fields if field.group == field_group.name)
+    return f"{group_link} <small>{code_span(field_group.name)}</small>: {field_names}"
 
 
 def group_rows(device: Device, name: str) -> Iterator[Row]:
@@ -286,7 +286,7 @@ def group_rows(device: Device, name: str) -> Iterator[Row]:
 
 
 def _answer_names(answers: Sequence[Answer]) -> str:
-    return code(", ".join(answer.name for answer in answers))
+    return code_span(", ".join(answer.name for answer in answers))
 
 
 def _description_cell(device: Device, field: Field, layout_source: Sources, in_register: bool = False) -> str:
@@ -310,24 +310,24 @@ def register_rows(device: Device) -> Iterator[Row]:
     """Yield rows of bank, addresses, register."""
     for register in device.registers:
         default_bytes = register.default_bytes()
-        default = f", default {code(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
-        register_link = link(escape(title(register)), f"#register-{register.name}")
+        default = f", default {code_span(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
+        register_link = markdown_link(escape(title_of(register)), f"#register-{register.name}")
         bank = "" if register.bank is None else f"{register.bank}"
-        about = f"{register_link} <small>{code(register.name)}</small> {say_register.access(register)}{default}"
-        yield bank, addresses(register), about
+        about = f"{register_link} <small>{code_span(register.name)}</small> {say_register.describe_access(register)}{default}"
+        yield bank, addresses_text(register), about
 
 
 def step_sentences(device: Device, procedure: Procedure) -> Iterator[str]:
     """Yield the steps as sentences, each with its reason."""
     for procedure_step in procedure.steps:
         reason = f" ({escape(procedure_step.meaning)})" if procedure_step.meaning else ""
-        yield MARKDOWN.phrase(step(device, procedure_step)) + reason + "."
+        yield MARKDOWN.phrase(describe_step(device, procedure_step)) + reason + "."
 
 
 def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
     """Yield rows of duration, time."""
     for timing in timings:
-        identifiers = "</small> <small>".join(filter(None, (escape(timing.symbol), code(timing.name))))
+        identifiers = "</small> <small>".join(filter(None, (escape(timing.symbol), code_span(timing.name))))
         time_cell = f"{escape(timing.meaning)} <small>{identifiers}</small> <small>{citation(timing.source)}</small>"
         yield escape(bounds_with_codes(timing)), time_cell
 
@@ -338,7 +338,7 @@ def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
         labelled_values = example_facts(device, example)
         fact_lines = [f"{label}: {value}" for label, value in labelled_values if label not in ("Order code", "Source")]
         source = f" <small>{citation(example.source)}</small>"
-        yield anchor(f"example-{example.name}") + escape(heading(example.name)), join_filled(fact_lines) + source
+        yield anchor_of(f"example-{example.name}") + escape(heading(example.name)), join_filled(fact_lines) + source
 
 
 def led_rows(device: Device) -> Iterator[Row]:
@@ -346,16 +346,16 @@ def led_rows(device: Device) -> Iterator[Row]:
     for led in device.leds:
         yield f"**{escape(led.title)}**", f"<small>{citation(led.source)}</small>"
         for state in led.states:
-            step_links = (link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
-            order_codes = [f"Only with {code(state.only)}."] if state.only else []
+            step_links = (markdown_link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
+            order_codes = [f"Only with {code_span(state.only)}."] if state.only else []
             yield (
                 escape(state.state),
-                join_filled([escape(sentence(state.meaning)), *order_codes, *step_links], " "),
+                join_filled([escape(as_sentence(state.meaning)), *order_codes, *step_links], " "),
             )
 
 
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
     """Yield the settings of the interface, each with its source."""
-    for setting in settings(device, interface):
+    for setting in describe_settings(device, interface):
         value = MARKDOWN.phrase(statement(*setting.parts))
         yield f"{escape(setting.label)}: {value} <small>{citation(setting.source)}</small>"

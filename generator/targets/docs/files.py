@@ -10,9 +10,9 @@ from ...masters.sheet import Master, shipped_masters
 from ...model import Device
 from ...render import Templates, our_templates
 from ...say import markdown
-from ...say.markdown import escape, link
-from ...say.names_and_places import addresses, heading, title
-from ...say.text import counted, sentence
+from ...say.markdown import escape, markdown_link
+from ...say.names_and_places import addresses_text, heading, title_of
+from ...say.text import as_sentence, count_with_unit
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from ..registry import licence_in
 from . import (
@@ -194,11 +194,13 @@ def _order_code_sections(family_codes: order_code_page.OrderCodes) -> Iterator[S
     for interface in device.interfaces:
         interface_codes = [variant.code for variant in device.variants_over(interface.name)]
         if interface_codes:
-            count = counted(len(interface_codes), "order code")
+            count = count_with_unit(len(interface_codes), "order code")
             yield {
                 "pages": family_codes.page_links(interface.name),
                 "counted": f"All {count}" if len(interface_codes) > 1 else "The order code",
-                "interface": link(f"{device.name.upper()}, {interface.title}", f"{device.name}/{interface.name}.md"),
+                "interface": markdown_link(
+                    f"{device.name.upper()}, {interface.title}", f"{device.name}/{interface.name}.md"
+                ),
                 "links": [family_codes.links[order_code] for order_code in interface_codes],
             }
 
@@ -216,9 +218,11 @@ def _index_values(library: Library, order_codes: list[Section]) -> Index:
 def _index_row(device: Device) -> tuple[str, ...]:
     """Return a row of family, manufacturer, interfaces, number of order codes, masters, manual, evidence."""
     folder = device.name
-    interface_links = [link(interface.title, f"{folder}/{interface.name}.md") for interface in device.interfaces]
+    interface_links = [
+        markdown_link(interface.title, f"{folder}/{interface.name}.md") for interface in device.interfaces
+    ]
     return (
-        link(escape(device.title), f"{folder}.md"),
+        markdown_link(escape(device.title), f"{folder}.md"),
         escape(device.manufacturer.title),
         ", ".join(interface_links),
         f"{len(device.variants)}",
@@ -252,16 +256,16 @@ TEMPLATES = Templates(
     },
     filters={
         "md": markdown.escape,
-        "paragraph": markdown.paragraph,
-        "code": markdown.code,
+        "paragraph": markdown.wrap_markdown,
+        "code": markdown.code_span,
         "html": markdown.escape_html,
         "cited": markdown.citation,
         "cited_html": markdown.cited_html,
-        "anchor": markdown.anchor,
-        "sentence": sentence,
-        "titled": title,
+        "anchor": markdown.anchor_of,
+        "sentence": as_sentence,
+        "titled": title_of,
         "heading": heading,
-        "addresses": addresses,
+        "addresses": addresses_text,
         "said": markdown.MARKDOWN.sentence,
     },
     functions={"table": markdown.table, "timing_rows": fact_tables.timing_rows, "table_rows": family_pages.table_rows},

@@ -8,9 +8,9 @@ from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
 from ...say.errata import consequence, errata
-from ...say.errata import erratum as erratum_statement
-from ...say.markdown import MARKDOWN, anchor, citation, code, escape, escape_html, link, link_list
-from ...say.text import sentence
+from ...say.errata import describe_erratum as erratum_statement
+from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, escape_html, link_list, markdown_link
+from ...say.text import as_sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
 
@@ -71,15 +71,15 @@ class ErrataLines:
         return link_list(links)
 
     def _link_to_erratum(self, erratum: Erratum, label: str) -> str:
-        return link(label, f"{self._page}#erratum-{erratum.name}")
+        return markdown_link(label, f"{self._page}#erratum-{erratum.name}")
 
     def _erratum_line(self, erratum: Erratum) -> str:
         """Return an erratum as an item of a list: its text at the first mention on the page, then a link to that."""
         if erratum.name in self._names_on_page:
-            first_mention = link(escape(erratum.title), f"#erratum-{erratum.name}")
+            first_mention = markdown_link(escape(erratum.title), f"#erratum-{erratum.name}")
             return f"- {status_badge(erratum)} {first_mention}, see above"
         self._names_on_page.add(erratum.name)
-        return f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, self._page)}"
+        return f"- {anchor_of(f'erratum-{erratum.name}')}{erratum_line(erratum, self._page)}"
 
 
 class ErrataLinks:
@@ -114,11 +114,11 @@ class ErrataLinks:
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
         if len(linked_errata) == 1:
             (erratum,) = linked_errata
-            title_link = link(escape(erratum.title), f"#erratum-{erratum.name}")
-            return f"{_MARKS[erratum.status]} {erratum.status}: {title_link}"
+            title_link = markdown_link(escape(erratum.title), f"#erratum-{erratum.name}")
+            return f"{_MARK_BY_STATUS[erratum.status]} {erratum.status}: {title_link}"
         counts = []
         links = []
-        for status, mark in _MARKS.items():
+        for status, mark in _MARK_BY_STATUS.items():
             with_status = [erratum for erratum in linked_errata if erratum.status == status]
             if with_status:
                 counts.append(f"{mark} {len(with_status)} {status}")
@@ -130,7 +130,7 @@ class ErrataLinks:
     def count_by_status(self) -> str:
         """Return the number of errata on the page so far, such as ``1 open, 3 settled``, or that there are none."""
         counts = Counter(erratum.status for erratum in self._errata.values())
-        texts_of_counts = [f"{counts[status]} {status}" for status in _MARKS if counts[status]]
+        texts_of_counts = [f"{counts[status]} {status}" for status in _MARK_BY_STATUS if counts[status]]
         if texts_of_counts:
             return ", ".join(texts_of_counts)
         return "none that change these facts" if self._device.errata else "none known"
@@ -138,7 +138,9 @@ class ErrataLinks:
     def list_of_errata(self) -> str:
         """Return the errata on the page so far, open errata first, and links to the differences in other editions."""
         open_first = sorted(self._errata.values(), key=lambda erratum: erratum.status != "open")
-        list_items = [f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, ERRATA)}" for erratum in open_first]
+        list_items = [
+            f"- {anchor_of(f'erratum-{erratum.name}')}{erratum_line(erratum, ERRATA)}" for erratum in open_first
+        ]
         anchors_by_edition: dict[str, list[str]] = {}
         # In the order of the spec, not of the page.
         for difference in self._device.errata:
@@ -159,12 +161,12 @@ def _html_link(erratum: Erratum) -> str:
 def _numbered_links(label: str, pages: Sequence[str]) -> str:
     """Return the label as a link to the page, or in front of the numbers of several pages."""
     if len(pages) == 1:
-        return link(escape(label), pages[0])
-    return f"{escape(label)} ({', '.join(link(f'{number}', page) for number, page in enumerate(pages, 1))})"
+        return markdown_link(escape(label), pages[0])
+    return f"{escape(label)} ({', '.join(markdown_link(f'{number}', page) for number, page in enumerate(pages, 1))})"
 
 
 #: Marks of the links, by status.
-_MARKS = {"open": "⚠", "settled": "✓"}
+_MARK_BY_STATUS = {"open": "⚠", "settled": "✓"}
 
 
 def _errata_by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[list[Erratum], list[Erratum]]:
@@ -190,11 +192,13 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
     A change by an overlay comes with its reason and source, because the user of a special model needs them.
     """
     name = listed_erratum.name
-    title_link = f"{status_badge(listed_erratum)} {link(escape(listed_erratum.title), f'{page}#erratum-{name}')}"
+    title_link = (
+        f"{status_badge(listed_erratum)} {markdown_link(escape(listed_erratum.title), f'{page}#erratum-{name}')}"
+    )
     if listed_erratum.overlay:
         reasons = map(MARKDOWN.sentence, erratum_statement(listed_erratum).below)
         return " ".join([f"{title_link} {MARKDOWN.cited(listed_erratum.source)}:", *reasons])
-    return f"{title_link}: {escape(_shorten_sentences(sentence(listed_erratum.used)))}"
+    return f"{title_link}: {escape(_shorten_sentences(as_sentence(listed_erratum.used)))}"
 
 
 def _shorten_sentences(sentences: str) -> str:
@@ -233,7 +237,7 @@ def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     labels_and_texts = (*fact_tables.printed_and_used_rows(erratum), ("Why", escape(erratum.why)))
     # The labels are the head of the table, and the texts are its only row.
     head, cells = zip(*labels_and_texts, strict=True)
-    affected = ", ".join(map(code, erratum.affects))
+    affected = ", ".join(map(code_span, erratum.affects))
     result = f"{status_badge(erratum)}: {consequence(erratum.severity)}."
     summary = f"{result} Affected parts of the spec: {affected}. Source: {citation(erratum.source)}."
     return {"erratum": erratum, "summary": summary, "head": head, "cells": cells}
@@ -299,6 +303,6 @@ def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tu
                 if _has_status_and_severity(erratum, status, severity):
                     yield (
                         escape(fact_tables.severity_text(severity)),
-                        link(escape(device.name.upper()), f"{device.name}.md"),
+                        markdown_link(escape(device.name.upper()), f"{device.name}.md"),
                         link_to_erratum(device, erratum),
                     )

@@ -35,12 +35,12 @@ from ...say import order_code as hardware_input
 from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
-from ...say.evidence import document, origin, other_editions
-from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
-from ...say.names_and_places import Named, addresses, title, words
+from ...say.evidence import origin, other_editions, word_for_document
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
+from ...say.names_and_places import HasOtherNames, addresses_text, name_in_words, title_of
 from ...say.order_code import PURPOSES, initial
-from ...say.register import measurement, own_ranges, position_range
-from ...say.text import Code, Statement, list_parts, statement, volts
+from ...say.register import describe_measurement, describe_position_range, own_ranges
+from ...say.text import CodeText, Statement, list_parts, statement, volts
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
 from .order_code_tables import order_codes
@@ -80,7 +80,7 @@ def page_sections(device: Device) -> Sections:
     """Return the sections that are on the page of an interface and on the page of an order code."""
     return {
         "device": device,
-        "document": document(device),
+        "document": word_for_document(device),
         "origin": [*origin(device), *other_editions(device)],
         "verdict_page": verdict_page.file_name(device),
         "errata_at": inline_errata.ErrataLines(device),
@@ -99,14 +99,14 @@ def page_sections(device: Device) -> Sections:
 
 
 def _alarm_section(device: Device, device_alarm: Alarm) -> Section:
-    return {"alarm": device_alarm, "title": title(device_alarm), "facts": report.alarm_facts(device, device_alarm)}
+    return {"alarm": device_alarm, "title": title_of(device_alarm), "facts": report.alarm_facts(device, device_alarm)}
 
 
 def _input_section(device: Device, device_input: Input) -> Section:
     """Return an input with its title and its facts."""
     return {
         "input": device_input,
-        "title": title(device_input),
+        "title": title_of(device_input),
         "facts": hardware_input.input_facts(device, device_input),
     }
 
@@ -120,7 +120,7 @@ def _led_rows(led: Led) -> Iterator[tuple[str, ...]]:
     name_cell, source_cell = escape(led.title), citation(led.source)
     for state in led.states:
         meaning = join_filled([escape(state.meaning), *links_to_steps("", state.by_hand)])
-        yield name_cell, escape(state.state), meaning, code(state.only), source_cell
+        yield name_cell, escape(state.state), meaning, code_span(state.only), source_cell
         name_cell, source_cell = "", ""
 
 
@@ -179,7 +179,7 @@ def _data_id_row(data_id: DataId) -> tuple[str, ...]:
     """Return a row of ID, name, control byte, purpose, meaning, source for one data ID of the T-format."""
     return (
         f"{data_id.id:X}",
-        code(data_id.name),
+        code_span(data_id.name),
         f"`{data_id.control:02X}h`",
         escape(data_id.purpose),
         escape(data_id.meaning),
@@ -204,7 +204,7 @@ def _exchange_rows(interface: Interface) -> Rows:
 
 
 def _layout_link(layout: Layout | None) -> str:
-    return link(code(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
+    return markdown_link(code_span(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
 
 
 def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
@@ -221,7 +221,9 @@ def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
 
 def _group_title(field_group: FieldGroup) -> str:
     """Return our name, with the name used in the manual in parentheses."""
-    return words(field_group.name).capitalize() + (f" ({field_group.printed_name})" if field_group.printed_name else "")
+    return name_in_words(field_group.name).capitalize() + (
+        f" ({field_group.printed_name})" if field_group.printed_name else ""
+    )
 
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
@@ -231,9 +233,9 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
     """
     return {
         "layout": layout,
-        "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
-        "size": MARKDOWN.phrase(statement(*say_layout.size(layout, device.alternatives))),
-        "facts": [*say_layout.facts(interface, layout), *needed_answers(device, layout)],
+        "head": say_layout.head(interface, layout, CodeText(layout.name), device.alternatives),
+        "size": MARKDOWN.phrase(statement(*say_layout.describe_size(layout, device.alternatives))),
+        "facts": [*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),
         "delivered": follows_registers(device, layout),
@@ -253,19 +255,19 @@ def _register_section(device: Device, register: Register) -> Section:
     repeats_register = is_single_number and not meaning_cell and not source_cell
     return {
         "register": register,
-        "title": title(register),
-        "access": say_register.access(register),
-        "head": say_register.head(device, register, Code(register.name)),
-        "facts": say_register.facts(device, register),
+        "title": title_of(register),
+        "access": say_register.describe_access(register),
+        "head": say_register.head(device, register, CodeText(register.name)),
+        "facts": say_register.describe_register_facts(device, register),
         "rows": [] if repeats_register else rows,
         "value_tables": [_value_table(field, len(fields) == 1) for field in fields if has_value_table(field)],
-        "joins": say_layout.joins(register.layout),
+        "joins": say_layout.describe_joins(register.layout),
         "placements": layout_tables.placement_table(device, register.layout, register.interface),
     }
 
 
 def _value_table(field: Field, is_only_field: bool) -> Section:
-    return {"field": code(field.name), "rows": list(layout_tables.value_rows(field)), "alone": is_only_field}
+    return {"field": code_span(field.name), "rows": list(layout_tables.value_rows(field)), "alone": is_only_field}
 
 
 def _procedure_section(device: Device, procedure: Procedure) -> Section:
@@ -274,7 +276,9 @@ def _procedure_section(device: Device, procedure: Procedure) -> Section:
         "procedure": procedure,
         "about": list(say_commands.about_procedure(procedure)),
         "rows": fact_tables.step_rows(device, procedure),
-        "arguments": [(argument.name, say_commands.argument(device, argument)) for argument in procedure.arguments],
+        "arguments": [
+            (argument.name, say_commands.describe_argument(device, argument)) for argument in procedure.arguments
+        ],
     }
 
 
@@ -284,7 +288,7 @@ def _connector_section(connector: Connector) -> Section:
         "connector": connector,
         "head": "Wire" if connector.kind == "cable" else "Pin",
         "rows": [
-            (escape(contact.contact), escape(contact.signal), code(contact.only)) for contact in connector.contacts
+            (escape(contact.contact), escape(contact.signal), code_span(contact.only)) for contact in connector.contacts
         ],
     }
 
@@ -294,9 +298,9 @@ def _register_row(register: Register) -> tuple[str, ...]:
     default_bytes = register.default_bytes()
     return (
         "" if register.bank is None else f"{register.bank}",
-        addresses(register),
-        link(code(register.name), f"#register-{register.name}"),
-        say_register.access(register),
+        addresses_text(register),
+        markdown_link(code_span(register.name), f"#register-{register.name}"),
+        say_register.describe_access(register),
         f"`{default_bytes.hex(' ').upper()}`" if default_bytes is not None else "",
         citation(register.source),
     )
@@ -402,10 +406,14 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
     """Yield rows of fact, value, source: the position with its unit, each supply, and the facts of the interface."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
-        yield "Position", MARKDOWN.phrase(measurement(position_measurement)), citation(position_measurement.source)
+        yield (
+            "Position",
+            MARKDOWN.phrase(describe_measurement(position_measurement)),
+            citation(position_measurement.source),
+        )
         for layout_name, own_range in own_ranges(device, interface.name):
-            range_text = MARKDOWN.phrase(position_range(own_range))
-            yield f"Position in {code(layout_name)}", range_text, citation(own_range.source)
+            range_text = MARKDOWN.phrase(describe_position_range(own_range))
+            yield f"Position in {code_span(layout_name)}", range_text, citation(own_range.source)
     for supply, codes in _codes_by_supply(device, variants).items():
         with_codes = f" ({order_codes(device, codes)})" if len(codes) < len(variants) else ""
         yield f"Supply{with_codes}", f"{volts(supply.min_mv)} to {volts(supply.max_mv)}", citation(supply.source)
@@ -426,16 +434,16 @@ def _name_rows(device: Device) -> Iterator[Row]:
     """Yield rows of name, printed name, language, name in that language if it differs from the printed name."""
     for named_part in _parts_with_names(device):
         for language, name_in_language in named_part.names.items():
-            if name_in_language != title(named_part):
+            if name_in_language != title_of(named_part):
                 yield (
-                    code(named_part.name),
+                    code_span(named_part.name),
                     escape(named_part.printed_name),
                     escape(language),
                     escape(name_in_language),
                 )
 
 
-def _parts_with_names(device: Device) -> Iterator[Named]:
+def _parts_with_names(device: Device) -> Iterator[HasOtherNames]:
     """Yield the parts of an interface that may have other names. Of fields or values with one name, yield the last."""
     (interface,) = device.interfaces
     layouts = [*interface.layouts, *(register.layout for register in device.registers)]

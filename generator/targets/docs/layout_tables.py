@@ -17,16 +17,16 @@ from ...model import (
     PlacedField,
     PlacedLayout,
     Register,
-    choices,
-    first_of,
+    answer_combinations,
+    first_or_raise,
 )
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.errata import answer_names
-from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, table
-from ...say.names_and_places import Named, bit_range, bits, field_place, frame_bytes, hexadecimal
-from ...say.register import rules, value
-from ...say.text import Code, Statement, join_groups, list_parts, spec_text, statement
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link, table
+from ...say.names_and_places import HasOtherNames, bit_range, bits, field_place, frame_bytes, hexadecimal
+from ...say.register import describe_value, rules
+from ...say.text import CodeText, Statement, join_groups, list_parts, spec_text, statement
 from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_tables import order_codes
 
@@ -72,9 +72,9 @@ def _shape_of(placed_layout: PlacedLayout) -> _Shape:
     return tuple((field.name, field.low, field.width) for field in placed_layout.fields)
 
 
-def name_cell(named_part: Named) -> str:
+def name_cell(named_part: HasOtherNames) -> str:
     """Return a name as code, with the name used in the manual below it."""
-    return join_filled([code(named_part.name), escape(named_part.printed_name)])
+    return join_filled([code_span(named_part.name), escape(named_part.printed_name)])
 
 
 def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
@@ -95,12 +95,12 @@ def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
     """
     if not has_value_table(field):
         for named_value in field.values:
-            yield value(replace(named_value, source=()), field.widest)
+            yield describe_value(replace(named_value, source=()), field.widest)
     elif in_register:
         yield statement("See the table of values below")
     else:
         values_without_meaning = [replace(named_value, meaning="") for named_value in field.values]
-        numbers_and_names = (value(named_value, field.widest).parts for named_value in values_without_meaning)
+        numbers_and_names = (describe_value(named_value, field.widest).parts for named_value in values_without_meaning)
         yield statement(*join_groups(numbers_and_names, ", "), label="Values")
 
 
@@ -130,9 +130,9 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
 def _group_row(device: Device, layout: Layout, field_group: FieldGroup) -> tuple[str, ...]:
     """Return a row of group, its place, its number of bits, the names of its fields, and no source."""
     group_cell = join_filled(
-        [link(code(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
+        [markdown_link(code_span(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
     )
-    field_names = [Code(field.name) for field in layout.fields if field.group == field_group.name]
+    field_names = [CodeText(field.name) for field in layout.fields if field.group == field_group.name]
     fields_sentence = MARKDOWN.sentence(statement(*list_parts(field_names), label="Fields"))
     return group_cell, group_place(device, layout, field_group), f"{field_group.bits}", fields_sentence, ""
 
@@ -175,7 +175,7 @@ def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Altern
 
 def _first_answers(device: Device) -> Mapping[str, int]:
     """Return the parameters with the values that the first answer to each question sets."""
-    return next(parameters for _, parameters in choices(device.alternatives))
+    return next(parameters for _, parameters in answer_combinations(device.alternatives))
 
 
 def _first_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
@@ -190,12 +190,12 @@ def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], Gr
     bit of the group. Without such questions, there is one result with no answers.
     """
     layouts = (layout for _, layout in device.layouts() if _has_group(layout, name))
-    layout = first_of(layouts, f"frame with the field group '{name}'")
+    layout = first_or_raise(layouts, f"frame with the field group '{name}'")
     fields = [field for field in layout.fields if field.group == name]
     alternatives = device.alternatives_of(layout)
     deciding_alternatives = [alternative for alternative in alternatives if _decides_place_of_any(fields, alternative)]
     shapes = []
-    for answers, parameters in choices(deciding_alternatives):
+    for answers, parameters in answer_combinations(deciding_alternatives):
         group_low = _first_bit(fields, parameters)
         group_fields: GroupFields = []
         for field in fields:
@@ -247,7 +247,7 @@ def group_places(
         answers_by_place: dict[str, str] = {}
         for answers, group_fields in shapes:
             places = (bits(high, low) for moved_field, high, low in group_fields if moved_field is field)
-            place = first_of(places, f"place of '{field.name}'")
+            place = first_or_raise(places, f"place of '{field.name}'")
             answers_by_place.setdefault(place, answers_text(answers))
         if len(answers_by_place) == 1:
             yield field, join_filled(answers_by_place)
@@ -258,7 +258,7 @@ def group_places(
 def links_to_frames_with(interface: Interface, group: str) -> list[str]:
     """Return links to the frames that contain a group of fields."""
     layouts = [layout for layout in interface.layouts if _has_group(layout, group)]
-    return [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
+    return [markdown_link(code_span(layout.name), f"#layout-{layout.name}") for layout in layouts]
 
 
 def used_groups(interface: Interface) -> list[str]:
@@ -277,7 +277,7 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     questions = [question for question in device.alternatives_of(layout) if _decides_length(layout, question)]
     # ``parameters`` are those that the answers set.
     answers_and_placements: list[tuple[tuple[Answer, ...], Placement]] = []
-    for answers, parameters in choices(questions):
+    for answers, parameters in answer_combinations(questions):
         for placement in distinct_placements(device, layout, interface_name, parameters):
             answers_and_placements.append((answers, placement))
     if len(answers_and_placements) < 2:
@@ -292,9 +292,11 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
         for field in moved_fields:
             placed_field = placed_layout.find_field(field.name)
             bits_cells.append(_bits_cell(placed_field, from_own_low=field.name in containers))
-        answer_cells = [code(answer.name) for answer in answers]
+        answer_cells = [code_span(answer.name) for answer in answers]
         table_rows.append([order_codes(device, placement.codes), *answer_cells, length_cell, *bits_cells])
-    question_heads = [link(code(question.name), f"#alternative-{question.name}") for question in questions]
+    question_heads = [
+        markdown_link(code_span(question.name), f"#alternative-{question.name}") for question in questions
+    ]
     field_heads = [_field_head(field, containers) for field in moved_fields]
     return table(["Order codes", *question_heads, "Bits", *field_heads], table_rows)
 
@@ -327,7 +329,7 @@ def _bits_cell(placed_field: PlacedField | None, *, from_own_low: bool) -> str:
 
 
 def _field_head(field: Field, containers: Mapping[str, str]) -> str:
-    name = code(field.name)
+    name = code_span(field.name)
     return f"{name} in {containers[field.name]}" if field.name in containers else name
 
 
@@ -351,7 +353,7 @@ def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[
     A frame of bytes with a single picture has no caption.
     """
     stacks_by_rows: dict[tuple[ByteRow, ...], Stack] = {}
-    for answers, parameters in choices(device.alternatives_of(layout)):
+    for answers, parameters in answer_combinations(device.alternatives_of(layout)):
         for stack in _stacks_of_shapes(layout, distinct_placements(device, layout, interface.name, parameters)):
             captioned_stack = replace(stack, caption=_caption_with_answers(answers, stack.caption))
             stacks_by_rows.setdefault(stack.rows, captioned_stack)
@@ -380,7 +382,7 @@ def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> li
     A single shape has an empty caption.
     """
     shapes: dict[_Shape, tuple[str, PlacedLayout]] = {}
-    for answers, parameters in choices(device.alternatives_of(layout)):
+    for answers, parameters in answer_combinations(device.alternatives_of(layout)):
         for placement in distinct_placements(device, layout, interface.name, parameters):
             caption = _caption_with_answers(answers, f"{placement.placed_layout.bits} bits")
             shapes.setdefault(_shape_of(placement.placed_layout), (caption, placement.placed_layout))

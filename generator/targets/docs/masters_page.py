@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import prod
 from typing import Annotated, Any, TypedDict
 
-from ...masters.groups import Group, GroupSheets, records_of, sheets_of
-from ...masters.sheet import Master, Refusal, Setting, Sheet
+from ...masters.groups import CodesWithSameSettings, GroupSheets, records_of, sheets_of
+from ...masters.sheet import Master, MasterRefusal, Setting, SettingsSheet
 from ...masters.text import (
     cited,
     condition_text,
@@ -18,9 +18,9 @@ from ...masters.text import (
     refusal_text,
     standing_mark,
 )
-from ...model import Device, Interface, first_of
+from ...model import Device, Interface, first_or_raise
 from ...say.evidence import grade_below_manual
-from ...say.markdown import code, escape, join_filled, link, link_list
+from ...say.markdown import code_span, escape, join_filled, link_list, markdown_link
 from ...say.text import Statement
 from .fact_tables import document_rows
 from .order_code_tables import order_codes
@@ -31,9 +31,9 @@ Table = dict[str, Any]
 
 
 #: Groups of order codes, each with its rows by the name of the fact. A row consists of the name and the value.
-Columns = Sequence[tuple[Group, Mapping[Any, Row]]]
+Columns = Sequence[tuple[CodesWithSameSettings, Mapping[Any, Row]]]
 #: Settings of one master for each group.
-GroupSettings = Sequence[tuple[Group, Sheet]]
+GroupSettings = Sequence[tuple[CodesWithSameSettings, SettingsSheet]]
 
 
 def kinds_with_masters(device: Device) -> list[str]:
@@ -61,16 +61,16 @@ def file_name(device: Device, interface_name: str) -> str:
 def page_links(device: Device) -> list[str]:
     """Return a link to the page of each interface that has settings for masters."""
     kinds = kinds_with_masters(device)
-    return [link(device.interface(kind).title, file_name(device, kind)) for kind in kinds]
+    return [markdown_link(device.interface(kind).title, file_name(device, kind)) for kind in kinds]
 
 
 def page_values(device: Device, interface_name: str, masters: Sequence[Master]) -> MastersPage:
     """Return the values of the page with the settings of all masters for an interface, which has such settings."""
     interface_sheets = sheets_of(device, masters)
-    group_sheets = first_of(
+    group_sheets = first_or_raise(
         (group for group in interface_sheets if group.interface.name == interface_name), f"sheets of {interface_name}"
     )
-    sheets: list[Sheet] = []
+    sheets: list[SettingsSheet] = []
     for _, master_sheets in group_sheets.sheets:
         sheets += master_sheets
     return {
@@ -107,7 +107,9 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
         "cable_errata": _links_to_errata(device, groups[0].record.cables.errata),
         "notes": list(dict.fromkeys(escape(note) for group in groups for note in group.record.notes)),
         "masters": master_sections,
-        "links": [link(section["title"], f"#{interface.name}-{section['name']}") for section in master_sections],
+        "links": [
+            markdown_link(section["title"], f"#{interface.name}-{section['name']}") for section in master_sections
+        ],
         "silent": unsupporting_masters,
     }
 
@@ -117,7 +119,7 @@ def _links_to_errata(device: Device, names: Collection[str]) -> str:
     return link_list(link_to_erratum(device, erratum) for erratum in device.errata if erratum.name in names)
 
 
-def _fact_rows(group: Group) -> dict[Any, Row]:
+def _fact_rows(group: CodesWithSameSettings) -> dict[Any, Row]:
     return {name: (name, escape(value)) for name, value in record_facts(group.record)}
 
 
@@ -161,7 +163,7 @@ def _table_of_differences(keys: Sequence[Any], columns: Columns) -> Table:
     A group without a value has a dash.
     """
     heads = [_row_name(key, columns) for key in keys]
-    groups_by_cells: dict[Row, list[Group]] = {}
+    groups_by_cells: dict[Row, list[CodesWithSameSettings]] = {}
     for group, rows in columns:
         cells = tuple(_value_cell(key, rows) for key in keys)
         groups_by_cells.setdefault(cells, []).append(group)
@@ -185,7 +187,7 @@ def _value_cell(fact_key: Any, rows: Mapping[Any, Row]) -> str:
     return value
 
 
-def _codes_label(groups: Sequence[Group]) -> str:
+def _codes_label(groups: Sequence[CodesWithSameSettings]) -> str:
     """Return the order codes of all groups, with the answers: ``X-24 with `order=swapped` ``.
 
     Answers are left out if the groups have the same order codes for every combination of answers.
@@ -203,7 +205,7 @@ def _codes_label(groups: Sequence[Group]) -> str:
         return order_codes(device, next(iter(codes_by_answers.values())))
     labels = []
     for answers, codes in codes_by_answers.items():
-        with_answers = [f"with {code(f'{question_name}={answer}')}" for question_name, answer in answers]
+        with_answers = [f"with {code_span(f'{question_name}={answer}')}" for question_name, answer in answers]
         labels.append(" ".join([order_codes(device, codes), *with_answers]))
     return join_filled(labels)
 
@@ -235,7 +237,7 @@ def _setting_names(group_sheets: GroupSettings) -> list[str]:
 
 def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
     """Yield the notes on settings and their conditions, with the order codes unless a note applies to all of them."""
-    groups_by_note: dict[str, list[Group]] = {}
+    groups_by_note: dict[str, list[CodesWithSameSettings]] = {}
     for group, sheet in group_sheets:
         notes = filter(None, (_setting_note(setting, sheet) for setting in sheet.settings))
         for note in dict.fromkeys(notes):
@@ -243,7 +245,7 @@ def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
     return _with_order_codes(groups_by_note, len(group_sheets))
 
 
-def _setting_note(setting: Setting, sheet: Sheet) -> str:
+def _setting_note(setting: Setting, sheet: SettingsSheet) -> str:
     """Return the note on a setting with its conditions and its source, or "" without a note and conditions."""
     note = escape(" ".join(filter(None, [setting.note, *condition_texts(setting, sheet)])))
     source = f" \\[{escape(cited(setting.source))}\\]"
@@ -251,18 +253,18 @@ def _setting_note(setting: Setting, sheet: Sheet) -> str:
     return f"{escape(setting.name)}: {note.removesuffix(source)}{source}" if note else ""
 
 
-def _with_order_codes(groups_by_note: Mapping[str, Sequence[Group]], group_count: int) -> Iterator[str]:
+def _with_order_codes(groups_by_note: Mapping[str, Sequence[CodesWithSameSettings]], group_count: int) -> Iterator[str]:
     """Yield each note, with its order codes at the end unless it applies to all groups."""
     for note, groups in groups_by_note.items():
         yield note if len(groups) == group_count else f"{note} This applies to {_codes_label(groups)}."
 
 
-def _refusal_text(refusal: Refusal) -> str:
+def _refusal_text(refusal: MasterRefusal) -> str:
     source = f" \\[{escape(cited(refusal.source))}\\]" if refusal.source else ""
     return f"{escape(refusal.reason)}{_spaced_mark(refusal)}{source}"
 
 
-def _spaced_mark(rule: Setting | Refusal) -> str:
+def _spaced_mark(rule: Setting | MasterRefusal) -> str:
     """Return the mark of a rule, which is outside the text to copy."""
     rule_mark = escape(standing_mark(rule))
     return f" {rule_mark}" if rule_mark else ""
@@ -273,7 +275,7 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
     They are about gaps in the description of the master, about conditions for several settings, or of the sheet.
     """
-    groups_by_note: dict[str, list[Group]] = {}
+    groups_by_note: dict[str, list[CodesWithSameSettings]] = {}
     for group, sheet in group_sheets:
         gaps = (refusal_text(gap) for gap in sheet.gaps)
         for note in (*gaps, *(condition_text(rule) for rule in sheet.shared_writing), *sheet.notes):
@@ -283,7 +285,7 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
 def _refusal_lines(sheets: GroupSettings) -> Iterator[str]:
     """Yield the order codes that the master cannot use, with the reasons. Codes with the same reasons share a line."""
-    groups_by_reasons: dict[str, list[Group]] = {}
+    groups_by_reasons: dict[str, list[CodesWithSameSettings]] = {}
     for group, sheet in sheets:
         if sheet.refusals:
             reasons = " ".join(map(_refusal_text, sheet.refusals))

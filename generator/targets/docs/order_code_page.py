@@ -31,14 +31,14 @@ from ...model.record import dataclass
 from ...model.steps import has_steps, steps_of
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
-from ...say.evidence import grade
-from ...say.layout import size
-from ...say.markdown import MARKDOWN, citation, code, escape, link
-from ...say.names_and_places import field_at, heading, hexadecimal, title
+from ...say.evidence import describe_grade
+from ...say.layout import describe_size
+from ...say.markdown import MARKDOWN, citation, code_span, escape, markdown_link
+from ...say.names_and_places import field_at, heading, hexadecimal, title_of
 from ...say.order_code import not_on_label, parameter_value
-from ...say.plain_text import counted, with_unit
-from ...say.register import measurement, own_ranges, position_range
-from ...say.text import Statement, sentence, statement
+from ...say.plain_text import count_with_unit, with_unit
+from ...say.register import describe_measurement, describe_position_range, own_ranges
+from ...say.text import Statement, as_sentence, statement
 from ..registry import names_of_codes
 from . import bytes_to_send, fact_tables, order_code_tables, wide_pictures, wiring_tables
 from .inline_errata import ErrataLinks
@@ -233,15 +233,18 @@ class OrderCodes:
         links = []
         for group in self.groups:
             if group.variants[0].interface == interface_name:
-                label = ", ".join(map(code, group.codes))
-                links.append(link(label, f"{self.device.name}/{group.name}.md"))
+                label = ", ".join(map(code_span, group.codes))
+                links.append(markdown_link(label, f"{self.device.name}/{group.name}.md"))
         return links
 
     def _links_to_order_codes(self, folder: str) -> dict[str, str]:
         """Return the link to the page of each order code, from pages that reach it through ``folder``."""
         links: dict[str, str] = {}
         for group in self.groups:
-            links |= {order_code: link(code(order_code), f"{folder}{group.name}.md") for order_code in group.codes}
+            links |= {
+                order_code: markdown_link(code_span(order_code), f"{folder}{group.name}.md")
+                for order_code in group.codes
+            }
         return links
 
 
@@ -259,12 +262,12 @@ def _position_text(device: Device, interface: Interface) -> str:
     if position_measurement is None:
         return ""
     ranges = [_range_in_frame(name, frame_range) for name, frame_range in own_ranges(device, interface.name)]
-    return ", ".join([MARKDOWN.phrase(measurement(position_measurement)), *ranges])
+    return ", ".join([MARKDOWN.phrase(describe_measurement(position_measurement)), *ranges])
 
 
 def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
-    frame_name = f"in {code(name)}:" if frame_range.wraps else code(name)
-    return f"{frame_name} {MARKDOWN.phrase(position_range(frame_range))}"
+    frame_name = f"in {code_span(name)}:" if frame_range.wraps else code_span(name)
+    return f"{frame_name} {MARKDOWN.phrase(describe_position_range(frame_range))}"
 
 
 def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:
@@ -280,7 +283,7 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
         # The notes on SSI and RS-485 begin with the line, and the notes on BiSS with limits that users must keep.
         "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
         "position": _position_text(device, interface),
-        "evidence": grade(device),
+        "evidence": describe_grade(device),
         "made_up": tuple(not_on_label(device)),
         "wiring": wiring_tables.wiring_table(device, code_group.codes),
         "supply": wiring_tables.supply_lines(device, code_group.variants),
@@ -296,9 +299,9 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
         "registers": [_register_section(device, section) for section in interface_sections["registers"]],
         "register_rows": list(fact_tables.register_rows(device)),
         "procedures": [_procedure_section(device, section) for section in interface_sections["procedures"]],
-        "procedures_summary": f"{counted(len(device.procedures), 'procedure')}, step by step",
+        "procedures_summary": f"{count_with_unit(len(device.procedures), 'procedure')}, step by step",
         "setting_lines": list(fact_tables.setting_lines(device, interface)),
-        "frames_summary": counted(len(interface.layouts), "frame") + (" with CRC" if device.crcs else ""),
+        "frames_summary": count_with_unit(len(interface.layouts), "frame") + (" with CRC" if device.crcs else ""),
         "registers_summary": _registers_summary(device),
         "time_rows": list(fact_tables.time_rows(interface.timings + device.timings)),
         "by_hand": manual_procedures(device),
@@ -335,7 +338,7 @@ def lead_sentences(note: str) -> str:
         if len(longer_text) > _LONGEST_LEAD:
             break
         sentences = longer_text
-    return sentence(sentences)
+    return as_sentence(sentences)
 
 
 def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
@@ -349,9 +352,9 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
     family_layout = member_named(layouts_of_family, layout.name, "layout")
     verdict_head, verdict_rows = verdict_table(code_group.family, code_group.device, family_layout, variant)
     return {
-        "title": title(layout),
+        "title": title_of(layout),
         "name": layout.name,
-        "size": MARKDOWN.phrase(statement(*size(layout, code_group.device.alternatives))),
+        "size": MARKDOWN.phrase(statement(*describe_size(layout, code_group.device.alternatives))),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         # Widest screen that shows the narrow picture.
@@ -385,7 +388,7 @@ def _registers_summary(device: Device) -> str:
         return ""
     lowest = min(register.address for register in device.registers)
     highest = max(register.last_address for register in device.registers)
-    return f"{counted(len(device.registers), 'register')} from {hexadecimal(lowest)} to {hexadecimal(highest)}"
+    return f"{count_with_unit(len(device.registers), 'register')} from {hexadecimal(lowest)} to {hexadecimal(highest)}"
 
 
 def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
@@ -404,9 +407,9 @@ def _quantity_row(code_group: CodeGroup, parameter: Parameter, is_set_by_registe
     """Return a row of value, meaning for a quantity that the order code or a register sets."""
     # All order codes of a group set the same quantities, so the first represents all.
     quantity = parameter_value(parameter, code_group.variants[0].parameters[parameter.name])
-    meaning = escape(sentence(meaning_without_range(code_group.family, parameter)))
+    meaning = escape(as_sentence(meaning_without_range(code_group.family, parameter)))
     origin = _origin_of_quantity(code_group.family, parameter, is_set_by_registers)
-    name_and_source = f"<small>{code(parameter.name)}</small> <small>{citation(parameter.source)}</small>"
+    name_and_source = f"<small>{code_span(parameter.name)}</small> <small>{citation(parameter.source)}</small>"
     return with_unit(quantity, escape(parameter.unit)), f"{meaning}{origin} {name_and_source}"
 
 

@@ -5,15 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_of
+from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_or_raise
 from ...model.record import dataclass
-from ...plan.values import Active, meaning_of
-from ...plan.verdicts import Judgement, Only, Reporting, combined_flag_names, reportings, reports_of, verdict_of
-from ...say.evidence import document
-from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
+from ...plan.values import ActiveFlag, meaning_of
+from ...plan.verdicts import (
+    CodeCondition,
+    ReportsAndVerdict,
+    VerdictRules,
+    combined_flag_names,
+    reportings,
+    reports_of,
+    verdict_of,
+)
+from ...say.evidence import word_for_document
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
 from ...say.names_and_places import own_names
-from ...say.report import alarm_of, conditions, deciding_bits, manual_steps, meaning, remedy_text, source
-from ...say.text import Code, list_parts, statement
+from ...say.report import alarm_of, alarm_source, conditions_text, deciding_bits, manual_steps, meaning, remedy_text
+from ...say.text import CodeText, list_parts, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
 
@@ -41,7 +49,7 @@ def file_name(device: Device) -> str:
 
 def usable_values(devices: Sequence[Device]) -> UsablePage:
     """Return the values of the page on verdicts."""
-    return {"family_links": [link(escape(device.title), file_name(device)) for device in devices]}
+    return {"family_links": [markdown_link(escape(device.title), file_name(device)) for device in devices]}
 
 
 def page_values(device: Device) -> VerdictPage:
@@ -56,7 +64,7 @@ def page_values(device: Device) -> VerdictPage:
     }
 
 
-def _deciding_rows(device: Device, reporting_frames: Iterable[Reporting]) -> Iterator[Row]:
+def _deciding_rows(device: Device, reporting_frames: Iterable[ReportsAndVerdict]) -> Iterator[Row]:
     """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata.
 
     Frames of an interface with the same rows share them. Only the first of these rows names the interface and the
@@ -64,10 +72,10 @@ def _deciding_rows(device: Device, reporting_frames: Iterable[Reporting]) -> Ite
     """
     layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
     for reporting in reporting_frames:
-        if reporting.judgement is not None:
+        if reporting.verdict_rules is not None:
             layout = reporting.codec.layout
-            judgement = reporting.judgement
-            rows_of_frame = tuple(_rows_of_frame(device, reporting.interface, layout, judgement))
+            verdict_rules = reporting.verdict_rules
+            rows_of_frame = tuple(_rows_of_frame(device, reporting.interface, layout, verdict_rules))
             layouts_by_rows.setdefault((reporting.interface.title, rows_of_frame), []).append(layout)
     for (interface_title, rows_of_frame), layouts in layouts_by_rows.items():
         first_row, *further_rows = rows_of_frame
@@ -79,19 +87,19 @@ def _deciding_rows(device: Device, reporting_frames: Iterable[Reporting]) -> Ite
         yield titles, "no frame with a position", "", "", "", "", ""
 
 
-def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
+def _rows_of_frame(device: Device, interface: Interface, layout: Layout, verdict_rules: VerdictRules) -> Iterator[Row]:
     """Yield a row for each field that decides the verdict on a frame, then a row for all other cases.
 
     A last row is for order codes without the bits that judge the position, if there are any.
     """
     signs = {sign.flag.name: sign for sign in layout.signs}
-    deciders = _deciding_fields(layout, judgement)
+    deciders = _deciding_fields(layout, verdict_rules)
     for decider in deciders:
         yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
     name_of_other_cases = "none of these" if deciders else "no field decides"
-    yield name_of_other_cases, "", EFFECTS[judgement.otherwise], "", ""
-    if judgement.may_be_unknown:
-        judging_names = [Code(field.name) for field in layout.judging_fields]
+    yield name_of_other_cases, "", EFFECTS[verdict_rules.otherwise], "", ""
+    if verdict_rules.may_be_unknown:
+        judging_names = [CodeText(field.name) for field in layout.judging_fields]
         missing_names = MARKDOWN.phrase(statement(*list_parts(judging_names)))
         yield f"order codes that lack {missing_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
 
@@ -102,10 +110,10 @@ class _Decider:
 
     verdict: Verdict
     field: Field
-    conditions: tuple[Only, ...] = ()
+    conditions: tuple[CodeCondition, ...] = ()
 
 
-def _deciding_fields(layout: Layout, judgement: Judgement) -> list[_Decider]:
+def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decider]:
     """Return the fields that decide the verdict on a frame, worst verdict first, then in order of the frame.
 
     With ``otherwise`` UNKNOWN, fields with a warning or UNKNOWN also lead to UNKNOWN. Fields for which the position is
@@ -113,13 +121,13 @@ def _deciding_fields(layout: Layout, judgement: Judgement) -> list[_Decider]:
     """
     fields_and_signs = (*layout.fields, *(sign.flag for sign in layout.signs))
     deciders: list[_Decider] = []
-    for verdict, causes in judgement.worst_first:
+    for verdict, causes in verdict_rules.worst_first:
         deciders += [_Decider(verdict, cause.by.field, cause.conditions) for cause in causes]
-    if judgement.otherwise is Verdict.UNKNOWN:
+    if verdict_rules.otherwise is Verdict.UNKNOWN:
         # A warning cannot improve an unknown verdict.
         not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
         warning_fields = [field for field in layout.fields if verdict_of(field) in not_better]
-        deciders += [_Decider(judgement.otherwise, field) for field in warning_fields]
+        deciders += [_Decider(verdict_rules.otherwise, field) for field in warning_fields]
     # The enumeration lists the verdicts from the worst to the best.
     worst_first = list(Verdict)
     field_names = [field.name for field in fields_and_signs]
@@ -143,51 +151,51 @@ def _decider_row(device: Device, interface: Interface, layout: Layout, decider: 
     return _name_cell(field), active_value, EFFECTS[decider.verdict], _source_cell(device, field), errata_links
 
 
-def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> str:
+def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[CodeCondition]) -> str:
     """Return the value of a field that decides the verdict, such as ``1 with X-24``, or with the answer it needs."""
     texts_of_conditions = [_condition_text(device, only) for only in conditions_on_codes]
     return " ".join([deciding_bits(field), *texts_of_conditions])
 
 
-def _condition_text(device: Device, parameter_condition: Only) -> str:
+def _condition_text(device: Device, parameter_condition: CodeCondition) -> str:
     """Return the order codes, such as ``with X-24``, or the answer to a question with a link to it."""
     for alternative in device.optional_alternatives:
         if alternative.parameter == parameter_condition.parameter:
             return _answer_text(device, alternative, parameter_condition)
-    return f"with {code(parameter_condition.codes)}" if parameter_condition.holds else "with all others"
+    return f"with {code_span(parameter_condition.codes)}" if parameter_condition.holds else "with all others"
 
 
-def _answer_text(device: Device, question: Alternative, parameter_condition: Only) -> str:
+def _answer_text(device: Device, question: Alternative, parameter_condition: CodeCondition) -> str:
     """Return the answers to a question for which a condition holds, with a link to the question.
 
     The link leads to the page of the first interface with a frame whose verdict depends on it.
     """
-    answer_codes = [code(answer.name) for answer in question.answers if parameter_condition.contains(answer.sets)]
+    answer_codes = [code_span(answer.name) for answer in question.answers if parameter_condition.contains(answer.sets)]
     answer_names = " or ".join(answer_codes)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
-    interface = first_of(interfaces, f"frame whose verdict '{question.name}' decides")
+    interface = first_or_raise(interfaces, f"frame whose verdict '{question.name}' decides")
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
     # The default answer sets the parameter to 0.
     default = "" if parameter_condition.holds else ", the default"
-    return f"and {link('your choice', page)} is {answer_names}{default}"
+    return f"and {markdown_link('your choice', page)} is {answer_names}{default}"
 
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:
     """Return the values of fields that decide the verdict together."""
-    return MARKDOWN.phrase(conditions((layout.field(name), value) for name, value in sign.conditions))
+    return MARKDOWN.phrase(conditions_text((layout.field(name), value) for name, value in sign.conditions))
 
 
 def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     """Return the flags of the frame that must be inactive if a flag that combines them is to decide."""
     names_in_layout = {field.name for field in layout.fields}
-    lower_flags = [Code(name) for name in combined_flag_names(field) if name in names_in_layout]
+    lower_flags = [CodeText(name) for name in combined_flag_names(field) if name in names_in_layout]
     if not lower_flags:
         return ""
     return f", with {MARKDOWN.phrase(statement(*list_parts(lower_flags)))} inactive"
 
 
-def _frame_rows(device: Device, reporting_by_frame: Mapping[str, Reporting]) -> Iterator[Row]:
+def _frame_rows(device: Device, reporting_by_frame: Mapping[str, ReportsAndVerdict]) -> Iterator[Row]:
     """Yield rows of interface, frames, possible reports, which are ``nothing`` if there are none.
 
     Frames of an interface with the same reports share a row.
@@ -200,18 +208,22 @@ def _frame_rows(device: Device, reporting_by_frame: Mapping[str, Reporting]) -> 
             report_names = tuple(cause.report.name for cause in causes)
             layouts_by_reports.setdefault((interface.title, report_names), []).append(layout)
     for (interface_title, report_names), layouts in layouts_by_reports.items():
-        yield interface_title, _layout_links(device, layouts), ", ".join(map(code, report_names)) or "nothing"
+        yield interface_title, _layout_links(device, layouts), ", ".join(map(code_span, report_names)) or "nothing"
 
 
 def _report_rows(device: Device) -> Iterator[Row]:
     """Yield rows of report, meaning, remedy, source."""
     for report in reports_of(device):
         alarm = alarm_of(device, report.field)
-        name_cell = join_filled([code(report.name), escape(own_names(report.field))])
+        name_cell = join_filled([code_span(report.name), escape(own_names(report.field))])
         steps = links_to_steps(f"{device.name}/", manual_steps(report.field, alarm))
         remedy_and_steps = join_filled([escape(remedy_text(report.field, alarm)), *steps])
-        remedy = remedy_and_steps or _clearing_procedures(device, alarm) or f"The {document(device)} gives no remedy"
-        yield name_cell, escape(meaning(report.field, alarm)), remedy, citation(source(report.field, alarm))
+        remedy = (
+            remedy_and_steps
+            or _clearing_procedures(device, alarm)
+            or f"The {word_for_document(device)} gives no remedy"
+        )
+        yield name_cell, escape(meaning(report.field, alarm)), remedy, citation(alarm_source(report.field, alarm))
 
 
 def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
@@ -221,20 +233,20 @@ def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
     procedure_links = []
     for procedure in map(device.procedure, alarm.cleared_by):
         path = path_to_anchor(device, procedure.interface, f"procedure-{procedure.name}")
-        procedure_links.append(link(escape(procedure.title), path))
+        procedure_links.append(markdown_link(escape(procedure.title), path))
     return f"Cleared by: {', '.join(procedure_links)}"
 
 
 def _name_cell(field: Field) -> str:
-    return join_filled([code(field.name), escape(own_names(field))])
+    return join_filled([code_span(field.name), escape(own_names(field))])
 
 
 def _source_cell(device: Device, field: Field) -> str:
-    return citation(source(field, alarm_of(device, field)))
+    return citation(alarm_source(field, alarm_of(device, field)))
 
 
 def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:
-    return ", ".join(link_to_layout(device, layout, code(layout.name)) for layout in layouts)
+    return ", ".join(link_to_layout(device, layout, code_span(layout.name)) for layout in layouts)
 
 
 def _errata_links(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
@@ -250,7 +262,7 @@ def _errata_links(device: Device, interface: Interface, layout: Layout, field: F
     for deciding_field in deciding_fields:
         name, group = deciding_field.name, deciding_field.group
         spec_paths |= {f"{path_of_frame}.{name}", f"field_groups.{group}.{name}"}
-        if group and isinstance(meaning_of(deciding_field), Active):
+        if group and isinstance(meaning_of(deciding_field), ActiveFlag):
             spec_paths.add(f"field_groups.{group}")
     errata = [erratum for erratum in device.errata if not erratum.edition and erratum.severity != "wording"]
     # ``affects`` are paths in the spec.

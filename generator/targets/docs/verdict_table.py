@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import Device, Field, Layout, PlacedField, PlacedLayout, Variant, Verdict
-from ...plan.values import Active, meaning_of
-from ...plan.verdicts import Judgement, Match, VerdictCause, judgement_in_family
+from ...plan.values import ActiveFlag, meaning_of
+from ...plan.verdicts import MatchingValues, VerdictCause, VerdictRules, verdict_rules_in_family
 from ...say.layout import is_reserved
-from ...say.markdown import MARKDOWN, code, escape, join_filled, link
+from ...say.markdown import MARKDOWN, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import bits, frame_bytes, heading
-from ...say.report import alarm_of, conditions, deciding_bits, manual_steps, remedy_text
-from ...say.text import VERDICT_CLAUSES, sentence, statement
+from ...say.report import alarm_of, conditions_text, deciding_bits, manual_steps, remedy_text
+from ...say.text import VERDICT_CLAUSES, as_sentence, statement
 
 Row = tuple[str, ...]
 #: Verdicts as cells of the table.
@@ -23,7 +23,7 @@ EFFECTS = {
 }
 #: Largest number of flags that "or" joins.
 _MOST_ALTERNATIVES = 3
-_HEAD = ("Bit", "Flag", "Active at", "Position", "What to do")
+_COLUMN_HEADINGS = ("Bit", "Flag", "Active at", "Position", "What to do")
 
 
 def verdict_table(family_device: Device, device: Device, layout: Layout, variant: Variant) -> tuple[Row, list[Row]]:
@@ -32,19 +32,19 @@ def verdict_table(family_device: Device, device: Device, layout: Layout, variant
     The rows are the causes of each verdict, then all other flags, then the verdict without any cause. ``device`` is the
     family with only the order codes of the page, and their alarms and remedies.
     """
-    judgement = judgement_in_family(family_device, layout)
+    verdict_rules = verdict_rules_in_family(family_device, layout)
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
-    if judgement is not None:
-        judgement = judgement.for_parameters(variant.parameters)
-        causes_by_verdict = applicable_causes(judgement, variant)
+    if verdict_rules is not None:
+        verdict_rules = verdict_rules.for_parameters(variant.parameters)
+        causes_by_verdict = applicable_causes(verdict_rules, variant)
     placed = layout.place(variant.parameters)
     rows = list(_cause_rows(device, placed, causes_by_verdict))
-    rows += _rows_of_other_flags(device, placed, causes_by_verdict, judgement)
-    if judgement is not None and causes_by_verdict:
+    rows += _rows_of_other_flags(device, placed, causes_by_verdict, verdict_rules)
+    if verdict_rules is not None and causes_by_verdict:
         with_crc = "" if placed.crc_field is None else ", and the CRC is correct"
-        rows.append(("", f"none of these{with_crc}", "", EFFECTS[judgement.otherwise], ""))
+        rows.append(("", f"none of these{with_crc}", "", EFFECTS[verdict_rules.otherwise], ""))
     columns_with_content = _indices_with_content(rows)
-    return _cells_at(_HEAD, columns_with_content), [_cells_at(row, columns_with_content) for row in rows]
+    return _cells_at(_COLUMN_HEADINGS, columns_with_content), [_cells_at(row, columns_with_content) for row in rows]
 
 
 def _cells_at(row: Row, indexes: Iterable[int]) -> Row:
@@ -58,7 +58,7 @@ def _cause_rows(
     """Yield a row for each cause of a verdict, the worst verdict first."""
     for verdict, causes in causes_by_verdict.items():
         for cause in causes:
-            if isinstance(cause.by, Match):
+            if isinstance(cause.by, MatchingValues):
                 yield _row_of_match(placed_layout, cause.by, EFFECTS[verdict])
             else:
                 field = cause.by.field
@@ -78,7 +78,7 @@ def _rows_of_other_flags(
     device: Device,
     placed_layout: PlacedLayout,
     causes_by_verdict: dict[Verdict, list[VerdictCause]],
-    judgement: Judgement | None,
+    verdict_rules: VerdictRules | None,
 ) -> Iterator[Row]:
     """Yield a row for each flag that leads to no verdict for this order code.
 
@@ -87,10 +87,10 @@ def _rows_of_other_flags(
     names_of_causes: set[str] = set()
     for causes in causes_by_verdict.values():
         names_of_causes.update(cause.by.field.name for cause in causes)
-    effect = "unchanged" if judgement is not None else ""
+    effect = "unchanged" if verdict_rules is not None else ""
     for placed_field in placed_layout.fields:
         field = placed_field.field
-        if isinstance(meaning_of(field), Active) and field.name not in names_of_causes:
+        if isinstance(meaning_of(field), ActiveFlag) and field.name not in names_of_causes:
             yield _build_row(device, placed_layout, field, deciding_bits(field), effect)
 
 
@@ -109,11 +109,11 @@ def _remedy_cell(device: Device, field: Field) -> str:
     """Return the remedy of a flag, with links to those steps by hand that the page of the hardware describes."""
     alarm = alarm_of(device, field)
     remedy = remedy_text(field, alarm)
-    sentences = [escape(sentence(remedy) if remedy else "")]
+    sentences = [escape(as_sentence(remedy) if remedy else "")]
     described_names = {characteristic.name for characteristic in device.characteristics}
     for name in manual_steps(field, alarm):
         if name in described_names:
-            steps_link = link("Step by step", f"hardware.md#by-hand-{name}")
+            steps_link = markdown_link("Step by step", f"hardware.md#by-hand-{name}")
             sentences.append(f"{steps_link}.")
     return join_filled(sentences, " ")
 
@@ -121,18 +121,18 @@ def _remedy_cell(device: Device, field: Field) -> str:
 def _names_of_field(field: Field) -> str:
     """Return the name of a field in words, its printed name if that differs, and its name in programs."""
     if is_reserved(field):
-        return f"Reserved <small>{code(field.name)}</small>"
+        return f"Reserved <small>{code_span(field.name)}</small>"
     words = heading(field.name)
     is_printed_alike = field.printed_name.lower() in {"", words.lower()}
     printed_name = "" if is_printed_alike else f"{escape(field.printed_name)} "
-    return f"{escape(words)} <small>{printed_name}{code(field.name)}</small>"
+    return f"{escape(words)} <small>{printed_name}{code_span(field.name)}</small>"
 
 
-def _row_of_match(placed_layout: PlacedLayout, match: Match, effect: str) -> Row:
+def _row_of_match(placed_layout: PlacedLayout, match: MatchingValues, effect: str) -> Row:
     """Return the row of values that lead to a verdict together: their places, the values, and the verdict."""
     placed_fields = [placed_layout.field(part.field.name) for part, _ in match.conditions]
     places = ", ".join(place_of_field(placed_field, placed_layout) for placed_field in placed_fields)
-    phrase = MARKDOWN.phrase(conditions((part.field, value) for part, value in match.conditions))
+    phrase = MARKDOWN.phrase(conditions_text((part.field, value) for part, value in match.conditions))
     return places, phrase, "", effect, ""
 
 
@@ -153,15 +153,15 @@ def _while_inactive(cause: VerdictCause) -> str:
 
 def _while_flags_are_inactive(cause: VerdictCause) -> str:
     """Return the flags that a cause combines as a clause: ``while `error` and `fault` are inactive``."""
-    flags = " and ".join(code(part.field.name) for part in cause.unless)
+    flags = " and ".join(code_span(part.field.name) for part in cause.unless)
     verb = "is" if len(cause.unless) == 1 else "are"
     return f"while {flags} {verb} inactive"
 
 
-def applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
+def applicable_causes(verdict_rules: VerdictRules, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
     """Return the causes of each verdict that apply to an order code, the worst verdict first."""
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
-    for verdict, causes in judgement.worst_first:
+    for verdict, causes in verdict_rules.worst_first:
         causes_for_variant = [cause for cause in causes if _holds_for_variant(cause, variant)]
         if causes_for_variant:
             causes_by_verdict[verdict] = causes_for_variant
@@ -178,22 +178,22 @@ def join_as_any_of(names: Sequence[str]) -> str:
     return f"any of {', '.join(names)}" if len(names) > _MOST_ALTERNATIVES else " or ".join(names)
 
 
-def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
+def verdict_line(verdict_rules: VerdictRules, variant: Variant, has_crc: bool) -> str:
     """Return the verdicts on the position of an order code with their conditions, the worst first."""
-    judgement = judgement.for_parameters(variant.parameters)
-    causes_by_verdict = applicable_causes(judgement, variant)
+    verdict_rules = verdict_rules.for_parameters(variant.parameters)
+    causes_by_verdict = applicable_causes(verdict_rules, variant)
     conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
     if not conditional_verdicts:
-        return MARKDOWN.phrase(statement(VERDICT_CLAUSES[judgement.otherwise]))
+        return MARKDOWN.phrase(statement(VERDICT_CLAUSES[verdict_rules.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
-    return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
+    return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[verdict_rules.otherwise]}"])
 
 
-def changed_verdicts_of(judgement: Judgement, variant: Variant, variant_with_answer: Variant) -> list[str]:
+def changed_verdicts_of(verdict_rules: VerdictRules, variant: Variant, variant_with_answer: Variant) -> list[str]:
     """Return verdicts with the causes that an answer adds, which ``variant`` with the defaults lacks."""
-    default_causes = applicable_causes(judgement, variant)
+    default_causes = applicable_causes(verdict_rules, variant)
     changed_verdicts = []
-    for verdict, causes in applicable_causes(judgement, variant_with_answer).items():
+    for verdict, causes in applicable_causes(verdict_rules, variant_with_answer).items():
         default_conditions = [cause.by for cause in default_causes.get(verdict, ())]
         added_causes = [cause for cause in causes if cause.by not in default_conditions]
         if added_causes:
@@ -209,18 +209,18 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     """Yield the conditions of a verdict. Flags with the same active level share a row: ``error or fault is 1``."""
     names_by_level: dict[str, list[str]] = {}
     for cause in causes:
-        if not isinstance(cause.by, Match):
+        if not isinstance(cause.by, MatchingValues):
             # deciding_bits() returns the level at which the flag is active, such as "1".
             names_by_level.setdefault(deciding_bits(cause.by.field), []).append(_cause_text(cause))
     yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
-        if isinstance(cause.by, Match):
-            yield MARKDOWN.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
+        if isinstance(cause.by, MatchingValues):
+            yield MARKDOWN.phrase(conditions_text((part.field, value) for part, value in cause.by.conditions))
 
 
 def _cause_text(cause: VerdictCause) -> str:
     """Return a flag, with the flags that must be inactive if it combines them."""
-    flag_name = code(cause.by.field.name)
+    flag_name = code_span(cause.by.field.name)
     if not cause.unless:
         return flag_name
     return f"{flag_name} ({_while_flags_are_inactive(cause)})"

@@ -18,16 +18,16 @@ from ...model import (
     Ssi,
     Supply,
     Variant,
+    answer_combinations,
     assert_never,
-    choices,
 )
 from ...model.order_codes import fits
 from ...model.record import dataclass
-from ...say.evidence import Subject, document, mentions
-from ...say.markdown import MARKDOWN, anchor, citation, code, escape, link
-from ...say.order_code import bounds_with_codes, clock_words, settings
-from ...say.plain_text import counted
-from ...say.text import PLAIN_STYLE, hertz, list_parts, nanoseconds, sentence, statement, timeout_words, volts
+from ...say.evidence import Topic, mentions, word_for_document
+from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, markdown_link
+from ...say.order_code import bounds_with_codes, clock_words, describe_settings
+from ...say.plain_text import count_with_unit
+from ...say.text import PLAIN_STYLE, as_sentence, hertz, list_parts, nanoseconds, statement, timeout_words, volts
 
 Row = tuple[str, ...]
 
@@ -102,7 +102,7 @@ def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
     for note_sentence in first_note:
         is_common = all(note_sentence in other_note for other_note in other_notes)
         if note_sentence and is_common:
-            common_sentences.append(escape(sentence(note_sentence)))
+            common_sentences.append(escape(as_sentence(note_sentence)))
     return common_sentences
 
 
@@ -203,7 +203,7 @@ def _contact_list(contacts: Sequence[str]) -> str:
 
 
 def _anchored_title(connector: Connector) -> str:
-    return f"{anchor(f'connector-{connector.name}')}{escape(connector.title)}"
+    return f"{anchor_of(f'connector-{connector.name}')}{escape(connector.title)}"
 
 
 def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
@@ -218,14 +218,14 @@ def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
             codes_by_supply.setdefault(_supply_text(variant_supply), []).append(variant.code)
     if len(codes_by_supply) == 1:
         return list(codes_by_supply)
-    return [f"{supply} with {', '.join(map(code, codes))}" for supply, codes in codes_by_supply.items()]
+    return [f"{supply} with {', '.join(map(code_span, codes))}" for supply, codes in codes_by_supply.items()]
 
 
 def _supply_text(supply: Supply) -> str:
     return f"{volts(supply.min_mv)} to {volts(supply.max_mv)} ({citation(supply.source)})"
 
 
-def unstated_facts(family_device: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
+def unstated_facts(family_device: Device, interface: Interface, subjects: Mapping[str, Topic]) -> Iterator[str]:
     """Yield the facts that the manual does not state, and links for those that a text may have, in one line.
 
     ``subjects`` are the facts by label. ``family_device`` contains the texts about all order codes, because a text
@@ -234,12 +234,12 @@ def unstated_facts(family_device: Device, interface: Interface, subjects: Mappin
     sentences = []
     unmentioned = [label for label, subject in subjects.items() if not mentions(family_device, interface, subject)]
     if unmentioned:
-        sentences.append(f"{_join_capitalized(unmentioned)}: the {document(family_device)} does not say.")
+        sentences.append(f"{_join_capitalized(unmentioned)}: the {word_for_document(family_device)} does not say.")
     mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
-        places = [link("times", "#timings")]
+        places = [markdown_link("times", "#timings")]
         if family_device.characteristics:
-            places.append(link("characteristics", "hardware.md#characteristics"))
+            places.append(markdown_link("characteristics", "hardware.md#characteristics"))
         sentences.append(f"{_join_capitalized(mentioned)}: see {' and '.join(places)}.")
     if sentences:
         yield " ".join(sentences)
@@ -251,18 +251,18 @@ def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
     Return an empty string if the page has LEDs, if the manual may have some in its texts, or if the spec does not
     transcribe a whole manual.
     """
-    if device.leds or document(family_device) != "manual":
+    if device.leds or word_for_document(family_device) != "manual":
         return ""
     if family_device.leds:
         return "The manual describes no LEDs of this order code."
-    return "" if mentions(family_device, interface, Subject.LEDS) else "The manual describes no LEDs."
+    return "" if mentions(family_device, interface, Topic.LEDS) else "The manual describes no LEDs."
 
 
 def no_supply(family_device: Device, interface: Interface) -> str:
     """Return the text instead of a supply: a link to the characteristics that may state it, or that none is known."""
-    if mentions(family_device, interface, Subject.SUPPLY):
-        return f"see {link('characteristics', 'hardware.md#characteristics')}"
-    return f"the {document(family_device)} does not say"
+    if mentions(family_device, interface, Topic.SUPPLY):
+        return f"see {markdown_link('characteristics', 'hardware.md#characteristics')}"
+    return f"the {word_for_document(family_device)} does not say"
 
 
 def _join_capitalized(labels: list[str]) -> str:
@@ -293,7 +293,7 @@ def speed_section(family_device: Device, device: Device, interface: Interface, l
         case Ssi() | Biss():
             return _clock_section(family_device, device, interface, layout)
         case Spi():
-            setting_sentences = map(MARKDOWN.sentence, settings(device, interface))
+            setting_sentences = map(MARKDOWN.sentence, describe_settings(device, interface))
             return SpeedSection("Clock and words", tuple(setting_sentences))
         case Rs485():
             return _baud_section(family_device, device, interface)
@@ -364,7 +364,7 @@ def _pause_sentences(family_device: Device, interface: Ssi | Biss) -> Iterator[s
         case Biss():
             for timeout in interface.timeouts:
                 yield f"Time-out after a frame: {timeout_words(timeout)} ({citation(timeout.source)})."
-            yield from unstated_facts(family_device, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
+            yield from unstated_facts(family_device, interface, {"reply time (acknowledge)": Topic.REPLY_TIME})
 
 
 def _baud_section(family_device: Device, device: Device, interface: Rs485) -> SpeedSection:
@@ -376,20 +376,20 @@ def _baud_section(family_device: Device, device: Device, interface: Rs485) -> Sp
     reply_sizes = sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"})
     durations = []
     for size in (1, *reply_sizes):
-        durations.append(f"{counted(size, 'byte')} {_duration_text(size * bits_per_byte, port.baud)}")
+        durations.append(f"{count_with_unit(size, 'byte')} {_duration_text(size * bits_per_byte, port.baud)}")
     # The first setting of a serial interface is its baud rate.
-    baud_rate = MARKDOWN.phrase(next(iter(settings(device, interface))))
+    baud_rate = MARKDOWN.phrase(next(iter(describe_settings(device, interface))))
     facts = (
         f"{baud_rate} ({citation(port.source)}).",
         f"Duration ({bits_per_byte} bits per byte): {', '.join(durations)}.",
-        *unstated_facts(family_device, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
+        *unstated_facts(family_device, interface, {"reply time": Topic.REPLY_TIME, "cable length": Topic.CABLE}),
     )
     return SpeedSection("Baud rate and times", facts)
 
 
 def _frame_lengths(device: Device, layout: Layout) -> list[int]:
     """Return the lengths of a frame in bits, one for each answer to questions that the manual leaves open."""
-    return sorted({layout.sent_bits.value(sets) for _, sets in choices(device.alternatives_of(layout))})
+    return sorted({layout.sent_bits.value(sets) for _, sets in answer_combinations(device.alternatives_of(layout))})
 
 
 def _joined_by_or(alternatives: Iterable[str]) -> str:

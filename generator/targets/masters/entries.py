@@ -6,10 +6,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
-from ...masters.places import Place, Write, write_order
-from ...masters.sheet import Setting, Sheet
+from ...masters.places import ObjectWrite, SettingPlace, write_order
+from ...masters.sheet import Setting, SettingsSheet
 from ...masters.text import condition_text
-from ...model.lookup import first_of
+from ...model.lookup import first_or_raise
 from ...model.record import dataclass
 
 Raw = Mapping[str, Any]
@@ -28,7 +28,7 @@ class FileValue:
     value: Value
     word: str
     mark: str
-    place: Place
+    place: SettingPlace
 
     @property
     def size(self) -> int:
@@ -106,7 +106,7 @@ class Content:
         return self.channels[0].entries if self.channels else ()
 
 
-def content_of_file(sheet: Sheet, rule: Raw, device: str) -> Content:
+def content_of_file(sheet: SettingsSheet, rule: Raw, device: str) -> Content:
     """Return the content of a file for a device. ``rule`` is the entry of ``files`` in the description of the master.
 
     A setting that the file leaves out gets a sentence with the reason. The same applies to a value without a place in
@@ -120,7 +120,7 @@ def content_of_file(sheet: Sheet, rule: Raw, device: str) -> Content:
         if reason:
             omissions.append(f"{setting.name}: {reason}.")
             continue
-        to_write: tuple[Setting | Write, ...] = (*writes_before, setting, *writes_after)
+        to_write: tuple[Setting | ObjectWrite, ...] = (*writes_before, setting, *writes_after)
         for setting_or_write in to_write:
             reason = _reason_for_misfit(setting_or_write, rule, format_, device)
             if reason:
@@ -132,7 +132,7 @@ def content_of_file(sheet: Sheet, rule: Raw, device: str) -> Content:
     )
 
 
-def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write], list[Write]]]:
+def _settings_in_write_order(sheet: SettingsSheet) -> Iterator[tuple[Setting, list[ObjectWrite], list[ObjectWrite]]]:
     """Yield the settings in the order of writing, each with the values to write before and after it.
 
     A rule applies to the settings named in ``rule.of``. The values in ``rule.needs`` come before the first of these
@@ -143,8 +143,8 @@ def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write
     # Like the settings, these are in the order of writing, so that a rule has its first and last name in this order.
     setting_names = [setting.name for setting in settings]
     for setting in settings:
-        writes_before: list[Write] = []
-        writes_after: list[Write] = []
+        writes_before: list[ObjectWrite] = []
+        writes_after: list[ObjectWrite] = []
         for rule in sheet.writing:
             # Without names, a rule applies to all settings. A rule with names contains at least one name from the
             # sheet.
@@ -157,7 +157,7 @@ def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write
         yield setting, writes_before, writes_after
 
 
-def _reason_to_leave_out(setting: Setting, sheet: Sheet, format_: FileFormat) -> str:
+def _reason_to_leave_out(setting: Setting, sheet: SettingsSheet, format_: FileFormat) -> str:
     """Return the reason that no file contains a setting, or an empty string if files contain it.
 
     Reasons are an unknown value, an open bound, and a factory default that could be written only after other values.
@@ -172,11 +172,11 @@ def _reason_to_leave_out(setting: Setting, sheet: Sheet, format_: FileFormat) ->
     return ""
 
 
-def _setting_name(setting_or_write: Setting | Write) -> str:
+def _setting_name(setting_or_write: Setting | ObjectWrite) -> str:
     return setting_or_write.name if isinstance(setting_or_write, Setting) else setting_or_write.title
 
 
-def _reason_for_misfit(setting_or_write: Setting | Write, rule: Raw, format_: FileFormat, device: str) -> str:
+def _reason_for_misfit(setting_or_write: Setting | ObjectWrite, rule: Raw, format_: FileFormat, device: str) -> str:
     """Return the reason for the first place on a device to which a format cannot write a value, or an empty string."""
     key = _key_in_file(setting_or_write, rule)
     for place in setting_or_write.places:
@@ -187,7 +187,7 @@ def _reason_for_misfit(setting_or_write: Setting | Write, rule: Raw, format_: Fi
     return ""
 
 
-def _file_values(setting_or_write: Setting | Write, rule: Raw, device: str) -> list[FileValue]:
+def _file_values(setting_or_write: Setting | ObjectWrite, rule: Raw, device: str) -> list[FileValue]:
     """Return a value with each of its locations on a device."""
     marks = _setting_marks(setting_or_write) if isinstance(setting_or_write, Setting) else []
     file_values = []
@@ -205,7 +205,7 @@ def _file_values(setting_or_write: Setting | Write, rule: Raw, device: str) -> l
     return file_values
 
 
-def _value_word(setting_or_write: Setting | Write, rule: Raw) -> str:
+def _value_word(setting_or_write: Setting | ObjectWrite, rule: Raw) -> str:
     """Return a value in the notation of the file: a word from the rule, or else a number or text."""
     value = _setting_value(setting_or_write)
     words_by_value = rule.get("words", {}).get(_setting_name(setting_or_write), {})
@@ -221,18 +221,18 @@ def _setting_marks(setting: Setting) -> list[str]:
     return marks
 
 
-def _key_in_file(setting_or_write: Setting | Write, rule: Raw) -> str:
+def _key_in_file(setting_or_write: Setting | ObjectWrite, rule: Raw) -> str:
     """Return the name of a setting in the file, or an empty string."""
     key: str = rule.get("names", {}).get(_setting_name(setting_or_write), "")
     return key
 
 
-def _setting_value(setting_or_write: Setting | Write) -> Value:
+def _setting_value(setting_or_write: Setting | ObjectWrite) -> Value:
     assert setting_or_write.value is not None
     return setting_or_write.value
 
 
-def _reason_for_misfit_at(place: Place, value: Value, key: str, format_: FileFormat) -> str:
+def _reason_for_misfit_at(place: SettingPlace, value: Value, key: str, format_: FileFormat) -> str:
     """Return the reason that a format cannot write a value to this location, or an empty string.
 
     ``key`` is the name of the setting in the file. For a format with names, only the name counts.
@@ -251,7 +251,7 @@ def _reason_for_misfit_at(place: Place, value: Value, key: str, format_: FileFor
     return ""
 
 
-def _channels_of_device(sheet: Sheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
+def _channels_of_device(sheet: SettingsSheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
     """Return the channels of a device with their values, or one channel if all values are shared, or none without any.
 
     This one channel has a name only if the device has a single channel.
@@ -259,7 +259,7 @@ def _channels_of_device(sheet: Sheet, device: str, file_values: Sequence[FileVal
     if not file_values:
         return ()
     devices = (master_device for master_device in sheet.master.devices if master_device.name == device)
-    first_name, *further_names = first_of(devices, f"device '{device}' of the master").channels
+    first_name, *further_names = first_or_raise(devices, f"device '{device}' of the master").channels
     if not any(file_value.place.channel for file_value in file_values):
         return (Channel("" if further_names else first_name, tuple(file_values)),)
     # The first channel also contains the shared values.

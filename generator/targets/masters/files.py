@@ -11,23 +11,23 @@ from functools import partial
 from typing import Annotated, TypedDict
 
 from ...language.master_items import FILE_FORMATS
-from ...language.problems import listed
+from ...language.problems import join_words
 from ...masters.groups import GroupSheets, sheets_of
-from ...masters.places import Place
-from ...masters.record import Record
-from ...masters.sheet import Master, Sheet, shipped_masters
+from ...masters.places import SettingPlace
+from ...masters.record import EncoderFacts
+from ...masters.sheet import Master, SettingsSheet, shipped_masters
 from ...masters.text import cited, condition_text
 from ...model import Device
 from ...render import Templates, our_templates
 from ...say.evidence import grade_below_manual, titled_in_lists
 from ...say.markdown import escape as escape_markdown
-from ...say.plain_text import plain, wrapped
+from ...say.plain_text import text_on_one_line, wrap_text
 from ...say.text import PLAIN_STYLE
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
 from .entries import Channel, Content, Raw, content_of_file
 
-_WIDTH = 120
+_TEXT_WIDTH = 120
 _ONE_FILE_EACH = "each"
 _ORDER_CODES_OPTION = Option(
     "order-codes", "each: a file that the tool loads for each order code", "bulk", ("bulk", _ONE_FILE_EACH)
@@ -52,7 +52,7 @@ class Index(TypedDict):
 def file_text(
     device: Device,
     order_codes: Sequence[str],
-    sheet: Sheet,
+    sheet: SettingsSheet,
     rule: Raw,
     master_device: str,
     library: Library | None = None,
@@ -90,7 +90,7 @@ def file_text(
 
 
 def _first_paragraphs(
-    device: Device, order_codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str
+    device: Device, order_codes: Sequence[str], sheet: SettingsSheet, rule: Raw, master_device: str
 ) -> Iterator[str]:
     """Yield the purpose of the file, and the origin of its values."""
     format_ = FILE_FORMATS[rule["format"]]
@@ -98,7 +98,9 @@ def _first_paragraphs(
     yield from _paragraphs_on_origin(device, [sheet], rule, master_device)
 
 
-def _paragraphs_on_origin(device: Device, sheets: Sequence[Sheet], rule: Raw, master_device: str) -> Iterator[str]:
+def _paragraphs_on_origin(
+    device: Device, sheets: Sequence[SettingsSheet], rule: Raw, master_device: str
+) -> Iterator[str]:
     """Yield the manual with the grade of the evidence, the cited documents of the master, and the state of tests."""
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
@@ -117,7 +119,7 @@ def _paragraphs_on_origin(device: Device, sheets: Sequence[Sheet], rule: Raw, ma
     yield f"Not yet tested on hardware. {reader} Form of the file: {cited(rule['source'])}."
 
 
-def _places_on_device(sheet: Sheet, master_device: str) -> Iterator[Place]:
+def _places_on_device(sheet: SettingsSheet, master_device: str) -> Iterator[SettingPlace]:
     """Yield the locations of all settings on a device."""
     for setting in sheet.settings:
         yield from (place for place in setting.places if place.device == master_device)
@@ -127,10 +129,10 @@ def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[st
     """Yield which values are derived, only a start, or left out, and unless ``is_short``, the conditions on writing."""
     derived = _names_with_mark(file_content, "derived")
     if derived:
-        yield f"Derived, not stated in a document: {listed(derived)}."
+        yield f"Derived, not stated in a document: {join_words(derived)}."
     starts = _names_with_mark(file_content, "start with")
     if starts:
-        yield f"Only a value to start with, because the highest clock of the encoder is not known: {listed(starts)}."
+        yield f"Only a value to start with, because the highest clock of the encoder is not known: {join_words(starts)}."
     for sentence in file_content.left_out:
         yield f"Not in this file: {sentence}"
     if not is_short:
@@ -145,18 +147,20 @@ def _names_with_mark(file_content: Content, mark: str) -> list[str]:
 def comment(paragraphs: Sequence[str], prefix: str) -> str:
     """Return paragraphs as a comment whose lines begin with ``prefix``, which is ``<!--`` in XML."""
     if prefix == "<!--":
-        lines = [wrapped(note(paragraph), _WIDTH, prefix="       ", first="     ") for paragraph in paragraphs]
+        lines = [
+            wrap_text(comment_text(paragraph), _TEXT_WIDTH, prefix="       ", first="     ") for paragraph in paragraphs
+        ]
         return "\n".join(["<!--", *lines, "-->"])
     if prefix == "//":
         # A backslash at the end of a line would continue it.
         paragraphs = [paragraph.replace("\\", "/") for paragraph in paragraphs]
-    lines = [wrapped(paragraph, _WIDTH, prefix=f"{prefix}   ", first=f"{prefix} ") for paragraph in paragraphs]
+    lines = [wrap_text(paragraph, _TEXT_WIDTH, prefix=f"{prefix}   ", first=f"{prefix} ") for paragraph in paragraphs]
     return "\n".join(lines)
 
 
-def note(text: object) -> str:
+def comment_text(text: object) -> str:
     """Return text that cannot end a one-line comment in XML or C, without double hyphens, which XML does not allow."""
-    comment_line = plain(text).replace("*/", "* /")
+    comment_line = text_on_one_line(text).replace("*/", "* /")
     # Of three hyphens, one pass leaves two next to each other.
     while "--" in comment_line:
         comment_line = comment_line.replace("--", "- -")
@@ -257,7 +261,7 @@ def _index_row(master: Master, format_name: str) -> dict[str, str]:
 
 
 #: The settings of order codes, with the record and the codes that share them.
-SheetOfCodes = tuple[Sheet, Record, Sequence[str]]
+SheetOfCodes = tuple[SettingsSheet, EncoderFacts, Sequence[str]]
 
 
 def _file_of_each_order_code(
@@ -278,7 +282,7 @@ def _file_of_each_order_code(
         yield f"{start}{name}{suffix}", text_function
 
 
-def _code_and_answers(code: str, record: Record) -> str:
+def _code_and_answers(code: str, record: EncoderFacts) -> str:
     return "-".join((code, *record.answers.values()))
 
 
@@ -293,7 +297,7 @@ def _bulk_file(
 def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library) -> str:
     """Return the text of a file in which order codes with the same content and the same answers share a block."""
     codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
-    sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], Sheet] = {}
+    sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], SettingsSheet] = {}
     for sheet, record, codes in sheets:
         content_and_answers = (content_of_file(sheet, rule, master_device), tuple(record.answers.items()))
         codes_by_content.setdefault(content_and_answers, []).extend(codes)
@@ -309,7 +313,7 @@ def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master
 
 
 def _joined_blocks(
-    device: Device, blocks: Sequence[tuple[str, str]], sheets: Sequence[Sheet], rule: Raw, master_device: str
+    device: Device, blocks: Sequence[tuple[str, str]], sheets: Sequence[SettingsSheet], rule: Raw, master_device: str
 ) -> str:
     """Return the files as comments, or as children of one element in XML. Each block is a title and its text.
 
@@ -346,7 +350,7 @@ def _without_declaration(text: str) -> str:
 TEMPLATES = Templates(
     our_templates("masters"),
     values={"README.md.jinja": Index, **{f"{name}.jinja": MasterFile for name in FILE_FORMATS}},
-    filters={"comment": comment, "filled": fill_pattern, "note": note},
+    filters={"comment": comment, "filled": fill_pattern, "note": comment_text},
 )
 TARGET = Target(
     name="masters",

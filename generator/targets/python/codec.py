@@ -10,29 +10,29 @@ from functools import cached_property
 from ...model import Digits, Fault, Field, Layout, Register
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...plan.codec import codec_of
+from ...plan.codec import layout_plan_of
 from ...plan.crcs import carrier_of
-from ...plan.limits import Limits, limits_of, powers_of_two
-from ...plan.operations import FrameCrc, JoinedNumber, Part
+from ...plan.limits import NumberLimits, limits_of, powers_of_two
+from ...plan.operations import FieldToDecode, FrameCrc, JoinedNumber
 from ...plan.values import (
-    Active,
-    Characters,
-    DigitRuns,
-    Named,
-    Raw,
+    ActiveFlag,
+    DecimalDigits,
+    Latin1Text,
+    NamedChoice,
+    UnsignedNumber,
     is_named,
     is_number,
     meaning_of,
 )
-from ...say.names_and_places import words
-from ...say.text import sentence
+from ...say.names_and_places import name_in_words
+from ...say.text import as_sentence
 from . import docstrings
 from .bits import BitsEncoder
 from .decode import Decoder, attribute_values
 from .limits import LimitsFunction, limit_expressions, limits_depend
-from .literals import Atom, Expr, Scope, coded, quoted
+from .literals import Atom, ParameterExpressions, PythonExpression, coded, quoted
 from .named_values import NamedValues
-from .names import ClassNames, Context, OpenQuestion, encoder_name, interface_name, meaning_limits
+from .names import ClassNames, ModuleContext, OpenQuestion, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports
 
 
@@ -46,12 +46,14 @@ class Attribute:
     default: str = ""
 
 
-class Coder:
+class LayoutClass:
     """Class for one layout, as used by its template."""
 
-    def __init__(self, context: Context, interface: str, layout: Layout, register: Register | None = None) -> None:
+    def __init__(
+        self, context: ModuleContext, interface: str, layout: Layout, register: Register | None = None
+    ) -> None:
         self.context, self.layout, self.register = context, layout, register
-        self.plan = codec_of(context.device, layout)
+        self.plan = layout_plan_of(context.device, layout)
         self.name = context.frames[layout.name] if register is None else context.registers[register.name]
         self.layout_interface = interface
         self.interface, self.encoder = interface_name(interface), encoder_name(interface)
@@ -62,7 +64,7 @@ class Coder:
         #: Questions whose answers the decoder accepts: the questions of all frames among which it is chosen.
         self.passed_arguments = self.questions
 
-    def number(self, expression: Expression) -> Expr:
+    def number(self, expression: Expression) -> PythonExpression:
         return self.context.scope.expression_of(expression)
 
     # -- dependencies
@@ -120,7 +122,7 @@ class Coder:
         return has_named_values or Fault.RANGE in self.plan.faults()
 
     @property
-    def named_value_parts(self) -> list[Part]:
+    def named_value_parts(self) -> list[FieldToDecode]:
         """Parts with named values, except the selector. ``decode`` looks up their members after all checks."""
         parts = self.plan.parts
         return [part for part in parts if is_named(part.meaning) and not self.selects(part.field)]
@@ -175,17 +177,17 @@ class Coder:
     def _field_attributes(self, field: Field) -> Iterator[Attribute]:
         """Yield the attribute of a field, or one for each run of digits. The value in the manual is its default."""
         match meaning_of(field):
-            case Raw():
+            case UnsignedNumber():
                 stated = self._stated_number(field)
                 yield self._number_attribute(field, stated if stated is not None else self._request_default(field))
-            case Active():
+            case ActiveFlag():
                 yield self._field_attribute(field, "bool", default=str(bool(self._request_default(field))))
-            case Named():
+            case NamedChoice():
                 yield self._field_attribute(field, self.enum(field))
-            case DigitRuns(runs):
+            case DecimalDigits(runs):
                 for run in runs:
                     yield Attribute(self.names.attribute(run.name), type="int", meaning=self._of_run(field, run))
-            case Characters():
+            case Latin1Text():
                 yield self._field_attribute(field, "str")
             case _:  # Any other conversion of a number.
                 yield self._number_attribute(field, self._request_default(field))
@@ -237,12 +239,12 @@ class Coder:
 
     # -- joined numbers and values from the manual
 
-    def assigned(self, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
+    def assigned(self, field: Field, bits: PythonExpression) -> Iterator[tuple[str, PythonExpression]]:
         """Yield the attributes of a field of a joined number, with their values."""
         enum = self.enum(field) if is_named(meaning_of(field)) else ""
         return attribute_values(self.context.scope, self.names, enum, field, bits)
 
-    def join_attributes(self, joined_number: JoinedNumber) -> Expr:
+    def join_attributes(self, joined_number: JoinedNumber) -> PythonExpression:
         """Return a joined number as an expression of local variables named like the attributes."""
         return self.encoding.join_numbers(joined_number, self.encoding.scope, str)
 
@@ -259,7 +261,7 @@ class Coder:
                 needed_questions.append(question)
         return needed_questions
 
-    def whole_width(self, joined_number: JoinedNumber) -> Expr:
+    def whole_width(self, joined_number: JoinedNumber) -> PythonExpression:
         return self.number(sum((field.width for field in reversed(joined_number.fields)), Expression(0)))
 
     @property
@@ -286,7 +288,7 @@ class Coder:
             conditions.append("no unused bit differs")
         return ", ".join(conditions)
 
-    def documented_value(self, field: Field) -> Expr:
+    def documented_value(self, field: Field) -> PythonExpression:
         """Return the value in the manual for a field."""
         match field.equals:
             case Expression() as value:
@@ -311,17 +313,17 @@ class Coder:
         scope = self._scope_of_attributes(self.by_index)
         for whole in self.plan.joined_numbers:
             is_position = self.names.attribute(whole.join.name) == self.position_attribute
-            if is_position and all(isinstance(meaning_of(field), Raw) for field in whole.fields):
+            if is_position and all(isinstance(meaning_of(field), UnsignedNumber) for field in whole.fields):
                 return str(self.encoding.join_numbers(whole, scope, self.by_index))
         return self.by_index(self.position_attribute)
 
-    def _scope_of_attributes(self, read: Callable[[str], str]) -> Scope:
+    def _scope_of_attributes(self, read: Callable[[str], str]) -> ParameterExpressions:
         """Return the scope in which ``read`` returns the expression for ``variant`` or for an answer by its name."""
         code_of_parameter = dict(self.context.scope_of(read("variant")).names)
         for question in self.questions:
             for parameter, member in question.members:
                 code_of_parameter[parameter] = f"{read(question.name)}.{member}"
-        return Scope(code_of_parameter)
+        return ParameterExpressions(code_of_parameter)
 
     @property
     def not_usable_conditions(self) -> list[str]:
@@ -330,7 +332,7 @@ class Coder:
             return []
         reports_with_indices = FrameReports(
             reporting=self.context.reportings.get(self.layout.name),
-            codec=self.plan,
+            layout_plan=self.plan,
             class_names=self.names,
             parameters=self.context.parameters,
             attribute_of=self.by_index,
@@ -365,7 +367,7 @@ class Coder:
     # -- limits of registers
 
     @cached_property
-    def limits(self) -> Limits | None:
+    def limits(self) -> NumberLimits | None:
         """Limits of the register, or None without any. The functions of its meanings are in ``limits_functions``."""
         register = self.register
         if register is None or (register.min is None and register.max is None):
@@ -392,7 +394,7 @@ class Coder:
                 low, high = limit_expressions(self.context.scope, limits)
                 yield LimitsFunction(
                     name=meaning_limits(meaning),
-                    when=words(meaning.name),
+                    when=name_in_words(meaning.name),
                     low=low,
                     high=high,
                     takes_variant=limits_depend(limits),
@@ -407,7 +409,7 @@ class Coder:
         else:
             interface = device.interface_of(self.layout)
             description, kind = docstrings.of_layout(device, interface, self.layout), "frame"
-        attributes = [(question.name, sentence(question.alternative.meaning)) for question in self.questions]
+        attributes = [(question.name, as_sentence(question.alternative.meaning)) for question in self.questions]
         attributes += [(attribute.name, attribute.meaning) for attribute in self.attributes]
         unused_bits = []
         for reserved in self.plan.reserved:

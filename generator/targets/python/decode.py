@@ -7,12 +7,21 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from ...model import Digits, Field
 from ...model.expressions import Expression
 from ...model.lookup import assert_never
-from ...plan.codec import Codec
-from ...plan.operations import AlwaysIs, Check, FrameCrc, ParityIs, Part, ZerosAbove
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
-from .bits import Reader
+from ...plan.codec import LayoutPlan
+from ...plan.operations import AlwaysIs, Check, FieldToDecode, FrameCrc, ParityIs, ZerosAbove
+from ...plan.values import (
+    ActiveFlag,
+    DecimalDigits,
+    Latin1Text,
+    NamedChoice,
+    TwosComplement,
+    UnsignedNumber,
+    ZeroMeans,
+    meaning_of,
+)
+from .bits import BitReader
 from .first_byte import FirstByte
-from .literals import Atom, Expr, Operation, Scope, call, grouped, mask, number
+from .literals import Atom, ParameterExpressions, PythonExpression, PythonOperation, call, grouped, mask, number
 from .named_values import NamedValues, prefer_names_of_fields
 from .names import ClassNames
 
@@ -28,24 +37,30 @@ class Decoder:
     A frame has one decoder for each encoder, which computes the values in a NamedValues scope only once.
     """
 
-    def __init__(self, scope: Scope, codec: Codec, class_names: ClassNames, enum: Callable[[Field], str]) -> None:
+    def __init__(
+        self,
+        scope: ParameterExpressions,
+        layout_plan: LayoutPlan,
+        class_names: ClassNames,
+        enum: Callable[[Field], str],
+    ) -> None:
         self.scope = scope
-        self.codec = codec
+        self.codec = layout_plan
         self.names = class_names
         self.enum = enum
         # A register has another scope.
-        is_short_frame = isinstance(scope, NamedValues) and 1 < codec.length <= _MAX_BYTE_VARIABLES
+        is_short_frame = isinstance(scope, NamedValues) and 1 < layout_plan.length <= _MAX_BYTE_VARIABLES
         #: True if each byte of the frame has a variable, ``b0`` and so on.
-        self.is_unpacked = is_short_frame and codec.in_bytes and not codec.by_word
+        self.is_unpacked = is_short_frame and layout_plan.in_bytes and not layout_plan.by_word
         self.byte = "b{}" if self.is_unpacked else "data[{}]"
-        self.read = Reader(scope, codec, self.byte)
+        self.read = BitReader(scope, layout_plan, self.byte)
         #: Fields whose bits have a variable at this point of the function.
         self.assigned: set[str] = set()
-        self._first_byte = FirstByte(codec, enum)
+        self._first_byte = FirstByte(layout_plan, enum)
         if isinstance(scope, NamedValues):
-            prefer_names_of_fields(scope, codec, class_names)
+            prefer_names_of_fields(scope, layout_plan, class_names)
 
-    def number(self, expression: Expression) -> Expr:
+    def number(self, expression: Expression) -> PythonExpression:
         return self.scope.expression_of(expression)
 
     @property
@@ -78,7 +93,7 @@ class Decoder:
         self.assigned = set(before)
         return ""
 
-    def assign(self, field: Field, expression: Expr) -> str:
+    def assign(self, field: Field, expression: PythonExpression) -> str:
         """Return the statement that reads a field into its variable, which has the bits from then on.
 
         It is empty if an earlier statement has done so.
@@ -113,7 +128,7 @@ class Decoder:
         return " ^ ".join(operands)
 
     @property
-    def crc_covers(self) -> Expr | None:
+    def crc_covers(self) -> PythonExpression | None:
         """Number of bits before the CRC of a word, for its tables.
 
         None without a CRC, for a frame of bytes, if order codes differ in the CRC, or if an answer decides the number.
@@ -127,7 +142,7 @@ class Decoder:
         answered = self.scope.answered_parameters if isinstance(self.scope, NamedValues) else frozenset()
         if not answered.isdisjoint(frame_crc.covered.parameters):
             return None
-        return Scope(self.scope.names).expression_of(frame_crc.covered)
+        return ParameterExpressions(self.scope.names).expression_of(frame_crc.covered)
 
     @property
     def tables(self) -> int:
@@ -183,10 +198,10 @@ class Decoder:
         return covered if is_read else None
 
     @property
-    def padded_fields(self) -> list[tuple[Field, Expr]]:
+    def padded_fields(self) -> list[tuple[Field, PythonExpression]]:
         """Fields below zeros, each with the bits that include the zeros."""
         checks = (check for check in self.codec.checks if isinstance(check, ZerosAbove))
-        return [(check.field, self.read.number_from_pieces(check.field.pieces)) for check in checks]
+        return [(check.field, self.read.number_from_pieces(check.field.bit_slices)) for check in checks]
 
     @property
     def members(self) -> list[tuple[int, str]]:
@@ -221,12 +236,12 @@ class Decoder:
 
     # -- values
 
-    def bits(self, part: Part) -> Expr:
+    def bits(self, part: FieldToDecode) -> PythonExpression:
         """Return the bits of a field after all checks: its variable, if it has one, or else the expression."""
         has_variable = part.field.name in self.assigned
         return Atom(self.local(part.field)) if has_variable else self.read.bits(part.bits)
 
-    def values(self, part: Part) -> list[Expr]:
+    def values(self, part: FieldToDecode) -> list[PythonExpression]:
         """Return the values of a field: one, or one per run of digits.
 
         ``valid_first_bytes`` maps the first byte to the selector. A variable holds the member of a named value.
@@ -237,33 +252,33 @@ class Decoder:
         if is_checked_with_first_byte:
             return [Atom("valid_first_bytes[b0]")]
         match meaning_of(field):
-            case Raw():
+            case UnsignedNumber():
                 return [bits]
             case TwosComplement():
                 return [call("signed", bits, self.number(field.width))]
             case ZeroMeans(stands_for):
                 return [_or_if_zero(bits, stands_for)]
-            case Active(low):
+            case ActiveFlag(low):
                 return [self._is_active(part, low_is_active=low)]
-            case Named() if self.selects(field):
+            case NamedChoice() if self.selects(field):
                 return [call(self.enum(field), bits)]
-            case Named():
+            case NamedChoice():
                 return [Atom(self.local(field))]
-            case DigitRuns(runs):
+            case DecimalDigits(runs):
                 return [run_value for _, run_value in digit_values(bits, runs)]
-            case Characters():
+            case Latin1Text():
                 return [self._decode_text(part)]
             case meaning:
                 assert_never(meaning)
 
-    def _decode_text(self, part: Part) -> Expr:
+    def _decode_text(self, part: FieldToDecode) -> PythonExpression:
         """Return the characters of a field, such as ``data[2:6].decode("latin-1")``."""
         adjacent_bytes = self.read.characters(part.bits)
         if adjacent_bytes:
             return Atom(f'{adjacent_bytes}.decode("latin-1")')
         return _text_of_number(part.field, self.bits(part))
 
-    def _is_active(self, part: Part, *, low_is_active: bool) -> Expr:
+    def _is_active(self, part: FieldToDecode, *, low_is_active: bool) -> PythonExpression:
         """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
         Such a flag has a width of 0 or 1, and its bits are 0 without it.
@@ -275,7 +290,7 @@ class Decoder:
             return Atom(f"{self.bits(part).operand} != {inactive.operand}")
         return _is_flag_active(self.read.bit(part.bits, self._shorter_number(part)), low_is_active=low_is_active)
 
-    def _shorter_number(self, part: Part) -> str:
+    def _shorter_number(self, part: FieldToDecode) -> str:
         """Return ``low``, the lowest bits of a word, if a CRC table needs it and it has the flag. Otherwise ""."""
         low_bit = part.bits.low
         is_in_low_table = low_bit.is_constant and low_bit.constant < TABLE_BITS
@@ -298,7 +313,7 @@ class Decoder:
             decoded.values.append((other_bits, "unused, all other bits"))
         return decoded
 
-    def _add_values(self, part: Part, decoded: DecodedValues) -> None:
+    def _add_values(self, part: FieldToDecode, decoded: DecodedValues) -> None:
         """Add the values of a field, and the statement for the number that several values are parts of.
 
         Each value has a comment, unless it is the variable with the name of the attribute.
@@ -312,7 +327,7 @@ class Decoder:
             shows_its_name = code == self.local(attribute)
             decoded.values.append((code, "" if shows_its_name else self._place_comment(part, attribute)))
 
-    def _place_comment(self, part: Part, attribute: Field | Digits) -> str:
+    def _place_comment(self, part: FieldToDecode, attribute: Field | Digits) -> str:
         """Return the name of an attribute, with the place of its bits if its expression reads them.
 
         An example is ``warning, bit 6, active low``.
@@ -322,7 +337,7 @@ class Decoder:
         if has_variable or isinstance(attribute, Digits):
             return name
         meaning = meaning_of(part.field)
-        is_active_low = isinstance(meaning, Active) and meaning.low
+        is_active_low = isinstance(meaning, ActiveFlag) and meaning.low
         level = "active low" if is_active_low else ""
         return ", ".join(filter(None, [name, self.read.place(part.bits), level]))
 
@@ -345,50 +360,50 @@ class DecodedValues:
 
 
 def attribute_values(
-    scope: Scope, class_names: ClassNames, enum: str, field: Field, bits: Expr
-) -> Iterator[tuple[str, Expr]]:
+    scope: ParameterExpressions, class_names: ClassNames, enum: str, field: Field, bits: PythonExpression
+) -> Iterator[tuple[str, PythonExpression]]:
     """Yield the attributes of a field of a joined number, with their values. ``enum`` is the name of its IntEnum."""
     attribute = class_names.attribute(field.name)
     match meaning_of(field):
-        case Raw():
+        case UnsignedNumber():
             yield attribute, bits
         case TwosComplement():
             yield attribute, call("signed", bits, scope.expression_of(field.width))
         case ZeroMeans(stands_for):
             yield attribute, _or_if_zero(bits, stands_for)
-        case Active(low):
+        case ActiveFlag(low):
             yield attribute, _is_flag_active(bits, low_is_active=low)
-        case Named():
+        case NamedChoice():
             yield attribute, call("as_member", enum, f'"{field.name}"', bits)
-        case DigitRuns(runs):
+        case DecimalDigits(runs):
             for run, run_value in digit_values(bits, runs):
                 yield class_names.attribute(run.name), run_value
-        case Characters():
+        case Latin1Text():
             yield attribute, _text_of_number(field, bits)
         case meaning:
             assert_never(meaning)
 
 
-def digit_values(number_of_runs: Expr, runs: Sequence[Digits]) -> Iterator[tuple[Digits, Expr]]:
+def digit_values(number_of_runs: PythonExpression, runs: Sequence[Digits]) -> Iterator[tuple[Digits, PythonExpression]]:
     """Yield the runs of decimal digits in a number, each with its value, such as ``number // 100 % 10``."""
     for run in runs:
         run_value = number_of_runs
         if run.divisor != 1:
-            run_value = Operation(run_value, "//", number(run.divisor))
+            run_value = PythonOperation(run_value, "//", number(run.divisor))
         # No digits are before the first run.
         if run is not runs[0]:
-            run_value = Operation(run_value, "%", number(run.modulus))
+            run_value = PythonOperation(run_value, "%", number(run.modulus))
         yield run, run_value
 
 
-def _or_if_zero(bits: Expr, stands_for: int) -> Expr:
+def _or_if_zero(bits: PythonExpression, stands_for: int) -> PythonExpression:
     return Atom(f"{bits.operand} or {grouped(stands_for)}")
 
 
-def _is_flag_active(bit: Expr, *, low_is_active: bool) -> Expr:
+def _is_flag_active(bit: PythonExpression, *, low_is_active: bool) -> PythonExpression:
     return Atom(f"not {bit}" if low_is_active else f"{bit.operand} != 0")
 
 
-def _text_of_number(field: Field, bits: Expr) -> Expr:
+def _text_of_number(field: Field, bits: PythonExpression) -> PythonExpression:
     number_of_characters = field.width.constant // 8
     return Atom(f'{bits.operand}.to_bytes({number_of_characters}, "big").decode("latin-1")')

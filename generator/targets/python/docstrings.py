@@ -25,12 +25,12 @@ from ...model.record import dataclass
 from ...say import commands, names_and_places
 from ...say import layout as say_layout
 from ...say import register as say_register
-from ...say.errata import errata, erratum
-from ...say.evidence import grade, origin, other_editions, removals
-from ...say.names_and_places import full_title, heading, title
-from ...say.order_code import parameter
-from ...say.plain_text import counted, plain, wrapped
-from ...say.text import DOCSTRING_STYLE, Statement, sentence, spec_text, statement
+from ...say.errata import describe_erratum, errata
+from ...say.evidence import describe_grade, origin, other_editions, removals
+from ...say.names_and_places import full_title, heading, title_of
+from ...say.order_code import describe_parameter
+from ...say.plain_text import count_with_unit, text_on_one_line, wrap_text
+from ...say.text import DOCSTRING_STYLE, Statement, as_sentence, spec_text, statement
 from .line_breaks import WIDTH
 from .names import is_one_choice
 
@@ -56,7 +56,7 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     pad = " " * indent
     # Without blocks, the closing quotes are on the line of the summary.
     summary_width = WIDTH if any(blocks) else WIDTH - len('"""')
-    docstring_lines = [wrapped(_in_docstring(summary), summary_width, prefix=pad, first=f'{pad}"""')]
+    docstring_lines = [wrap_text(_in_docstring(summary), summary_width, prefix=pad, first=f'{pad}"""')]
     for block in blocks:
         block_lines = _block_lines(block, pad)
         if block_lines:
@@ -73,13 +73,16 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
 def _block_lines(block: Block, pad: str) -> list[str]:
     """Return the lines of a block, or none if it has no text or no entries."""
     if isinstance(block, str):
-        return [wrapped(_in_docstring(block), WIDTH, pad)] if block else []
+        return [wrap_text(_in_docstring(block), WIDTH, pad)] if block else []
     if isinstance(block, Lines):
         return [f"{pad}    {_in_docstring_line(line)}" for line in block.lines]
     title, entries = block
     if not entries:
         return []
-    return [wrapped(_in_docstring(f"{title}:"), WIDTH, pad), *(_block_entry(name, text, pad) for name, text in entries)]
+    return [
+        wrap_text(_in_docstring(f"{title}:"), WIDTH, pad),
+        *(_block_entry(name, text, pad) for name, text in entries),
+    ]
 
 
 def _block_entry(name: str, text: str, pad: str) -> str:
@@ -89,7 +92,7 @@ def _block_entry(name: str, text: str, pad: str) -> str:
     """
     first_prefix = f"{pad}    {_in_docstring(name)}: " if name else f"{pad}    "
     further_prefix = f"{pad}        " if name else first_prefix
-    return wrapped(_in_docstring(text), WIDTH, prefix=further_prefix, first=first_prefix)
+    return wrap_text(_in_docstring(text), WIDTH, prefix=further_prefix, first=first_prefix)
 
 
 def _in_docstring_line(line: str) -> str:
@@ -100,7 +103,7 @@ def _in_docstring_line(line: str) -> str:
 
 
 def _in_docstring(text: str) -> str:
-    return plain(text).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+    return text_on_one_line(text).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
 
 
 #: End of a sentence that is followed by another sentence.
@@ -114,15 +117,15 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
     manual = device.manual
     revision = f"revision {manual.revision}" + (f" of {manual.date}" if manual.date else "") + f" ({manual.language})"
     return docstring(
-        sentence(f"{device.title}, by {device.manufacturer.title}"),
+        as_sentence(f"{device.title}, by {device.manufacturer.title}"),
         "Start with lookup(), which accepts every order code. Names follow the manual. Names that are reserved in"
         " Python end in an underscore.",
         ("Contents", [group for group in contents if group[1]]),
         *example,
-        f"Version {device.manufacturer.version}, generated from the manual “{plain(manual.title)}”, {plain(revision)}."
+        f"Version {device.manufacturer.version}, generated from the manual “{text_on_one_line(manual.title)}”, {text_on_one_line(revision)}."
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
         " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
-        DOCSTRING_STYLE.sentence(grade(device)),
+        DOCSTRING_STYLE.sentence(describe_grade(device)),
         DOCSTRING_STYLE.paragraph([*origin(device), *other_editions(device)]),
         *_in_full(removals(device)),
         " ".join(device.manufacturer.trademarks),
@@ -131,7 +134,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
 
 def of_errata(device: Device, *paths: str) -> list[Block]:
     """Return the errata for these parts of the spec. Errata about wording are only in the table."""
-    return paragraphs(map(erratum, errata(device, *paths)))
+    return paragraphs(map(describe_erratum, errata(device, *paths)))
 
 
 def paragraphs(statements: Iterable[Statement]) -> list[Block]:
@@ -168,16 +171,16 @@ def _short_erratum(statement: Statement) -> tuple[str, str]:
     # Changes by overlays and other editions have no short form.
     is_erratum_of_manual = bool(statement.brief) and "Used" in phrases_by_label
     if is_erratum_of_manual:
-        return title_of_erratum, sentence(correction)
+        return title_of_erratum, as_sentence(correction)
     first_sentence = _END_OF_SENTENCE.split(correction)[0]
-    return title_of_erratum, sentence(first_sentence)
+    return title_of_erratum, as_sentence(first_sentence)
 
 
 def notes(device: Device, interface: Interface) -> list[list[str]]:
     """Return the errata of an interface that do not belong to a single layout, each as a list of lines."""
     path = f"interfaces.{interface.name}"
     interface_errata = errata(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
-    return [DOCSTRING_STYLE.lines(erratum(listed_erratum)) for listed_erratum in interface_errata]
+    return [DOCSTRING_STYLE.lines(describe_erratum(listed_erratum)) for listed_erratum in interface_errata]
 
 
 # -- order codes
@@ -195,7 +198,7 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
         *quantities,
         ("unlisted", "Names of the parts whose values the manual does not list."),
         ("tail", "Text that followed the order code on the label."),
-        ("special_code", f"Suffix /Sxxx of the label, or empty. {sentence(device.order_code.special)}".strip()),
+        ("special_code", f"Suffix /Sxxx of the label, or empty. {as_sentence(device.order_code.special)}".strip()),
         ("written_as_in", "Document that uses the label's spelling of the order code, if it is not the usual one."),
     ]
     return docstring(
@@ -237,7 +240,7 @@ def of_answer(answer: Answer) -> str:
 
 
 def of_parameter(device: Device, quantity: Parameter) -> str:
-    return DOCSTRING_STYLE.paragraph(parameter(device, quantity))
+    return DOCSTRING_STYLE.paragraph(describe_parameter(device, quantity))
 
 
 # -- frames, registers and procedures
@@ -256,7 +259,7 @@ def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str,
     frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
     group_titles = [erratum.title for erratum in errata(device, *group_paths) if erratum not in frame_errata]
     further_errata = f"See also these errata in ERRATA: {'; '.join(group_titles)}." if group_titles else ""
-    return summary, [*paragraphs(say_layout.layout(device, interface, frame)), further_errata]
+    return summary, [*paragraphs(say_layout.describe_layout(device, interface, frame)), further_errata]
 
 
 def of_register(device: Device, device_register: Register) -> tuple[str, list[Block]]:
@@ -264,14 +267,14 @@ def of_register(device: Device, device_register: Register) -> tuple[str, list[Bl
 
     A register that is a single choice also follows the rules of its only field.
     """
-    facts = [*say_register.facts(device, device_register)]
+    facts = [*say_register.describe_register_facts(device, device_register)]
     if is_one_choice(device_register):
         facts += say_register.rules(device, device_register.layout.fields[0])
     register_errata = of_errata(device, f"registers.{device_register.name}")
     blocks: list[Block] = [
-        sentence(device_register.meaning),
+        as_sentence(device_register.meaning),
         DOCSTRING_STYLE.paragraph(facts),
-        sentence(device_register.note),
+        as_sentence(device_register.note),
         *register_errata,
     ]
     summary = DOCSTRING_STYLE.sentence(say_register.head(device, device_register, full_title(device_register)))
@@ -292,7 +295,7 @@ def of_class(
 
 def of_crc(device: Device, device_crc: Crc) -> list[Block]:
     """Return the paragraphs of the function that computes a CRC."""
-    head, *more = paragraphs(say_layout.crc(device, device_crc))
+    head, *more = paragraphs(say_layout.describe_crc(device, device_crc))
     return [f"Compute the {head}", *more]
 
 
@@ -301,13 +304,13 @@ def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
     return paragraphs(
         [
             statement(device_procedure.title, source=device_procedure.source),
-            *commands.procedure(device, device_procedure),
+            *commands.describe_procedure(device, device_procedure),
         ]
     )
 
 
 def of_argument(device: Device, argument: Argument) -> str:
-    return DOCSTRING_STYLE.sentence(commands.argument(device, argument))
+    return DOCSTRING_STYLE.sentence(commands.describe_argument(device, argument))
 
 
 # -- fields
@@ -317,12 +320,12 @@ def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
     """Return the description of an attribute: meaning, rules and note, or else the name of the field."""
     missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
     statements = [
-        *say_register.meaning(data_field, data_field.meaning),
+        *say_register.describe_meaning(data_field, data_field.meaning),
         *missing,
         *say_register.rules(device, data_field),
         *spec_text(data_field.note),
     ]
-    return DOCSTRING_STYLE.paragraph(statements) or sentence(title(data_field))
+    return DOCSTRING_STYLE.paragraph(statements) or as_sentence(title_of(data_field))
 
 
 #: Description of the member for unused bits.
@@ -341,8 +344,8 @@ def of_unused(unused_field: Field, at: int) -> str:
 
 def of_value(named_value: Field | Value) -> str:
     """Return the meaning of a named value or a choice. Empty if the manual does not give one."""
-    return DOCSTRING_STYLE.paragraph(say_register.meaning(named_value, named_value.meaning))
+    return DOCSTRING_STYLE.paragraph(say_register.describe_meaning(named_value, named_value.meaning))
 
 
 def of_run(digit_run: Digits) -> str:
-    return sentence(digit_run.meaning or counted(digit_run.digits, "digit"))
+    return as_sentence(digit_run.meaning or count_with_unit(digit_run.digits, "digit"))

@@ -23,24 +23,24 @@ from ...model import (
     cite,
 )
 from ...model.record import dataclass
-from ...plan.codec import Codec, codec_of
+from ...plan.codec import LayoutPlan, layout_plan_of
 from ...plan.limits import powers_of_two
 from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
-from ...say.plain_text import plain
-from ...say.report import alarm_of, meaning, remedy, source, states
-from .literals import Call, Code, Literal, Member, literal_call, of_facts, quoted, record
+from ...say.plain_text import text_on_one_line
+from ...say.report import alarm_of, alarm_source, flag_state_meanings, meaning, remedy
+from .literals import CallLiteral, EnumMember, Literal, SourceText, literal_call, of_facts, quoted, record
 from .records import record_of, records_of
 
 
 @dataclass(frozen=True)
-class Table:
+class FactTable:
     """Table in a module: its comment, its name, the class of its rows, and its rows."""
 
     comment: str
     name: str
     kind: str
-    rows: Sequence[Call] = ()
+    rows: Sequence[CallLiteral] = ()
 
     @property
     def section(self) -> str:
@@ -49,49 +49,49 @@ class Table:
 
 
 #: Tables at the end of a module, without their rows.
-_TABLES = (
-    Table(
+_TABLES_AT_END = (
+    FactTable(
         comment="Errors and warnings: their meaning, whether they are latched, and the procedures that clear them.",
         name="ALARMS",
         kind="Alarm",
     ),
-    Table(comment="Timings of the encoder as a whole.", name="TIMINGS", kind="Timing"),
-    Table(comment="Connectors and cables, contact by contact.", name="CONNECTORS", kind="Connector"),
-    Table(comment="LEDs and the meaning of their states.", name="LEDS", kind="Led"),
-    Table(comment="Hardware inputs.", name="INPUTS", kind="Input"),
-    Table(comment="Tables of the manual.", name="TABLES", kind="Table"),
-    Table(comment="Further facts of the manual, as text.", name="CHARACTERISTICS", kind="Characteristic"),
-    Table(
+    FactTable(comment="Timings of the encoder as a whole.", name="TIMINGS", kind="Timing"),
+    FactTable(comment="Connectors and cables, contact by contact.", name="CONNECTORS", kind="Connector"),
+    FactTable(comment="LEDs and the meaning of their states.", name="LEDS", kind="Led"),
+    FactTable(comment="Hardware inputs.", name="INPUTS", kind="Input"),
+    FactTable(comment="Tables of the manual.", name="TABLES", kind="Table"),
+    FactTable(comment="Further facts of the manual, as text.", name="CHARACTERISTICS", kind="Characteristic"),
+    FactTable(
         comment="Content of figures that is missing from the text of the manual.",
         name="LOST_FIGURES",
         kind="LostFigure",
     ),
-    Table(
+    FactTable(
         comment="Errors and ambiguities in the manual, with the text that is used instead.",
         name="ERRATA",
         kind="Erratum",
     ),
-    Table(comment="Documents that sources cite by key.", name="DOCUMENTS", kind="Document"),
+    FactTable(comment="Documents that sources cite by key.", name="DOCUMENTS", kind="Document"),
 )
 #: Tables that every module has, even empty.
-_ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
+_TABLES_ALWAYS_PRINTED = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
 
 
 # -- the device
 
 
-def family(device: Device) -> Call:
+def family(device: Device) -> CallLiteral:
     """Return the record ``Family`` of a device."""
     return literal_call(
         "Family",
         device.name,
-        plain(device.title),
-        Member("Movement", device.movement),
-        plain(device.manufacturer.title),
+        text_on_one_line(device.title),
+        EnumMember("Movement", device.movement),
+        text_on_one_line(device.manufacturer.title),
     )
 
 
-def order_code(code: OrderCode) -> Call:
+def order_code(code: OrderCode) -> CallLiteral:
     """Return the record ``OrderCode`` with the parts and their values."""
     part_records = []
     for part in code.parts:
@@ -100,7 +100,7 @@ def order_code(code: OrderCode) -> Call:
     return record_of("OrderCode", code, parts=tuple(part_records))
 
 
-def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
+def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> CallLiteral | None:
     """Return the values of other parts with which a part can be combined.
 
     An example is ``ReadOnly({"interface": ("BiSS", "SSI",)})``. None means all values.
@@ -112,40 +112,40 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None
         quoted_values = ", ".join(map(quoted, values))
         # The comma makes a tuple of a single value.
         dict_items.append(f"{quoted(part_name)}: ({quoted_values},)")
-    return Call("ReadOnly", (("", Code(f"{{{', '.join(dict_items)}}}")),))
+    return CallLiteral("ReadOnly", (("", SourceText(f"{{{', '.join(dict_items)}}}")),))
 
 
-def tables(device: Device) -> list[Table]:
+def tables(device: Device) -> list[FactTable]:
     """Return the tables at the end of a module: tables with rows, and tables that every module has."""
-    filled_tables = [_with_register_rows(table, device) for table in _TABLES]
-    return [table for table in filled_tables if table.rows or table.name in _ALWAYS]
+    filled_tables = [_with_register_rows(table, device) for table in _TABLES_AT_END]
+    return [table for table in filled_tables if table.rows or table.name in _TABLES_ALWAYS_PRINTED]
 
 
-def _with_register_rows(table: Table, device: Device) -> Table:
+def _with_register_rows(table: FactTable, device: Device) -> FactTable:
     return replace(table, rows=records_of(table.kind, getattr(device, table.section)))
 
 
-def reports(device: Device) -> list[Call]:
+def reports(device: Device) -> list[CallLiteral]:
     """Return the reports of the encoder in frames of the family."""
     return [_report_record(report.name, report.field, alarm_of(device, report.field)) for report in reports_of(device)]
 
 
-def _report_record(name: str, field: Field, alarm: Alarm | None) -> Call:
+def _report_record(name: str, field: Field, alarm: Alarm | None) -> CallLiteral:
     """Return the record ``Report``, with the meaning and the remedy of its alarm if the field has one."""
     verdict = verdict_of(field)
     return record(
         "Report",
         {"name": name, "printed_name": field.printed_name, "meaning": meaning(field, alarm)},
         remedy=remedy(field, alarm),
-        makes_position=Member("Verdict", verdict.name) if verdict is not None else None,
-        source=cite(source(field, alarm)),
+        makes_position=EnumMember("Verdict", verdict.name) if verdict is not None else None,
+        source=cite(alarm_source(field, alarm)),
     )
 
 
 # -- interfaces
 
 
-def interface(interface: Interface) -> Call:
+def interface(interface: Interface) -> CallLiteral:
     """Return the record with the facts of an interface, such as ``SsiFacts``."""
     match interface:
         case Ssi():
@@ -154,7 +154,7 @@ def interface(interface: Interface) -> Call:
                 "SsiFacts",
                 interface,
                 **_clock_members(interface),
-                alignment=Member("Alignment", interface.alignment.end),
+                alignment=EnumMember("Alignment", interface.alignment.end),
                 output_code=output_code.code if output_code is not None else "",
                 alignment_source=cite(interface.alignment.source),
                 output_code_source=cite(output_code.source) if output_code is not None else "",
@@ -182,29 +182,29 @@ def _clock_members(interface: Clocked) -> Mapping[str, Literal]:
 # -- fields and registers
 
 
-def _field_record(codec: Codec, field: Field) -> Call:
+def _field_record(layout_plan: LayoutPlan, field: Field) -> CallLiteral:
     """Return the record ``FieldFacts`` of a field.
 
     ``constant`` and ``unused`` are the manual's values for a constant or for unused bits.
     """
-    when_active, when_inactive = states(field)
-    unused_values = {reserved.field.name: reserved.value for reserved in codec.reserved}
+    when_active, when_inactive = flag_state_meanings(field)
+    unused_values = {reserved.field.name: reserved.value for reserved in layout_plan.reserved}
     return record_of(
         "FieldFacts",
         field,
         **of_facts(meaning_of(field)),
         when_active=when_active,
         when_inactive=when_inactive,
-        constant=codec.constants.get(field.name),
+        constant=layout_plan.constants.get(field.name),
         unused=unused_values.get(field.name),
-        power_of_two=field.name in powers_of_two(codec),
+        power_of_two=field.name in powers_of_two(layout_plan),
         digit_code=field.number.digit_code,
     )
 
 
-def _field_records(codec: Codec) -> tuple[Call, ...]:
+def _field_records(layout_plan: LayoutPlan) -> tuple[CallLiteral, ...]:
     """Return the facts of each field."""
-    return tuple(_field_record(codec, field) for field in codec.layout.fields)
+    return tuple(_field_record(layout_plan, field) for field in layout_plan.layout.fields)
 
 
 def _is_one_number(layout: Layout) -> bool:
@@ -216,21 +216,21 @@ def _is_one_number(layout: Layout) -> bool:
     return has_name_of_register and only_field.carries_data and is_number(meaning_of(only_field))
 
 
-def frame_rows(device: Device) -> dict[str, tuple[Call, ...]]:
+def frame_rows(device: Device) -> dict[str, tuple[CallLiteral, ...]]:
     """Return the facts of the fields of frames, by the name of the frame."""
-    return {layout.name: _field_records(codec_of(device, layout)) for _, layout in device.layouts()}
+    return {layout.name: _field_records(layout_plan_of(device, layout)) for _, layout in device.layouts()}
 
 
-def register_rows(device: Device) -> dict[str, Call]:
+def register_rows(device: Device) -> dict[str, CallLiteral]:
     return {register.name: _register_record(device, register) for register in device.registers}
 
 
-def _register_record(device: Device, register: Register) -> Call:
+def _register_record(device: Device, register: Register) -> CallLiteral:
     """Return the record ``Register``. A register that is a single number has no fields."""
     return record_of(
         "Register",
         register,
         default=register.default_bytes(),
         wait_ms=register.wait_at_least_ms,
-        fields=() if _is_one_number(register.layout) else _field_records(codec_of(device, register.layout)),
+        fields=() if _is_one_number(register.layout) else _field_records(layout_plan_of(device, register.layout)),
     )

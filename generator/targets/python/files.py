@@ -14,18 +14,18 @@ from posixpath import relpath
 from runpy import run_path
 from typing import Annotated, TypedDict
 
-from ...model import Device, Manufacturer, Rs485, Spi, first_of
+from ...model import Device, Manufacturer, Rs485, Spi, first_or_raise
 from ...plan import operations, steps
 from ...plan.limits import Refusal
 from ...render import Templates, our_templates, tests_for
-from ...say.plain_text import plain
-from ...say.text import sentence
+from ...say.plain_text import text_on_one_line
+from ...say.text import as_sentence
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
 from ..registry import copied_files, licence_in, our_runtime
 from .bits import place_in_bytes, purpose_of_constant
 from .docstrings import docstring, of_answer, of_crc, of_value
 from .line_breaks import break_lines
-from .literals import Expr, coded, constant, grouped, literal, mask, quoted, table_statement
+from .literals import PythonExpression, coded, constant, grouped, literal, mask, quoted, table_statement
 from .module import Enumeration, Module
 from .names import (
     BISS,
@@ -44,7 +44,7 @@ from .names import (
 from .readme import ReadmeExample, first_example, virtual_examples
 
 
-def in_parentheses(value: Expr) -> str:
+def in_parentheses(value: PythonExpression) -> str:
     """Return an operand, in parentheses unless it is a name, a number or a call."""
     return value.operand
 
@@ -61,7 +61,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "operand": in_parentheses,
     "place_in_bytes": place_in_bytes,
     "purpose": purpose_of_constant,
-    "sentence": sentence,
+    "sentence": as_sentence,
 }
 FUNCTIONS: Mapping[str, Callable[..., object]] = {
     "constant": constant,
@@ -76,7 +76,7 @@ FUNCTIONS: Mapping[str, Callable[..., object]] = {
 TESTS = tests_for(
     operations.Check,
     Refusal,
-    steps.Operation,
+    steps.PlannedStep,
     steps.FixedNumber,
     steps.AsNumber,
     steps.OutsideArgumentLimits,
@@ -90,15 +90,15 @@ _PROJECT_FILES = ("README.md", "pyproject.toml")
 #: Guides next to the README. A package has the guide of the live line only if one of its interfaces has a section in
 #: it.
 _LIVE_LINE = "live-line"
-_GUIDES = (_LIVE_LINE, "files-and-captures", "test-without-an-encoder")
+_GUIDE_NAMES = (_LIVE_LINE, "files-and-captures", "test-without-an-encoder")
 _PACKAGE_FILES = ("__init__", "_codes")
 #: Source files that are copied: the runtime with its package, and files that every manufacturer's package needs.
 RUNTIME = our_runtime("python")
-_PROJECT = RUNTIME / "project"
+_PROJECT_FOLDER = RUNTIME / "project"
 #: Characters that Markdown interprets.
-_MARKUP = "\\`*_{}[]<>#|!&"
+_MARKDOWN_CHARACTERS = "\\`*_{}[]<>#|!&"
 #: The folder of the runtime in the output.
-_RUNTIME = "python/runtime"
+_RUNTIME_FOLDER = "python/runtime"
 
 
 class Package(TypedDict):
@@ -142,7 +142,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
     The package of the main manufacturer is at the top, and each other package has a folder.
     """
-    files = _runtime_files(_RUNTIME)
+    files = _runtime_files(_RUNTIME_FOLDER)
     makers = library.by_manufacturer()
     main = main_manufacturer([maker for maker, _ in makers])
     folders = {maker.name: _folder_of_package(maker, is_main=maker is main) for maker, _ in makers}
@@ -181,8 +181,8 @@ def _package_files(
     files = {name: TEMPLATES.render(f"{name}.jinja", values, user_templates) for name in project_files}
     for name in _PACKAGE_FILES:
         files[f"{package}/{name}.py"] = TEMPLATES.render(f"{name}.py.jinja", values, user_templates)
-    files["setup.py"] = (_PROJECT / "setup.py").read_text(encoding="utf-8")
-    files |= copied_files(_PROJECT / "package", package)
+    files["setup.py"] = (_PROJECT_FOLDER / "setup.py").read_text(encoding="utf-8")
+    files |= copied_files(_PROJECT_FOLDER / "package", package)
     # The copied folder contains the module for BiSS.
     if not biss:
         del files[f"{package}/{BISS}.py"]
@@ -210,15 +210,15 @@ def _package_values(
     return {
         "package": maker.python_package,
         "distribution": maker.distribution,
-        "title": plain(maker.title),
+        "title": text_on_one_line(maker.title),
         "maker": maker,
-        "notices": [plain(trademark) for trademark in maker.trademarks],
-        "header": _header_comment(f"the specifications of {plain(maker.title)}'s encoders"),
+        "notices": [text_on_one_line(trademark) for trademark in maker.trademarks],
+        "header": _header_comment(f"the specifications of {text_on_one_line(maker.title)}'s encoders"),
         "modules": modules,
         "start": shown_example,
         "shown_family": shown_family,
         "questions": _open_questions(modules),
-        "guides": [guide for guide in _GUIDES if guide != _LIVE_LINE or rs485 or biss or has_spi],
+        "guides": [guide for guide in _GUIDE_NAMES if guide != _LIVE_LINE or rs485 or biss or has_spi],
         "virtual": examples_by_interface,
         "biss_procedure": _biss_procedure(shown_family_first),
         "spi": _spi_example(modules),
@@ -228,7 +228,7 @@ def _package_values(
         "rs485": rs485,
         "has_spi": has_spi,
         "runtime": runtime_version(),
-        "shared": relpath(_RUNTIME, folder),
+        "shared": relpath(_RUNTIME_FOLDER, folder),
         "neighbours": [f"{path_prefix}{relpath(other_folder, folder)}" for other_folder in other_folders],
         "public": sorted([*(module.name for module in modules), *biss]),
         "identified": [module.name for module in modules if module.identities and not module.device.base],
@@ -238,7 +238,7 @@ def _package_values(
 def _family_of(order_code: str, modules: Iterable[Module]) -> Module:
     """Return the module of the family with this order code."""
     families = (module for module in modules if _has_order_code(module, order_code))
-    return first_of(families, f"family with the order code '{order_code}'")
+    return first_or_raise(families, f"family with the order code '{order_code}'")
 
 
 def _has_order_code(module: Module, order_code: str) -> bool:
@@ -292,7 +292,7 @@ def _files_of_family(device: Device, library: Library, options: Options) -> Iter
 def _module_text(module: Module, package: str, template: str, user_templates: Path | None) -> str:
     """Return the text of a module, with imports of the names that it uses."""
     family: Family = {
-        "header": _header_comment(f"the specification of {plain(module.device.title)}"),
+        "header": _header_comment(f"the specification of {text_on_one_line(module.device.title)}"),
         "package": package,
         "module": module,
         "imports": [],
@@ -314,15 +314,15 @@ def _header_comment(source: str) -> str:
 
 def _toml_string(text: str) -> str:
     """Return ``text`` as a TOML string."""
-    return '"' + plain(text).replace("\\", "\\\\").replace('"', '\\"') + '"'
+    return '"' + text_on_one_line(text).replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
 def _escape_markdown(text: str) -> str:
     """Return text of a spec, escaped for Markdown."""
-    return plain(text).translate({ord(character): f"\\{character}" for character in _MARKUP})
+    return text_on_one_line(text).translate({ord(character): f"\\{character}" for character in _MARKDOWN_CHARACTERS})
 
 
-_GUIDE_FILES = tuple(f"{guide}.md" for guide in _GUIDES)
+_GUIDE_FILES = tuple(f"{guide}.md" for guide in _GUIDE_NAMES)
 _PACKAGE_TEMPLATES = (*_PROJECT_FILES, *_GUIDE_FILES, *(f"{name}.py" for name in _PACKAGE_FILES))
 TEMPLATES = Templates(
     our_templates("python"),

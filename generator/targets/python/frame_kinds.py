@@ -4,24 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...model import Interface, channel_frame, first_of
+from ...model import Interface, channel_frame, first_or_raise
 from ...model.record import dataclass
 from ...plan.description import describe
-from .codec import Coder
-from .literals import Expr, Scope
-from .names import ClassNames, Context, OpenQuestion, decoder_maker
+from .codec import LayoutClass
+from .literals import ParameterExpressions, PythonExpression
+from .names import ClassNames, ModuleContext, OpenQuestion, decoder_maker
 
 
-def _column_names(coder: Coder) -> list[str]:
+def _column_names(layout_class: LayoutClass) -> list[str]:
     """Return the names of the columns of a table of frames, as type checkers know them.
 
     They are the attributes of fields, runs of digits and joins, quantities such as ``position (µm)``, and ``unused``,
     ``verdict`` and ``fault``.
     """
-    description = describe(coder.plan)
-    fields_with_data = {part.field.name for part in coder.plan.parts}
+    description = describe(layout_class.plan)
+    fields_with_data = {part.field.name for part in layout_class.plan.parts}
     columns = [column for column in description.columns if column.name in fields_with_data]
-    attribute_of = coder.names.attribute
+    attribute_of = layout_class.names.attribute
     names: list[str] = []
     for column in columns:
         if column.runs:
@@ -35,7 +35,7 @@ def _column_names(coder: Coder) -> list[str]:
             names.append(f"{attribute_of(column.name)} ({column.scale.unit})")
     if description.unused:
         names.append("unused")
-    if coder.reports is not None and coder.reports.default_verdict:
+    if layout_class.reports is not None and layout_class.reports.default_verdict:
         names.append("verdict")
     return [*names, "fault"]
 
@@ -45,36 +45,36 @@ class FrameKind:
     """Frames that the encoder sends over an interface. If there are several kinds, ``dispatch`` decodes them."""
 
     interface: str
-    coder: Coder
+    layout_class: LayoutClass
     dispatch: str
     union: str
     questions: Sequence[OpenQuestion] = ()
-    members: tuple[Coder, ...] = ()
+    members: tuple[LayoutClass, ...] = ()
 
     @property
     def decoder(self) -> str:
         """Function that makes the decoder for an encoder."""
-        return decoder_maker(self.dispatch) if self.dispatch else f"{self.coder.name}._make_decoder"
+        return decoder_maker(self.dispatch) if self.dispatch else f"{self.layout_class.name}._make_decoder"
 
     @property
     def column_type(self) -> str:
         """Type of the names of the columns in a table of these frames."""
-        return "Any" if self.dispatch else f"_{self.coder.name}Column"
+        return "Any" if self.dispatch else f"_{self.layout_class.name}Column"
 
     @property
     def column_names(self) -> str:
         """Names of the columns in a table of these frames, as literals."""
-        return ", ".join(f'"{name}"' for name in _column_names(self.coder))
+        return ", ".join(f'"{name}"' for name in _column_names(self.layout_class))
 
     @property
     def in_bytes(self) -> bool:
-        return self.coder.plan.in_bytes
+        return self.layout_class.plan.in_bytes
 
     @property
     def has_open_length(self) -> bool:
         """True if the length of the frame depends on a question that the manual leaves open."""
         answered = {name for question in self.questions for name, _ in question.members}
-        return not answered.isdisjoint(self.coder.layout.bits.parameters)
+        return not answered.isdisjoint(self.layout_class.layout.bits.parameters)
 
     @property
     def listed(self) -> list[tuple[str, str]]:
@@ -101,7 +101,7 @@ class FrameKind:
     @property
     def has_verdict(self) -> bool:
         """True if any of the frames has a verdict."""
-        return self.coder.reports is not None and bool(self.coder.reports.default_verdict)
+        return self.layout_class.reports is not None and bool(self.layout_class.reports.default_verdict)
 
 
 @dataclass(frozen=True)
@@ -114,12 +114,12 @@ class ChannelCode:
 
     kinds: tuple[str, ...]
     position: int
-    compared: tuple[tuple[int, str, Expr], ...]
-    compared_bits: Expr
+    compared: tuple[tuple[int, str, PythonExpression], ...]
+    compared_bits: PythonExpression
     tolerance: int
 
 
-def channel_code(context: Context, interface: Interface, scope: Scope) -> ChannelCode | None:
+def channel_code(context: ModuleContext, interface: Interface, scope: ParameterExpressions) -> ChannelCode | None:
     """Return the code for the frame with all data channels of an interface, or None if it has no such frame.
 
     ``scope`` contains the expressions of the parameters, such as ``self.bits``, in which widths are written.
@@ -136,7 +136,7 @@ def channel_code(context: Context, interface: Interface, scope: Scope) -> Channe
         class_names = ClassNames(field.layout, register=None, crcs=())
         channel_index = index_by_layout[field.layout.name]
         compared.append((channel_index, class_names.attribute(field.name), scope.expression_of(field.width)))
-    position_layout = first_of(position_layouts, "channel with the position")
+    position_layout = first_or_raise(position_layouts, "channel with the position")
     return ChannelCode(
         kinds=tuple(context.frames[layout.name] for layout in frame.layouts),
         position=index_by_layout[position_layout.name],

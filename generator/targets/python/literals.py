@@ -8,28 +8,28 @@ from functools import cached_property, reduce
 from ...model.expressions import Expression, Factor, Term
 from ...model.lookup import assert_never
 from ...model.record import dataclass
-from ...plan.values import Active, Meaning, TwosComplement, ZeroMeans
+from ...plan.values import ActiveFlag, Meaning, TwosComplement, ZeroMeans
 from .line_breaks import break_lines
 
 #: Operators by precedence, lowest first. Arithmetic gets parentheses next to bit operators.
 _LOOSEST_FIRST = (("or",), ("and",), ("not",), ("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "//", "%"))
-_LEVELS = {operator: level for level, operators in enumerate(_LOOSEST_FIRST) for operator in operators}
-_ARITHMETIC, _ATOM = _LEVELS["+"], len(_LOOSEST_FIRST)
+_PRECEDENCE_LEVELS = {operator: level for level, operators in enumerate(_LOOSEST_FIRST) for operator in operators}
+_ARITHMETIC_LEVEL, _ATOM_LEVEL = _PRECEDENCE_LEVELS["+"], len(_LOOSEST_FIRST)
 
 
-class Expr:
+class PythonExpression:
     """Expression. ``str`` returns its text."""
 
     __slots__ = ()
 
     @property
     def level(self) -> int:
-        return _ATOM
+        return _ATOM_LEVEL
 
     @property
     def operand(self) -> str:
         """Text next to any operator."""
-        return str(self) if self.level == _ATOM else f"({self})"
+        return str(self) if self.level == _ATOM_LEVEL else f"({self})"
 
     def as_operand_of(self, operator: str, after: bool = False) -> str:
         """Return the text as an operand of ``operator``, in parentheses if they are needed.
@@ -37,15 +37,15 @@ class Expr:
         They are also written around arithmetic next to a bit operator. ``after`` is true for the right operand, which
         needs them at an equal level.
         """
-        operator_level = _LEVELS[operator]
+        operator_level = _PRECEDENCE_LEVELS[operator]
         binds_looser = self.level <= operator_level if after else self.level < operator_level
         # The level of a higher number binds more tightly. ``operand`` includes the parentheses, except for an atom.
-        is_arithmetic_next_to_bit_operator = operator_level < _ARITHMETIC <= self.level
+        is_arithmetic_next_to_bit_operator = operator_level < _ARITHMETIC_LEVEL <= self.level
         return self.operand if binds_looser or is_arithmetic_next_to_bit_operator else str(self)
 
 
 @dataclass(frozen=True, slots=True)
-class Atom(Expr):
+class Atom(PythonExpression):
     """Name, number, call, subscript or attribute."""
 
     text: str
@@ -55,40 +55,40 @@ class Atom(Expr):
 
 
 @dataclass(frozen=True, slots=True)
-class Negative(Expr):
-    value: Expr
+class Negative(PythonExpression):
+    value: PythonExpression
 
     @property
     def level(self) -> int:
-        return _LEVELS["*"]
+        return _PRECEDENCE_LEVELS["*"]
 
     def __str__(self) -> str:
         return f"-{self.value.as_operand_of('*')}"
 
 
 @dataclass(frozen=True, slots=True)
-class Not(Expr):
-    value: Expr
+class Not(PythonExpression):
+    value: PythonExpression
 
     @property
     def level(self) -> int:
-        return _LEVELS["not"]
+        return _PRECEDENCE_LEVELS["not"]
 
     def __str__(self) -> str:
         return f"not {self.value.as_operand_of('not')}"
 
 
 @dataclass(frozen=True, slots=True)
-class Operation(Expr):
+class PythonOperation(PythonExpression):
     """Binary operation."""
 
-    left: Expr
+    left: PythonExpression
     operator: str
-    right: Expr
+    right: PythonExpression
 
     @property
     def level(self) -> int:
-        return _LEVELS[self.operator]
+        return _PRECEDENCE_LEVELS[self.operator]
 
     def __str__(self) -> str:
         left = self.left.as_operand_of(self.operator)
@@ -97,15 +97,15 @@ class Operation(Expr):
         return f"{left} {self.operator} {right}"
 
 
-def call(function: str, *arguments: Expr | str) -> Expr:
+def call(function: str, *arguments: PythonExpression | str) -> PythonExpression:
     return Atom(f"{function}({', '.join(map(str, arguments))})")
 
 
-def number(value: int) -> Expr:
+def number(value: int) -> PythonExpression:
     return Atom(grouped(value))
 
 
-def mask(value: int) -> Expr:
+def mask(value: int) -> PythonExpression:
     """Return a hexadecimal number."""
     return Atom(f"0x{value:X}")
 
@@ -120,18 +120,18 @@ def coded(value: int) -> str:
     return str(value) if value < 10 else f"0x{value:X}"
 
 
-def join_operands(operator: str, operands: Iterable[Expr]) -> Expr:
+def join_operands(operator: str, operands: Iterable[PythonExpression]) -> PythonExpression:
     """Return one or more operands, joined by an operator."""
-    return reduce(lambda left, right: Operation(left, operator, right), operands)
+    return reduce(lambda left, right: PythonOperation(left, operator, right), operands)
 
 
-def multiply(value: Expr, factor: int) -> Expr:
-    return value if factor == 1 else Operation(value, "*", number(factor))
+def multiply(value: PythonExpression, factor: int) -> PythonExpression:
+    return value if factor == 1 else PythonOperation(value, "*", number(factor))
 
 
-def shift_value(value: Expr, operator: str, by: Expr) -> Expr:
+def shift_value(value: PythonExpression, operator: str, by: PythonExpression) -> PythonExpression:
     """Return ``value`` with a shift, or unchanged if the distance is 0."""
-    return value if by == Atom("0") else Operation(value, operator, by)
+    return value if by == Atom("0") else PythonOperation(value, operator, by)
 
 
 def _sign_of(value: int) -> int:
@@ -139,12 +139,12 @@ def _sign_of(value: int) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class Scope:
+class ParameterExpressions:
     """Maps the names of parameters to expressions."""
 
     names: Mapping[str, str]
 
-    def expression_of(self, expression: Expression) -> Expr:
+    def expression_of(self, expression: Expression) -> PythonExpression:
         """Return a number that depends on parameters, such as ``variant.position_bits + 8``."""
         if expression.is_constant:
             return number(expression.constant)
@@ -158,28 +158,28 @@ class Scope:
             index = 0 if is_first else len(signs_and_summands)
             signs_and_summands.insert(index, sign_and_constant)
         (first_sign, first_summand), *further_summands = signs_and_summands
-        total: Expr = first_summand if first_sign > 0 else Negative(first_summand)
+        total: PythonExpression = first_summand if first_sign > 0 else Negative(first_summand)
         for sign, summand in further_summands:
-            total = Operation(total, "+" if sign > 0 else "-", summand)
+            total = PythonOperation(total, "+" if sign > 0 else "-", summand)
         return total
 
-    def ones(self, width: Expression) -> Expr:
+    def ones(self, width: Expression) -> PythonExpression:
         """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
             return mask((1 << width.constant) - 1)
-        return Operation(self.power(width), "-", number(1))
+        return PythonOperation(self.power(width), "-", number(1))
 
-    def power(self, width: Expression) -> Expr:
-        return Operation(number(1), "<<", self.expression_of(width))
+    def power(self, width: Expression) -> PythonExpression:
+        return PythonOperation(number(1), "<<", self.expression_of(width))
 
-    def _product_of_factors(self, term: Term) -> Expr:
+    def _product_of_factors(self, term: Term) -> PythonExpression:
         """Return the product of a term without its sign, such as ``2 * variant.turns``."""
         multiple = [number(abs(term.multiple))] if abs(term.multiple) != 1 else []
         return join_operands("*", [*multiple, *map(self._factor_expression, term.factors)])
 
-    def _factor_expression(self, factor: Factor) -> Expr:
+    def _factor_expression(self, factor: Factor) -> PythonExpression:
         parameter = Atom(self.names[factor.parameter])
-        return Operation(number(1), "<<", parameter) if factor.power else parameter
+        return PythonOperation(number(1), "<<", parameter) if factor.power else parameter
 
 
 def quoted(text: str | bytes) -> str:
@@ -198,14 +198,14 @@ def quoted(text: str | bytes) -> str:
 
 
 @dataclass(frozen=True)
-class Code:
+class SourceText:
     """Source code that is printed unchanged."""
 
     text: str
 
 
 @dataclass(frozen=True)
-class Member:
+class EnumMember:
     """Member of an enumeration, given by its value in the spec."""
 
     kind: str
@@ -220,7 +220,7 @@ class Hex:
 
 
 @dataclass(frozen=True)
-class Call:
+class CallLiteral:
     """Call. An argument without a name is positional."""
 
     function: str
@@ -240,7 +240,7 @@ class Call:
 class ConditionalItem:
     """Item of a tuple that is present if the expression ``condition`` is true."""
 
-    call: Call
+    call: CallLiteral
     condition: str
 
 
@@ -251,24 +251,24 @@ Literal = (
     | float
     | str
     | bytes
-    | Code
-    | Member
+    | SourceText
+    | EnumMember
     | Hex
-    | Call
+    | CallLiteral
     | ConditionalItem
     | Sequence["Literal"]
     | Mapping[str, str]
 )
 
 
-def literal_call(function: str, *positional: Literal, **optional: Literal) -> Call:
+def literal_call(function: str, *positional: Literal, **optional: Literal) -> CallLiteral:
     """Return a call with positional arguments, and with the optional arguments that are not empty."""
-    return Call(function, (*(("", value) for value in positional), *_named_arguments(optional)))
+    return CallLiteral(function, (*(("", value) for value in positional), *_named_arguments(optional)))
 
 
-def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> Call:
+def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> CallLiteral:
     """Return a call with only named arguments: all that are needed, and the optional ones that are not empty."""
-    return Call(function, (*needed.items(), *_named_arguments(optional)))
+    return CallLiteral(function, (*needed.items(), *_named_arguments(optional)))
 
 
 def _named_arguments(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
@@ -280,12 +280,12 @@ def is_empty(value: Literal) -> bool:
     return value in (None, "", ()) or (isinstance(value, Mapping) and not value)
 
 
-def constant(name: str, value: Call) -> str:
+def constant(name: str, value: CallLiteral) -> str:
     """Return the statement that assigns a value to ``name``."""
     return break_lines(f"{name}: Final = {value.flat}")
 
 
-def table_statement(name: str, kind: str, rows: Sequence[Call]) -> str:
+def table_statement(name: str, kind: str, rows: Sequence[CallLiteral]) -> str:
     """Return the statement that assigns a tuple of records to ``name``, one per line."""
     start = f"{name}: Final[tuple[{kind}, ...]] = "
     if not rows:
@@ -308,23 +308,23 @@ def literal(value: Literal) -> str:
         case Mapping():
             items = [f"{quoted(key)}: {quoted(text)}" for key, text in value.items()]
             return f"ReadOnly({{{', '.join(items)}}})"
-        case Code() | Hex() | Member() | Call() | ConditionalItem():
+        case SourceText() | Hex() | EnumMember() | CallLiteral() | ConditionalItem():
             return _source_code(value)
     elements = ", ".join(map(literal, value))
     # A tuple of one element needs a comma.
     return f"({elements},)" if len(value) == 1 else f"({elements})"
 
 
-def _source_code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
+def _source_code(value: SourceText | Hex | EnumMember | CallLiteral | ConditionalItem) -> str:
     """Return source code, such as ``0x0F``, ``Access.READ``, ``Led("P1")`` or ``*([Led("P1")] if has_led else [])``."""
     match value:
-        case Code():
+        case SourceText():
             return value.text
         case Hex():
             return f"0x{value.number:02X}"
-        case Member():
+        case EnumMember():
             return f"{value.kind}.{value.value.upper()}"
-        case Call():
+        case CallLiteral():
             return value.flat
         case ConditionalItem():
             return f"*([{value.call.flat}] if {value.condition} else [])"
@@ -343,7 +343,7 @@ def of_facts(meaning: Meaning) -> dict[str, Literal]:
     match meaning:
         case TwosComplement():
             return without_members | {"signed": True}
-        case Active(low):
+        case ActiveFlag(low):
             return without_members | {"active": "low" if low else "high"}
         case _:
             return without_members | of_number(meaning)

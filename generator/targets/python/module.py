@@ -9,19 +9,19 @@ from itertools import chain
 
 from ...model import Device, Field, Interface, Register, Spi, Value
 from ...model.record import dataclass
-from ...plan.frames import Dispatch, dispatches, identities
-from ...say.names_and_places import words
-from ...say.plain_text import plain
+from ...plan.frames import FrameDispatch, dispatches, identities
+from ...say.names_and_places import name_in_words
+from ...say.plain_text import text_on_one_line
 from . import docstrings, facts
 from .bits import from_pieces
 from .channel_examples import ChannelExample, channel_example
-from .codec import Coder
+from .codec import LayoutClass
 from .docstrings import Block, Lines, docstring
 from .frame_kinds import FrameKind
-from .literals import Call, Expr
+from .literals import CallLiteral, PythonExpression
 from .names import (
     LOCAL_NAMES,
-    Context,
+    ModuleContext,
     OpenQuestion,
     attribute,
     camel,
@@ -30,11 +30,11 @@ from .names import (
     interface_name,
     is_one_choice,
 )
-from .procedures import Steps
+from .procedures import ProcedureFunction
 from .readme import Readme, ReadmeExample
 from .records import record_of, records_of
-from .shapes import Shape
-from .variants import Variants
+from .shapes import ShapeLiteral
+from .variants import VariantTable
 
 
 @dataclass(frozen=True)
@@ -48,20 +48,20 @@ class Enumeration:
 
 
 @dataclass(frozen=True)
-class Dispatcher:
+class FrameDispatcher:
     """Function that decodes any frame from one sender."""
 
-    plan: Dispatch
+    plan: FrameDispatch
     name: str
     union: str
     interface: str
     encoder: str
-    coders: tuple[Coder, ...]
-    fallback: Coder | None
+    layout_classes: tuple[LayoutClass, ...]
+    fallback: LayoutClass | None
 
     @property
-    def members(self) -> tuple[Coder, ...]:
-        return self.coders if self.fallback is None else (*self.coders, self.fallback)
+    def members(self) -> tuple[LayoutClass, ...]:
+        return self.layout_classes if self.fallback is None else (*self.layout_classes, self.fallback)
 
     @property
     def local(self) -> str:
@@ -77,8 +77,8 @@ class Dispatcher:
         return "reply" if self.plan.sender == "encoder" else "request"
 
     @property
-    def value(self) -> Expr:
-        return from_pieces(self.plan.bits.pieces)
+    def value(self) -> PythonExpression:
+        return from_pieces(self.plan.bits.bit_slices)
 
     @property
     def allowed_values(self) -> list[int]:
@@ -89,8 +89,8 @@ class Dispatcher:
     def questions(self) -> list[OpenQuestion]:
         """Questions that the manual leaves open about any of the frames."""
         questions_by_name: dict[str, OpenQuestion] = {}
-        for coder in self.members:
-            questions_by_name |= {question.name: question for question in coder.questions}
+        for layout_class in self.members:
+            questions_by_name |= {question.name: question for question in layout_class.questions}
         return list(questions_by_name.values())
 
     @property
@@ -101,18 +101,18 @@ class Dispatcher:
     @property
     def selector_title(self) -> str:
         """Printed name of the selector."""
-        return plain(self.plan.selector.printed_name or words(self.plan.selector.name))
+        return text_on_one_line(self.plan.selector.printed_name or name_in_words(self.plan.selector.name))
 
 
 @dataclass(frozen=True)
-class Section:
+class InterfaceSection:
     """Interface of a device."""
 
     interface: Interface
-    facts: Call
+    facts: CallLiteral
     notes: Sequence[Sequence[str]]
-    coders: tuple[Coder, ...]
-    dispatchers: tuple[Dispatcher, ...]
+    layout_classes: tuple[LayoutClass, ...]
+    dispatchers: tuple[FrameDispatcher, ...]
 
 
 class Module:
@@ -120,24 +120,30 @@ class Module:
 
     def __init__(self, device: Device) -> None:
         self.device = device
-        self.context = Context(device)
+        self.context = ModuleContext(device)
         self.name = self.context.module
         self.sections = [self._interface_section(interface) for interface in device.interfaces]
         self.registers = [self._register_class(register) for register in device.registers]
-        coders = {coder.register.name: coder for coder in self.registers if isinstance(coder, Coder) and coder.register}
-        self.by_register = coders
-        self.procedures = [Steps(self.context, coders, procedure) for procedure in device.procedures]
-        frames = tuple(coder for section in self.sections for coder in section.coders)
-        self.coders = (*frames, *coders.values())
+        layout_classes = {
+            layout_class.register.name: layout_class
+            for layout_class in self.registers
+            if isinstance(layout_class, LayoutClass) and layout_class.register
+        }
+        self.by_register = layout_classes
+        self.procedures = [
+            ProcedureFunction(self.context, layout_classes, procedure) for procedure in device.procedures
+        ]
+        frames = tuple(layout_class for section in self.sections for layout_class in section.layout_classes)
+        self.layout_classes = (*frames, *layout_classes.values())
         kinds = tuple(self._frame_kinds())
-        self.codes = Variants(self.context, kinds, frames)
+        self.codes = VariantTable(self.context, kinds, frames)
         procedures_by_interface: dict[str, tuple[str, ...]] = {}
         for steps in self.procedures:
             names = procedures_by_interface.get(steps.interface, ())
             procedures_by_interface[steps.interface] = (*names, steps.name)
         self.procedures_by_interface = procedures_by_interface
         steps_by_name = {steps.procedure.name: steps for steps in self.procedures}
-        self.readme = Readme(self.context, kinds, coders, steps_by_name)
+        self.readme = Readme(self.context, kinds, layout_classes, steps_by_name)
         self.identities = list(identities(device))
         self.family = facts.family(device)
         self.manual = record_of("Manual", device.manual)
@@ -147,19 +153,19 @@ class Module:
     # -- facts, which the files of the whole package do not need
 
     @cached_property
-    def tables(self) -> list[facts.Table]:
+    def tables(self) -> list[facts.FactTable]:
         return facts.tables(self.device)
 
     @cached_property
-    def reports(self) -> list[Call]:
+    def reports(self) -> list[CallLiteral]:
         return facts.reports(self.device)
 
     @cached_property
-    def register_rows(self) -> dict[str, Call]:
+    def register_rows(self) -> dict[str, CallLiteral]:
         return facts.register_rows(self.device)
 
     @cached_property
-    def frame_rows(self) -> dict[str, tuple[Call, ...]]:
+    def frame_rows(self) -> dict[str, tuple[CallLiteral, ...]]:
         return facts.frame_rows(self.device)
 
     # -- docstring and contents
@@ -180,7 +186,7 @@ class Module:
         identification = ["identify"] if self.identities else []
         yield "Encoders", ["lookup", *identification, "Variant", *self._encoder_names(), "VARIANTS", "FAMILY"]
         for section in self.sections:
-            frames = [coder.name for coder in section.coders]
+            frames = [layout_class.name for layout_class in section.layout_classes]
             for dispatcher in section.dispatchers:
                 frames += (dispatcher.union, dispatcher.name)
             yield section.interface.title, frames
@@ -247,16 +253,18 @@ class Module:
         if frame.answers:
             return None
         request_names = [exchange.request for exchange in interface.exchanges if exchange.purpose == "position"]
-        for coder in self.coders:
-            needs_no_values = not coder.takes_variant and not coder.attributes
-            if coder.layout.name in request_names and needs_no_values:
-                return replace(frame, kind=coder.name, module=self.name)
+        for layout_class in self.layout_classes:
+            needs_no_values = not layout_class.takes_variant and not layout_class.attributes
+            if layout_class.layout.name in request_names and needs_no_values:
+                return replace(frame, kind=layout_class.name, module=self.name)
         return None
 
     @property
     def channel_examples(self) -> list[ChannelExample]:
         """Example of a frame with several data channels over each interface with such a frame."""
-        examples = [channel_example(self.context, section.interface, section.coders) for section in self.sections]
+        examples = [
+            channel_example(self.context, section.interface, section.layout_classes) for section in self.sections
+        ]
         return [example for example in examples if example is not None]
 
     @property
@@ -265,23 +273,23 @@ class Module:
         return [encoder_name(identity.interface) for identity in self.identities]
 
     @cached_property
-    def shapes(self) -> list[Shape]:
+    def shapes(self) -> list[ShapeLiteral]:
         """Descriptions of all frames, for ``decode_many``."""
-        frames = (coder for section in self.sections for coder in section.coders)
+        frames = (layout_class for section in self.sections for layout_class in section.layout_classes)
         reportings = self.context.reportings
-        return [Shape(coder, reportings.get(coder.layout.name)) for coder in frames]
+        return [ShapeLiteral(layout_class, reportings.get(layout_class.layout.name)) for layout_class in frames]
 
     @property
-    def register_shapes(self) -> list[Shape]:
+    def register_shapes(self) -> list[ShapeLiteral]:
         """Descriptions of the registers that have a class."""
-        return [Shape(coder, None) for coder in self.by_register.values()]
+        return [ShapeLiteral(layout_class, None) for layout_class in self.by_register.values()]
 
     @property
-    def shapes_by_sender(self) -> dict[tuple[str, str], list[Shape]]:
+    def shapes_by_sender(self) -> dict[tuple[str, str], list[ShapeLiteral]]:
         """The same descriptions by interface and sender, such as ``("rs485", "encoder")``."""
-        shapes_by_sender: dict[tuple[str, str], list[Shape]] = {}
+        shapes_by_sender: dict[tuple[str, str], list[ShapeLiteral]] = {}
         for shape in self.shapes:
-            key = (shape.coder.layout_interface, shape.coder.layout.sender)
+            key = (shape.layout_class.layout_interface, shape.layout_class.layout.sender)
             shapes_by_sender.setdefault(key, []).append(shape)
         return shapes_by_sender
 
@@ -292,52 +300,54 @@ class Module:
         fields = self.context.choices.values()
         return [Enumeration(self.context.enum(field), _enumeration_doc(field), field.values) for field in fields]
 
-    def _interface_section(self, interface: Interface) -> Section:
+    def _interface_section(self, interface: Interface) -> InterfaceSection:
         """Return an interface with its frames and the functions that decode any of them."""
-        coders = tuple(Coder(self.context, interface.name, layout) for layout in interface.layouts)
+        layout_classes = tuple(LayoutClass(self.context, interface.name, layout) for layout in interface.layouts)
         dispatchers = [
-            self._sender_dispatcher(interface, dispatch, coders) for dispatch in dispatches(interface.layouts)
+            self._sender_dispatcher(interface, dispatch, layout_classes) for dispatch in dispatches(interface.layouts)
         ]
         # Frames sent by the master come first.
         dispatchers.sort(key=lambda dispatcher: dispatcher.plan.sender == "encoder")
         notes = docstrings.notes(self.device, interface)
-        return Section(
+        return InterfaceSection(
             interface=interface,
             facts=facts.interface(interface),
             notes=notes,
-            coders=coders,
+            layout_classes=layout_classes,
             dispatchers=tuple(dispatchers),
         )
 
-    def _sender_dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
+    def _sender_dispatcher(
+        self, interface: Interface, plan: FrameDispatch, layout_classes: Sequence[LayoutClass]
+    ) -> FrameDispatcher:
         """Return the function that decodes all frames of a sender, such as ``decode_reply``.
 
-        With a selector over several interfaces, it is ``decode_spi_reply``. ``coders`` are the frames of the interface.
+        With a selector over several interfaces, it is ``decode_spi_reply``. ``layout_classes`` are the frames of the interface.
         """
         # A frame with a selector has a dispatcher.
         interfaces_with_dispatcher = {owner.name for owner, layout in self.device.layouts() if layout.selector}
         kind = "reply" if plan.sender == "encoder" else "request"
         if len(interfaces_with_dispatcher) > 1:
             kind = f"{interface.name}_{kind}"
-        coders_by_frame = {coder.layout.name: coder for coder in coders}
-        dispatcher = Dispatcher(
+        coders_by_frame = {layout_class.layout.name: layout_class for layout_class in layout_classes}
+        dispatcher = FrameDispatcher(
             plan=plan,
             name=f"decode_{kind}",
             union=camel(kind),
             interface=interface_name(interface.name),
             encoder=encoder_name(interface.name),
-            coders=tuple(coders_by_frame[branch.layout.name] for branch in plan.branches),
+            layout_classes=tuple(coders_by_frame[branch.layout.name] for branch in plan.branches),
             fallback=coders_by_frame[plan.fallback.name] if plan.fallback is not None else None,
         )
         # Each decoder accepts the answers for all frames among which it is chosen.
-        for coder in dispatcher.members:
-            coder.passed_arguments = dispatcher.questions
+        for layout_class in dispatcher.members:
+            layout_class.passed_arguments = dispatcher.questions
         return dispatcher
 
-    def _register_class(self, register: Register) -> Coder | Enumeration:
+    def _register_class(self, register: Register) -> LayoutClass | Enumeration:
         """Return the class of a register, or its enumeration if it is one choice among named values."""
         if not is_one_choice(register):
-            return Coder(self.context, register.interface, register.layout, register)
+            return LayoutClass(self.context, register.interface, register.layout, register)
         summary, blocks = docstrings.of_register(self.device, register)
         name = self.context.registers[register.name]
         doc = docstring(summary, *blocks, indent=4)
@@ -346,34 +356,43 @@ class Module:
     def _frame_kinds(self) -> Iterator[FrameKind]:
         """Yield the frames that the encoder sends over each interface, if it sends any."""
         for section in self.sections:
-            replies = [coder for coder in section.coders if coder.layout.sender == "encoder"]
+            replies = [
+                layout_class for layout_class in section.layout_classes if layout_class.layout.sender == "encoder"
+            ]
             if replies:
                 yield self._frame_kind(section, replies)
 
-    def _frame_kind(self, section: Section, replies: Sequence[Coder]) -> FrameKind:
+    def _frame_kind(self, section: InterfaceSection, replies: Sequence[LayoutClass]) -> FrameKind:
         """Return the frames that the encoder sends over an interface. ``replies`` are their classes, at least one.
 
         If a selector in the frame distinguishes them, ``dispatch`` is ``decode_reply``, which decodes any of them.
-        Otherwise it is empty, and every frame is decoded as ``coder``: the first frame with the position or, without
+        Otherwise it is empty, and every frame is decoded as ``layout_class``: the first frame with the position or, without
         one, the first frame.
         """
         interface = section.interface.name
         # A word does not show which frame it is. Without a request, it is interpreted as the position.
-        position_coders = [coder for coder in replies if self.device.sends_position(interface, coder.layout)]
-        coder = position_coders[0] if position_coders else replies[0]
+        position_coders = [
+            layout_class for layout_class in replies if self.device.sends_position(interface, layout_class.layout)
+        ]
+        layout_class = position_coders[0] if position_coders else replies[0]
         for dispatcher in section.dispatchers:
             # There is at most one dispatcher for each sender.
             if dispatcher.plan.sender == "encoder":
                 return FrameKind(
                     interface=interface,
-                    coder=coder,
+                    layout_class=layout_class,
                     dispatch=dispatcher.name,
                     union=dispatcher.union,
                     questions=dispatcher.questions,
                     members=dispatcher.members,
                 )
         return FrameKind(
-            interface=interface, coder=coder, dispatch="", union="", questions=coder.questions, members=(coder,)
+            interface=interface,
+            layout_class=layout_class,
+            dispatch="",
+            union="",
+            questions=layout_class.questions,
+            members=(layout_class,),
         )
 
 

@@ -6,14 +6,14 @@ from dataclasses import field as dataclass_field
 
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...plan.codec import Codec
+from ...plan.codec import LayoutPlan
 from ...plan.operations import IsBetween, NotAbove
-from .literals import Atom, Expr, Scope
+from .literals import Atom, ParameterExpressions, PythonExpression
 from .names import ClassNames
 
 
 @dataclass(frozen=True)
-class NamedValues(Scope):
+class NamedValues(ParameterExpressions):
     """Scope that assigns a name to each value that depends on the order code, and records its expression.
 
     ``values_by_name`` contains the code of each value by its name, such as ``{"position_mask": "(1 <<
@@ -27,14 +27,14 @@ class NamedValues(Scope):
     preferred: dict[tuple[str, str], str] = dataclass_field(default_factory=dict)
     comments: dict[str, str] = dataclass_field(default_factory=dict)
 
-    def expression_of(self, expression: Expression) -> Expr:
+    def expression_of(self, expression: Expression) -> PythonExpression:
         return self._use_name("size", expression, super().expression_of(expression))
 
-    def ones(self, width: Expression) -> Expr:
-        mask_of_parameters = Scope(self.names).ones(width)
+    def ones(self, width: Expression) -> PythonExpression:
+        mask_of_parameters = ParameterExpressions(self.names).ones(width)
         return self._use_name("ones", width, mask_of_parameters)
 
-    def _use_name(self, kind: str, value: Expression, expression: Expr) -> Expr:
+    def _use_name(self, kind: str, value: Expression, expression: PythonExpression) -> PythonExpression:
         """Return the name of a value that depends on the order code, and otherwise ``expression``.
 
         A value with the code of an earlier value has its name. A new value has its preferred name, or a name such as
@@ -56,7 +56,7 @@ class NamedValues(Scope):
         if value.is_constant:
             return
         # A plain scope returns the expression itself, not the name of a value.
-        scope = Scope(self.names)
+        scope = ParameterExpressions(self.names)
         expression = scope.expression_of(value) if kind == "size" else scope.ones(value)
         preferred_name = self.preferred.setdefault((kind, str(expression)), name)
         # The comment belongs to the first value with this expression.
@@ -64,33 +64,35 @@ class NamedValues(Scope):
             self.comments[name] = comment
 
 
-def prefer_names_of_fields(scope: NamedValues, codec: Codec, class_names: ClassNames) -> None:
+def prefer_names_of_fields(scope: NamedValues, layout_plan: LayoutPlan, class_names: ClassNames) -> None:
     """Name the positions, widths, masks and limits that depend on the order code by their fields."""
-    unused_name = _LocalNames(codec, class_names).unused_name
-    scope.prefer("frame_bits", "size", codec.layout.bits, comment_on_constant(codec, codec.layout.bits))
-    for field in codec.layout.fields:
+    unused_name = _LocalNames(layout_plan, class_names).unused_name
+    scope.prefer(
+        "frame_bits", "size", layout_plan.layout.bits, comment_on_constant(layout_plan, layout_plan.layout.bits)
+    )
+    for field in layout_plan.layout.fields:
         scope.prefer(unused_name(f"{field.name}_bits"), "size", field.width)
-        low_comment = comment_on_constant(codec, field.low)
+        low_comment = comment_on_constant(layout_plan, field.low)
         scope.prefer(unused_name(f"{field.name}_low"), "size", field.low, low_comment)
         scope.prefer(unused_name(f"{field.name}_mask"), "ones", field.width)
-    for check in codec.checks:
+    for check in layout_plan.checks:
         if isinstance(check, (NotAbove, IsBetween)):
             scope.prefer(unused_name(f"highest_{check.field.name}"), "size", check.highest)
         if isinstance(check, IsBetween):
             scope.prefer(unused_name(f"lowest_{check.field.name}"), "size", check.lowest)
-    if codec.gray is not None:
-        scope.prefer(unused_name("gray_low"), "size", codec.gray.low)
-        scope.prefer(unused_name("gray_bits"), "size", codec.gray.width)
-        scope.prefer(unused_name("gray_excess"), "size", codec.gray.excess)
+    if layout_plan.gray is not None:
+        scope.prefer(unused_name("gray_low"), "size", layout_plan.gray.low)
+        scope.prefer(unused_name("gray_bits"), "size", layout_plan.gray.width)
+        scope.prefer(unused_name("gray_excess"), "size", layout_plan.gray.excess)
 
 
 class _LocalNames:
     """Names of the variables of a decoder, beginning with the names of its fields and their runs of digits."""
 
-    def __init__(self, codec: Codec, class_names: ClassNames) -> None:
+    def __init__(self, layout_plan: LayoutPlan, class_names: ClassNames) -> None:
         self._names = class_names
         self._used_names: set[str] = set()
-        for field in codec.layout.fields:
+        for field in layout_plan.layout.fields:
             self._used_names.add(class_names.local(field.name))
             self._used_names.update(class_names.local(run.name) for run in field.runs)
 
@@ -103,7 +105,7 @@ class _LocalNames:
         return name
 
 
-def comment_on_constant(codec: Codec, expression: Expression) -> str:
+def comment_on_constant(layout_plan: LayoutPlan, expression: Expression) -> str:
     """Return a comment on the constant of a sum of widths, such as ``8 = crc (6) + warning (1) + error (1)``.
 
     It lists the fields of fixed width at the low end of the word. A single field is alone, as in ``crc (6)``. It is
@@ -112,7 +114,7 @@ def comment_on_constant(codec: Codec, expression: Expression) -> str:
     constant = expression.constant
     if constant <= 0:
         return ""
-    fields_by_low = {field.low.constant: field for field in codec.layout.fields if field.is_fixed}
+    fields_by_low = {field.low.constant: field for field in layout_plan.layout.fields if field.is_fixed}
     fields_with_width: list[str] = []
     # From bit 0 up, each field begins where the one below it ends.
     low = 0

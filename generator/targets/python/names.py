@@ -9,11 +9,11 @@ from functools import cached_property
 
 from ...model import Alternative, Crc, Device, Digits, Field, Layout, Register, RegisterMeaning
 from ...model.record import dataclass
-from ...plan.crcs import Carrier, CrcFunction, carriers, crc_functions
+from ...plan.crcs import CoveredData, CrcFunction, carriers, crc_functions
 from ...plan.values import is_named, meaning_of
-from ...plan.verdicts import Reporting, reportings
-from ...say.text import sentence
-from .literals import Scope, coded
+from ...plan.verdicts import ReportsAndVerdict, reportings
+from ...say.text import as_sentence
+from .literals import ParameterExpressions, coded
 
 #: Names that can be imported, by the module that has them: ``{"enum": ("Enum", "IntEnum")}``.
 Sources = Mapping[str, Sequence[str]]
@@ -207,7 +207,7 @@ class ClassNames:
         return attribute(name, self._names_of_locals)
 
 
-class Names:
+class ModuleNames:
     """Names in a module. Each is assigned only once."""
 
     def __init__(self, reserved: Iterable[str]) -> None:
@@ -278,10 +278,10 @@ class OpenQuestion:
     @property
     def about(self) -> str:
         """Description of the argument for functions that decode several kinds of frames."""
-        return f"{sentence(self.alternative.meaning)} Required only for frames that depend on it."
+        return f"{as_sentence(self.alternative.meaning)} Required only for frames that depend on it."
 
 
-class Context:
+class ModuleContext:
     """Device with the names in its module, in the order in which they are assigned."""
 
     def __init__(self, device: Device) -> None:
@@ -289,7 +289,7 @@ class Context:
         self.module = attribute(device.name, (*SHARED, *FOLDERS, BISS))
         #: Attributes of the variant, by parameter.
         self.parameters = {parameter.name: attribute(parameter.name, VARIANT_NAMES) for parameter in device.parameters}
-        names = Names([*MODULE_NAMES, *IMPORTED])
+        names = ModuleNames([*MODULE_NAMES, *IMPORTED])
         #: Names of functions and classes, by the name of the part of the spec.
         self.crcs = {crc.name: names.take(f"crc_{crc.name}", suffix="_") for crc in device.crcs}
         self.frames: dict[str, str] = {}
@@ -307,14 +307,14 @@ class Context:
             if not question.alternative.default:
                 code_of_parameter |= {name: f"{question.name}.{member}" for name, member in question.members}
         #: Expressions for parameters: attributes of the variant, or of an answer that the caller must supply.
-        self.scope = Scope(code_of_parameter)
+        self.scope = ParameterExpressions(code_of_parameter)
         self._enums = {values: names.take(camel(field.name), suffix="Value") for values, field in self.choices.items()}
 
-    def scope_of(self, owner: str) -> Scope:
+    def scope_of(self, owner: str) -> ParameterExpressions:
         """Return the parameters as attributes of ``owner``."""
-        return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
+        return ParameterExpressions({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
-    def _open_question(self, alternative: Alternative, names: Names) -> OpenQuestion:
+    def _open_question(self, alternative: Alternative, names: ModuleNames) -> OpenQuestion:
         """Return a question as an argument. Its name differs from all attributes of the frames that depend on it."""
         names_in_frames: set[str] = set()
         for layout in self.coded_layouts():
@@ -352,7 +352,7 @@ class Context:
         yield from (register.layout for register in self.device.registers if not is_one_choice(register))
 
     @cached_property
-    def reportings(self) -> dict[str, Reporting]:
+    def reportings(self) -> dict[str, ReportsAndVerdict]:
         """Reports and verdicts of frames, by the name of the frame."""
         return reportings(self.device)
 
@@ -364,13 +364,13 @@ class Context:
         """Functions that compute CRCs, by name."""
         return {self.crc_name(function.crc, function.carrier): function for function in crc_functions(self.device)}
 
-    def crc_name(self, crc: Crc, carrier: Carrier) -> str:
+    def crc_name(self, crc: Crc, carrier: CoveredData) -> str:
         """Return the function for a CRC, such as ``crc_check``.
 
         The function for bits is ``crc_check_of_bits`` if the module also has a function for bytes.
         """
         has_function_for_bytes = crc in self._crcs_of_both
-        suffix = "_of_bits" if carrier is Carrier.BITS and has_function_for_bytes else ""
+        suffix = "_of_bits" if carrier is CoveredData.BITS and has_function_for_bytes else ""
         return self.crcs[crc.name] + suffix
 
     @cached_property

@@ -14,22 +14,22 @@ from ...plan.steps import (
     AsMember,
     AsNumber,
     CheckedArgument,
-    Operation,
     OutsideArgumentLimits,
-    Polls,
+    PlannedStep,
+    PollRegister,
     Undecodable,
-    Verifies,
-    Writes,
+    VerifyWrite,
+    WriteRegister,
     run_of,
 )
-from ...plan.values import DigitRuns, Raw, meaning_of
+from ...plan.values import DecimalDigits, UnsignedNumber, meaning_of
 from . import docstrings
-from .codec import Coder
+from .codec import LayoutClass
 from .decode import digit_values
 from .docstrings import Block
 from .limits import limit_expressions, limits_depend
-from .literals import Atom, Expr, shift_value
-from .names import PROCEDURE_NAMES, Context, attribute, encoder_name, interface_name, meaning_limits
+from .literals import Atom, PythonExpression, shift_value
+from .names import PROCEDURE_NAMES, ModuleContext, attribute, encoder_name, interface_name, meaning_limits
 
 
 @dataclass(frozen=True)
@@ -40,16 +40,16 @@ class Segment:
     """
 
     arguments: Sequence[CheckedArgument]
-    steps: Sequence[Operation]
-    limiting_write: Writes | None
+    steps: Sequence[PlannedStep]
+    limiting_write: WriteRegister | None
 
 
-class Steps:
-    """Function for one procedure. ``coders`` are the classes of the registers that have a class."""
+class ProcedureFunction:
+    """Function for one procedure. ``layout_classes`` are the classes of the registers that have a class."""
 
-    def __init__(self, context: Context, coders: Mapping[str, Coder], procedure: Procedure) -> None:
+    def __init__(self, context: ModuleContext, layout_classes: Mapping[str, LayoutClass], procedure: Procedure) -> None:
         self.context = context
-        self.coders = coders
+        self.layout_classes = layout_classes
         self.procedure = procedure
         self.run = run_of(context.device, procedure)
         self.name = context.procedures[procedure.name]
@@ -65,13 +65,13 @@ class Steps:
         Otherwise the encoder is only checked.
         """
         for checked_argument in self.arguments:
-            register_class = self.coders.get(checked_argument.argument.of)
+            register_class = self.layout_classes.get(checked_argument.argument.of)
             if register_class is not None and register_class.takes_variant:
                 return True
             if any(self._depends_on_order_code(refusal) for refusal in checked_argument.refusals):
                 return True
         for step in self.steps:
-            if isinstance(step, (Writes, Polls)) and step.field is not None and not step.field.is_fixed:
+            if isinstance(step, (WriteRegister, PollRegister)) and step.field is not None and not step.field.is_fixed:
                 return True
         return any(segment.limiting_write for segment in self.segments)
 
@@ -93,16 +93,18 @@ class Steps:
         """
         # The index after each such step.
         segment_ends = [
-            index + 1 for index, step in enumerate(self.steps) if isinstance(step, Writes) and step.determines_limits
+            index + 1
+            for index, step in enumerate(self.steps)
+            if isinstance(step, WriteRegister) and step.determines_limits
         ]
         for start, end in pairwise((0, *segment_ends, len(self.steps))):
             last_step = self.steps[end - 1]
-            changes_limits = isinstance(last_step, Writes) and last_step.determines_limits
+            changes_limits = isinstance(last_step, WriteRegister) and last_step.determines_limits
             arguments = [argument for argument in self.arguments if start <= self._first_write(argument) < end]
             yield Segment(
                 arguments=arguments,
                 steps=self.steps[start:end],
-                limiting_write=last_step if isinstance(last_step, Writes) and changes_limits else None,
+                limiting_write=last_step if isinstance(last_step, WriteRegister) and changes_limits else None,
             )
 
     def _first_write(self, parameter: CheckedArgument) -> int:
@@ -148,42 +150,42 @@ class Steps:
 
     # -- numbers
 
-    def mask(self, field: Field) -> Expr:
+    def mask(self, field: Field) -> PythonExpression:
         """Return the mask of a field at its position in the register."""
         if field.is_fixed:
             return Atom(f"0x{field.mask_in_place:02X}")
         return shift_value(self.scope.ones(field.width), "<<", self.scope.expression_of(field.low))
 
-    def verified_mask(self, op: Verifies) -> Expr:
+    def verified_mask(self, op: VerifyWrite) -> PythonExpression:
         """Return the mask of the register bits that are read back.
 
         It is the mask of a field, or has two digits for each byte of the register.
         """
         if op.field is not None:
             return self.mask(op.field)
-        mask_of_pieces = sum(piece.mask << piece.low_in_number for piece in op.pieces)
+        mask_of_pieces = sum(bit_slice.mask << bit_slice.low_in_number for bit_slice in op.bit_slices)
         number_of_digits = 2 * op.register.length
         return Atom(f"0x{mask_of_pieces:0{number_of_digits}X}")
 
-    def shifted_to_field(self, value: int | str, field: Field) -> Expr:
+    def shifted_to_field(self, value: int | str, field: Field) -> PythonExpression:
         """Return a number or an argument, shifted to the position of the field."""
         if isinstance(value, int) and field.low.is_constant:
             return Atom(f"0x{value << field.low.constant:02X}")
         return shift_value(Atom(str(value)), "<<", self.scope.expression_of(field.low))
 
-    def members(self, member_value: AsMember, register: Register) -> list[tuple[str, Expr]]:
+    def members(self, member_value: AsMember, register: Register) -> list[tuple[str, PythonExpression]]:
         """Return attributes and values of the register for an argument that sets a field or join of it.
 
         Only runs of decimal digits are several attributes.
         """
-        attribute_of = self.coders[register.name].names.attribute
+        attribute_of = self.layout_classes[register.name].names.attribute
         argument = Atom(self.argument(member_value.argument))
         # Empty if the argument sets a join.
         fields_of_member = [field for field in register.layout.fields if field.name == member_value.member]
         # A join of several fields is a number.
-        meaning = meaning_of(fields_of_member[0]) if fields_of_member else Raw()
+        meaning = meaning_of(fields_of_member[0]) if fields_of_member else UnsignedNumber()
         match meaning:
-            case DigitRuns(runs):
+            case DecimalDigits(runs):
                 return [(attribute_of(run.name), value_of_run) for run, value_of_run in digit_values(argument, runs)]
             case _:
                 return [(attribute_of(member_value.member), argument)]
@@ -196,7 +198,7 @@ class Steps:
 
         It is a tuple if the register has no class.
         """
-        if refusal.register.name not in self.coders:
+        if refusal.register.name not in self.layout_classes:
             lowest, highest = limit_expressions(self.scope, refusal.limits)
             return f"({lowest}, {highest})"
         function = "limits" if refusal.meaning is None else meaning_limits(refusal.meaning)
@@ -205,7 +207,7 @@ class Steps:
 
     def _limits_differ(self, refusal: OutsideArgumentLimits) -> bool:
         """Return True if the limits depend on the order code, or if their function takes the order code in any case."""
-        register_class = self.coders.get(refusal.register.name)
+        register_class = self.layout_classes.get(refusal.register.name)
         if register_class is not None and refusal.meaning is None:
             return register_class.takes_variant
         return limits_depend(refusal.limits)

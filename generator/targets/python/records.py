@@ -16,13 +16,13 @@ from ...model.expressions import Expression
 from ...model.members import PARTS_BY_CLASS
 from ...model.record import dataclass
 from ..registry import our_runtime
-from .literals import Call, Hex, Literal, Member, is_empty
+from .literals import CallLiteral, EnumMember, Hex, Literal, is_empty
 
 #: Sources with classes of records and enumerations.
-_RUNTIME = our_runtime("python") / "codewheel_runtime"
-_SOURCES = (_RUNTIME / "facts.py", _RUNTIME / "order_codes.py", _RUNTIME / "reports.py")
+_RUNTIME_PACKAGE = our_runtime("python") / "codewheel_runtime"
+_RECORD_SOURCES = (_RUNTIME_PACKAGE / "facts.py", _RUNTIME_PACKAGE / "order_codes.py", _RUNTIME_PACKAGE / "reports.py")
 #: Records whose required members are printed without their names.
-_POSITIONAL = frozenset(
+_POSITIONAL_RECORDS = frozenset(
     "Contact Document Edition Family LedState LostFigure NamedValue PrintedTimeout RegisterMeaning Revision"
     " SpelledValue".split()
 )
@@ -62,7 +62,7 @@ def runtime_records() -> RuntimeRecords:
     """Return all records and enumerations of the runtime."""
     members: dict[str, tuple[RecordMember, ...]] = {}
     enumerations = {"Interface"}
-    for path in _SOURCES:
+    for path in _RECORD_SOURCES:
         for class_def in _record_classes(path.read_text(encoding="utf-8")):
             base_names = {ast.unparse(base) for base in class_def.bases}
             if "NamedTuple" in base_names:
@@ -94,7 +94,7 @@ def _record_members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
         )
 
 
-def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call:
+def record_of(class_name: str, model_part: object, **overrides: Literal) -> CallLiteral:
     """Return the record of a part of the model.
 
     It contains all required members, and the others unless they are empty or equal to their default.
@@ -109,14 +109,14 @@ def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call
         value = overrides[member.name] if member.name in overrides else _member_literal(model_part, member)
         if member.is_required:
             # An argument with an empty name is positional.
-            is_positional = class_name in _POSITIONAL
+            is_positional = class_name in _POSITIONAL_RECORDS
             arguments.append(("" if is_positional else member.name, value))
         elif value != member.default and not is_empty(value):
             arguments.append((member.name, value))
-    return Call(class_name, tuple(arguments))
+    return CallLiteral(class_name, tuple(arguments))
 
 
-def records_of(class_name: str, model_parts: Sequence[object]) -> tuple[Call, ...]:
+def records_of(class_name: str, model_parts: Sequence[object]) -> tuple[CallLiteral, ...]:
     """Return a record for each part of the model."""
     return tuple(record_of(class_name, model_part) for model_part in model_parts)
 
@@ -148,8 +148,8 @@ def _member_literal(model_part: object, member: RecordMember) -> Literal:
     if enumerations:
         (enumeration,) = enumerations  # A type names at most one enumeration.
         if isinstance(value, tuple):
-            return tuple(Member(enumeration, name) for name in value)
-        return Member(enumeration, value) if value else None
+            return tuple(EnumMember(enumeration, name) for name in value)
+        return EnumMember(enumeration, value) if value else None
     if isinstance(value, Expression):
         return value.render()
     if isinstance(value, int) and _is_hexadecimal(model_part, member.name):

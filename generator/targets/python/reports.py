@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from ...model import Field, Flag, Verdict, first_of
+from ...model import Field, Flag, Verdict, first_or_raise
 from ...model.expressions import Expression
-from ...plan.codec import Codec
-from ...plan.operations import Part, Reserved
-from ...plan.verdicts import Match, Only, ReportCause, Reporting, VerdictCause
-from .literals import Atom, Expr, Not, Operation, Scope, coded, join_operands, mask
+from ...plan.codec import LayoutPlan
+from ...plan.operations import FieldToDecode, Reserved
+from ...plan.verdicts import CodeCondition, MatchingValues, ReportCause, ReportsAndVerdict, VerdictCause
+from .literals import Atom, Not, ParameterExpressions, PythonExpression, PythonOperation, coded, join_operands, mask
 from .names import ClassNames
 
 
@@ -22,15 +22,15 @@ class FrameReports:
 
     def __init__(
         self,
-        reporting: Reporting | None,
-        codec: Codec,
+        reporting: ReportsAndVerdict | None,
+        layout_plan: LayoutPlan,
         class_names: ClassNames,
         parameters: Mapping[str, str],
         attribute_of: Callable[[str], str] = "self.{}".format,
     ) -> None:
         self._report_causes = reporting.causes if reporting is not None else ()
-        self._judgement = reporting.judgement if reporting is not None else None
-        self._reserved = codec.reserved
+        self._judgement = reporting.verdict_rules if reporting is not None else None
+        self._reserved = layout_plan.reserved
         self._names = class_names
         self._variant = attribute_of("variant")
         self._variant_attributes = parameters
@@ -95,14 +95,14 @@ class FrameReports:
         """
         attributes = self._variant_attributes.items()
         code_of_parameter = {parameter: f"{self._variant}.{attribute}" for parameter, attribute in attributes}
-        return f"{Scope(code_of_parameter).expression_of(judging_bits).operand} == 0"
+        return f"{ParameterExpressions(code_of_parameter).expression_of(judging_bits).operand} == 0"
 
     # -- reports
 
     def name_of(self, field: Field) -> str:
         """Return the name of a field's report."""
         causes = (cause for cause in self._report_causes if cause.by.field.name == field.name)
-        return first_of(causes, f"report about '{field.name}'").report.name
+        return first_or_raise(causes, f"report about '{field.name}'").report.name
 
     # -- conditions
 
@@ -122,13 +122,13 @@ class FrameReports:
             conditions.append(str(self._differs_in(reserved_causes)))
         return conditions
 
-    def _condition_of_cause(self, cause: VerdictCause, flag_or_match: Part | Match) -> str:
+    def _condition_of_cause(self, cause: VerdictCause, flag_or_match: FieldToDecode | MatchingValues) -> str:
         """Return the condition for a cause, such as ``(self.error and not self.warning)``.
 
         A cause is ignored while one of the flags that it combines is active, and for other order codes.
         """
         # The flag comes first, because it is rarely active. The other conditions are then skipped.
-        if isinstance(flag_or_match, Match):
+        if isinstance(flag_or_match, MatchingValues):
             conditions = self._has_values(flag_or_match)
         else:
             conditions = [self._read_attribute(flag_or_match)]
@@ -140,12 +140,12 @@ class FrameReports:
             conditions.append(Not(join_operands("or", combined_flags)))
         return str(conditions[0]) if len(conditions) == 1 else f"({join_operands('and', conditions)})"
 
-    def _has_values(self, match: Match) -> list[Expr]:
+    def _has_values(self, match: MatchingValues) -> list[PythonExpression]:
         """Return a condition for each value of a match, such as ``self.mode == 3``, or ``not self.ready`` for a flag.
 
         The value of a flag is 1 while it is active.
         """
-        conditions: list[Expr] = []
+        conditions: list[PythonExpression] = []
         for part, value in match.conditions:
             attribute = self._read_attribute(part)
             if not isinstance(part.field.kind, Flag):
@@ -156,7 +156,7 @@ class FrameReports:
                 conditions.append(Not(attribute))
         return conditions
 
-    def _differs_in(self, reserved: Sequence[Reserved]) -> Expr:
+    def _differs_in(self, reserved: Sequence[Reserved]) -> PythonExpression:
         """Return the condition that any of these unused bits differs from the manual, such as ``self.unused & 0xC``.
 
         If these are all unused bits of the frame, the condition is ``self.unused``.
@@ -167,9 +167,9 @@ class FrameReports:
         mask_of_all = sum(bits.mask for bits in self._reserved)
         mask_of_these = sum(bits.mask for bits in reserved)
         are_all = mask_of_these == mask_of_all
-        return differing_bits if are_all else Operation(differing_bits, "&", mask(mask_of_these))
+        return differing_bits if are_all else PythonOperation(differing_bits, "&", mask(mask_of_these))
 
-    def _read_attribute(self, part: Part) -> Expr:
+    def _read_attribute(self, part: FieldToDecode) -> PythonExpression:
         return Atom(self._attribute_of(self._names.attribute(part.field.name)))
 
 
@@ -186,6 +186,6 @@ def _meaning_while_active(cause: VerdictCause) -> str:
     return f"{flag.name}: {meaning_on_one_line.rstrip('.')}."
 
 
-def condition_on_parameter(parameter_condition: Only, parameter: str) -> Expr:
+def condition_on_parameter(parameter_condition: CodeCondition, parameter: str) -> PythonExpression:
     """Return the condition that an order code is among ``parameter_condition``: ``parameter`` or ``not parameter``."""
     return Atom(parameter) if parameter_condition.holds else Not(Atom(parameter))

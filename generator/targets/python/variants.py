@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-from ...model import Interface, Layout, Measurement, Register, Spi, Variant, first_of
+from ...model import Interface, Layout, Measurement, Register, Spi, Variant, first_or_raise
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
-from ...plan.frames import Exchanged, HeldParameter, exchanges, held_parameters
+from ...plan.frames import HeldParameter, RequestAndReply, exchanges, held_parameters
 from ...plan.values import (
-    Cases,
+    ByInterface,
     PositionRange,
     by_interface,
     count_factors,
@@ -22,13 +22,24 @@ from ...plan.values import (
 )
 from ...say.order_code import initial
 from . import docstrings
-from .codec import Coder
+from .codec import LayoutClass
 from .frame_kinds import ChannelCode, FrameKind, channel_code
-from .literals import Atom, Call, Code, Expr, Literal, Operation, join_operands, number, of_number, record
+from .literals import (
+    Atom,
+    CallLiteral,
+    Literal,
+    PythonExpression,
+    PythonOperation,
+    SourceText,
+    join_operands,
+    number,
+    of_number,
+    record,
+)
 from .names import (
     FUNCTIONS,
     ClassNames,
-    Context,
+    ModuleContext,
     OpenQuestion,
     attribute,
     byte_order,
@@ -46,26 +57,30 @@ class ListedCodes:
     codes: tuple[str, ...]
 
 
-class Variants:
+class VariantTable:
     """Order codes of one module, as used by the template."""
 
-    def __init__(self, context: Context, frame_kinds: tuple[FrameKind, ...], coders: tuple[Coder, ...]) -> None:
+    def __init__(
+        self, context: ModuleContext, frame_kinds: tuple[FrameKind, ...], layout_classes: tuple[LayoutClass, ...]
+    ) -> None:
         self.context = context
         self.device = context.device
         self.frame_kinds = frame_kinds
-        self.sent_frames = [coder for coder in coders if coder.layout.sender == "encoder"]
+        self.sent_frames = [layout_class for layout_class in layout_classes if layout_class.layout.sender == "encoder"]
         #: True if any frame has a verdict.
-        self.has_verdict = any(coder.reports is not None and coder.reports.default_verdict for coder in coders)
+        self.has_verdict = any(
+            layout_class.reports is not None and layout_class.reports.default_verdict for layout_class in layout_classes
+        )
         self._scope = context.scope_of("self")
         self.rows = [self._build_row(variant) for variant in self.device.variants]
 
-    def _build_row(self, variant: Variant) -> Call:
+    def _build_row(self, variant: Variant) -> CallLiteral:
         """Return the object of an order code, such as ``SsiEncoder("X-13", ("X", "13"), bits=13)``."""
         texts_of_parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
         arguments: list[tuple[str, Literal]] = [("", variant.code), ("", texts_of_parts)]
         for parameter in self.device.set_parameters:
             arguments.append((self.context.parameters[parameter.name], variant.parameters[parameter.name]))
-        return Call(encoder_name(variant.interface), tuple(arguments))
+        return CallLiteral(encoder_name(variant.interface), tuple(arguments))
 
     # -- the class of the variants
 
@@ -80,14 +95,14 @@ class Variants:
         spi_interfaces = (interface for interface in self.device.interfaces if isinstance(interface, Spi))
         return [interface.name for interface in spi_interfaces if interface.exchanges]
 
-    def exchanged(self, interface: Interface) -> tuple[Exchanged, ...]:
+    def exchanged(self, interface: Interface) -> tuple[RequestAndReply, ...]:
         """Return the requests over an interface with their replies.
 
         There are none if requests and replies form a pipeline of words, which ``interfaces_with_requests`` lists.
         """
         return () if interface.name in self.interfaces_with_requests else exchanges(interface)
 
-    def default_attributes(self, exchange: Exchanged) -> list[tuple[str, int]]:
+    def default_attributes(self, exchange: RequestAndReply) -> list[tuple[str, int]]:
         """Return attribute and factory default of each field in a request that has one: ``[("address", 1)]``."""
         # The layout of a request is not the layout of a register, and names of CRC functions do not matter for
         # attributes.
@@ -118,7 +133,7 @@ class Variants:
         return docstrings.of_variant(self.device, self.context.parameters)
 
     @property
-    def derived_parameters(self) -> list[tuple[str, str, Expr]]:
+    def derived_parameters(self) -> list[tuple[str, str, PythonExpression]]:
         """Name, meaning and value of each parameter that is derived from other parameters.
 
         Parameters that always equal a quantity of the measurement are left out, since the class already has that
@@ -147,39 +162,41 @@ class Variants:
     def _measurement_of(self, interface: Interface) -> Measurement | None:
         return self.device.measurement_of(interface.name)
 
-    def _code_of(self, value: Expression | None) -> Expr | None:
+    def _code_of(self, value: Expression | None) -> PythonExpression | None:
         """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if it is not in the spec."""
         return self._scope.expression_of(value) if value is not None else None
 
-    def _cases_by_interface(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
+    def _cases_by_interface(
+        self, quantity_of: Callable[[Measurement], PythonExpression | None]
+    ) -> ByInterface[PythonExpression]:
         """Return a quantity of the measurement, such as ``1 << self.bits``, with the interfaces to which it applies.
 
         ``quantity_of`` returns it for a measurement, or None if the measurement lacks it.
         """
 
-        def quantity_over(interface: Interface) -> Expr | None:
+        def quantity_over(interface: Interface) -> PythonExpression | None:
             measurement = self._measurement_of(interface)
             return quantity_of(measurement) if measurement is not None else None
 
         return by_interface(self.device, quantity_over)
 
     @cached_property
-    def counts_per_turn(self) -> Cases[Expr]:
+    def counts_per_turn(self) -> ByInterface[PythonExpression]:
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.counts_per_turn))
 
     @cached_property
-    def step_um(self) -> Cases[Expr]:
+    def step_um(self) -> ByInterface[PythonExpression]:
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_um))
 
     @cached_property
-    def step_nm(self) -> Cases[Expr]:
+    def step_nm(self) -> ByInterface[PythonExpression]:
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_nm))
 
     @cached_property
-    def per_counts(self) -> Cases[Expr]:
+    def per_counts(self) -> ByInterface[PythonExpression]:
         """Number of counts to which ``step_nm`` applies. There are no cases if it is 1 everywhere."""
 
-        def counts_of(measurement: Measurement) -> Expr | None:
+        def counts_of(measurement: Measurement) -> PythonExpression | None:
             if measurement.step_nm is None:
                 return None
             return self._code_of(measurement.per_counts or Expression(1))
@@ -189,11 +206,11 @@ class Variants:
         return replace(cases, cases=()) if is_one_everywhere else cases
 
     @cached_property
-    def modulus(self) -> Cases[Expr]:
+    def modulus(self) -> ByInterface[PythonExpression]:
         """Number of counts after which the position wraps around."""
         return by_interface(self.device, self.modulus_of)
 
-    def _modulus_expression(self, measurement: Measurement) -> Expr | None:
+    def _modulus_expression(self, measurement: Measurement) -> PythonExpression | None:
         """Return the number of counts after which a position wraps around, or None if the spec does not give it."""
         factors = [*map(self._scope.expression_of, count_factors(measurement))]
         return join_operands("*", factors) if factors else None
@@ -230,7 +247,7 @@ class Variants:
             reasons.append("it depends on the frame, see range_of()")
         return ", or ".join(reasons)
 
-    def modulus_of(self, interface: Interface) -> Expr | None:
+    def modulus_of(self, interface: Interface) -> PythonExpression | None:
         """Return the number of counts after which all positions over an interface wrap around.
 
         Return None if the spec does not state it or if it depends on the frame.
@@ -238,21 +255,21 @@ class Variants:
         only_range = self._only_range(interface)
         return self._modulus_expression(only_range.measurement) if only_range is not None else None
 
-    def ranges_over(self, interface: Interface) -> list[tuple[str, Sequence[Expr | None]]]:
+    def ranges_over(self, interface: Interface) -> list[tuple[str, Sequence[PythonExpression | None]]]:
         """Return each frame with its lowest and highest position and modulus, if the frames differ.
 
         Frames in which the distance between two positions is unknown are left out.
         """
         if interface.name not in self.interfaces_with_frame_ranges:
             return []
-        ranges: list[tuple[str, Sequence[Expr | None]]] = []
+        ranges: list[tuple[str, Sequence[PythonExpression | None]]] = []
         for position_range in position_ranges(self.device, interface):
             if position_range.has_difference:
                 layouts = position_range.layouts
                 ranges += [(layout.name, self._range_values(position_range, layout)) for layout in layouts]
         return ranges
 
-    def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[Expr | None, ...]:
+    def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[PythonExpression | None, ...]:
         """Return the lowest and the highest position in a frame, and the modulus, or None if there is none.
 
         An unsigned position without a highest value in the spec ends at ``modulus - 1``, or without a modulus at the
@@ -267,26 +284,26 @@ class Variants:
                 position_fields = [layout.field(name) for name in layout.names_in(measurement.of)]
                 width = sum((field.width for field in position_fields), Expression(0))
                 number_of_values = modulus if modulus is not None else self._power_of_two(width)
-                highest = Operation(number_of_values, "-", number(1))
+                highest = PythonOperation(number_of_values, "-", number(1))
             return number(0), highest, modulus
         highest = self._highest_signed(position_range)
         if measurement.highest is not None and modulus is not None:
             # From lowest to highest there are ``modulus`` positions.
-            lowest = Operation(Operation(highest, "-", modulus), "+", number(1))
+            lowest = PythonOperation(PythonOperation(highest, "-", modulus), "+", number(1))
             return lowest, highest, modulus
         width = position_range.signed_field.width
         if width.is_constant:
             return number(-1 << (width.constant - 1)), highest, modulus
         # The lowest number in two's complement is -highest - 1.
-        return Operation(number(-1), "-", highest), highest, modulus
+        return PythonOperation(number(-1), "-", highest), highest, modulus
 
-    def _power_of_two(self, exponent: Expression) -> Expr:
+    def _power_of_two(self, exponent: Expression) -> PythonExpression:
         """Return two to the power of ``exponent``."""
         if exponent.is_constant:
             return number(1 << exponent.constant)
-        return Operation(number(1), "<<", self._scope.expression_of(exponent))
+        return PythonOperation(number(1), "<<", self._scope.expression_of(exponent))
 
-    def _highest_signed(self, position_range: PositionRange) -> Expr:
+    def _highest_signed(self, position_range: PositionRange) -> PythonExpression:
         """Return the highest signed position: the spec's position, or else the highest that fits in the field."""
         field = position_range.signed_field
         assert field is not None
@@ -295,13 +312,13 @@ class Variants:
             return self._scope.expression_of(stated_highest)
         if field.width.is_constant:
             return number((1 << (field.widest - 1)) - 1)
-        return Operation(self._power_of_two(field.width - Expression(1)), "-", number(1))
+        return PythonOperation(self._power_of_two(field.width - Expression(1)), "-", number(1))
 
     @cached_property
-    def lowest(self) -> Cases[Expr] | None:
+    def lowest(self) -> ByInterface[PythonExpression] | None:
         """Lowest position by interface, or None if it is 0 everywhere."""
 
-        def lowest_of(position_range: PositionRange) -> Expr | None:
+        def lowest_of(position_range: PositionRange) -> PythonExpression | None:
             if position_range.signed_field is None:
                 return None
             if position_range.measurement.highest is None:
@@ -312,15 +329,15 @@ class Variants:
         return self._ends_by_interface(lowest_of, number(0))
 
     @cached_property
-    def highest(self) -> Cases[Expr] | None:
+    def highest(self) -> ByInterface[PythonExpression] | None:
         """Highest position by interface, or None if it is ``modulus - 1`` everywhere."""
 
-        def highest_of(position_range: PositionRange) -> Expr | None:
+        def highest_of(position_range: PositionRange) -> PythonExpression | None:
             if position_range.signed_field is not None:
                 return self._highest_signed(position_range)
             return self._code_of(position_range.measurement.highest)
 
-        return self._ends_by_interface(highest_of, Operation(Atom("self.modulus"), "-", number(1)))
+        return self._ends_by_interface(highest_of, PythonOperation(Atom("self.modulus"), "-", number(1)))
 
     @property
     def is_shifted(self) -> bool:
@@ -335,7 +352,9 @@ class Variants:
                 return True
         return False
 
-    def _ends_by_interface(self, end_of: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
+    def _ends_by_interface(
+        self, end_of: Callable[[PositionRange], PythonExpression | None], usual: PythonExpression
+    ) -> ByInterface[PythonExpression] | None:
         """Return the lowest or the highest position by interface.
 
         ``end_of`` returns it for a range, or None where it is ``usual``: 0 for the lowest position, and
@@ -343,7 +362,7 @@ class Variants:
         the frames of no interface differ.
         """
 
-        def end_over(interface: Interface) -> Expr | None:
+        def end_over(interface: Interface) -> PythonExpression | None:
             only_range = self._only_range(interface)
             if only_range is None:
                 return None
@@ -365,13 +384,13 @@ class Variants:
         return [name for name, applies in applies_by_class.items() if applies] or ["Encoder"]
 
     @cached_property
-    def frame_bits(self) -> Cases[Expr]:
+    def frame_bits(self) -> ByInterface[PythonExpression]:
         """Number of bits in the encoder's frame by interface, if it is a string of bits of known length."""
         bits_by_interface: dict[str, Expression] = {}
         for kind in self.frame_kinds:
             has_known_bits = not kind.in_bytes and not kind.has_open_length
             if has_known_bits:
-                bits_by_interface[kind.interface] = kind.coder.layout.bits
+                bits_by_interface[kind.interface] = kind.layout_class.layout.bits
         return by_interface(self.device, lambda interface: self._code_of(bits_by_interface.get(interface.name)))
 
     # -- answers with a default
@@ -393,7 +412,7 @@ class Variants:
             if self.device.verdict_alternatives(layout):
                 interface_names.add(interface.name)
         variants = (variant for variant in reversed(self.device.variants) if variant.interface in interface_names)
-        return first_of(variants, "order code with a frame whose verdict an answer decides").code
+        return first_or_raise(variants, "order code with a frame whose verdict an answer decides").code
 
     def answered_parameters(self, question: OpenQuestion) -> list[tuple[str, str]]:
         """Return the parameters that an answer sets, each with its attribute in the Enum of the answers."""
@@ -402,9 +421,9 @@ class Variants:
     # -- parameters in registers
 
     @cached_property
-    def held_records(self) -> list[tuple[str, Call]]:
+    def held_records(self) -> list[tuple[str, CallLiteral]]:
         """Parameters that registers hold at run time: the attribute of the variant, and its record."""
-        records: list[tuple[str, Call]] = []
+        records: list[tuple[str, CallLiteral]] = []
         # A group consists of a register and the parameters that it holds.
         for group in held_parameters(self.device):
             for held_parameter in group.parameters:
@@ -423,7 +442,7 @@ class Variants:
         registers = (group.register for group in held_parameters(self.device))
         return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
 
-    def _held_record(self, register: Register, held_parameter: HeldParameter) -> Call:
+    def _held_record(self, register: Register, held_parameter: HeldParameter) -> CallLiteral:
         """Return the record of a parameter in a register: its place, its default, its limits or its codes.
 
         A register without a default contains zeros, and ``by_order_code`` marks it.
@@ -431,8 +450,8 @@ class Variants:
         parameter = held_parameter.parameter
         record_members: dict[str, Literal] = {
             "parameter": self.context.parameters[parameter.name],
-            "interface": Code(f"Interface.{register.interface.upper()}"),
-            "address": Code(f"Address.{register.name.upper()}"),
+            "interface": SourceText(f"Interface.{register.interface.upper()}"),
+            "address": SourceText(f"Address.{register.name.upper()}"),
             "default": register.default_bytes() or bytes(register.length),
             "order": byte_order(register),
             "low": held_parameter.field.low.constant,

@@ -19,7 +19,7 @@ from ..bulk.table import Table
 from ..channel_tables import ChannelTable
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
-from ..files.inputs import Part, Source
+from ..files.inputs import FrameBatch, Source
 from ..files.layouts import find_layout, find_shape, list_layouts
 from ..files.sinks import SINKS, TargetKind
 from ..files.stream import (
@@ -38,7 +38,7 @@ from .accesses import Access, Accesses
 from .any_biss import BissLayout
 from .clocked import CapturedFrames, Lost, find_clocked_frames
 from .signal_files import open_signals
-from .signals import Names, Signals, read_array
+from .signals import SignalNames, Signals, read_array
 from .uart import Kinds, find_exported_columns, find_replies, read_exported_bytes, read_serial_bytes
 
 __all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "ChannelCapture", "Lost", "Probes"]
@@ -50,7 +50,7 @@ _TIME_DIGITS: Final = 12
 
 _NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
 #: Maximum number of lost cycles and of accesses that a summary lists.
-_SHOWN: Final = 1000
+_MOST_LISTED: Final = 1000
 #: Files, or an array of samples.
 Captured = Any
 
@@ -86,7 +86,7 @@ class Probes(NamedTuple):
         if self.threshold is not None and not _is_finite(self.threshold):
             raise UsageError(f"threshold must be a number, got {self.threshold!r}")
 
-    def names(self, is_serial: bool) -> Names:
+    def names(self, is_serial: bool) -> SignalNames:
         """Return the choice of the channels. A serial line has no clock.
 
         Raises UsageError if a channel is neither a name nor a number.
@@ -95,7 +95,7 @@ class Probes(NamedTuple):
             if not isinstance(channel, (str, int)) or isinstance(channel, bool):
                 raise UsageError(f"a channel is a name or a number from 1, got {channel!r}")
         clock = None if is_serial else str(self.clock)
-        return Names(clock=clock, data=str(self.data))
+        return SignalNames(clock=clock, data=str(self.data))
 
 
 def _is_finite(number: object) -> bool:
@@ -504,7 +504,7 @@ def read_channel_capture(layout: _Channels, source: Captured, probes: Probes) ->
 
 
 @contextmanager
-def _open_signals(source: Captured, names: Names, probes: Probes) -> Generator[tuple[Signals, str], None, None]:
+def _open_signals(source: Captured, names: SignalNames, probes: Probes) -> Generator[tuple[Signals, str], None, None]:
     """Open the signals of files or of an array, and yield them with a name for errors."""
     if hasattr(source, "dtype"):
         yield read_array(source, names, probes.rate), "the array"
@@ -555,7 +555,7 @@ def _report_exchanged_lines(
             valid_count += int(decode_many(stretch.frames, opened.shape, encoder).ok.sum())
             frame_count += len(stretch.frames)
             lost_count += len(stretch.lost)
-            if frame_count > _SHOWN:
+            if frame_count > _MOST_LISTED:
                 break
     invalid_count = frame_count - valid_count + lost_count
     # One frame can be valid by chance.
@@ -579,7 +579,7 @@ def _decode_capture(
     ``opening`` opens the capture, and ``sources`` are its files. For ``limit`` and ``progress``, see ``decode_file``.
     Raises UsageError if the frames have a field with the name of the column of times.
     """
-    log = _Log(_SHOWN)
+    log = _Log(_MOST_LISTED)
     with opening as opened, open_for_writing(output.target, sources, output.force) as file:
         time_column = opened.time_column
         time_columns = {time_column: np.zeros(0)}
@@ -622,11 +622,11 @@ def _list_paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
     return [os.fspath(path) for path in source]
 
 
-def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[Part, None, None]:
+def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[FrameBatch, None, None]:
     """Yield the frames with the column of their times, and add each stretch to the log."""
     for stretch in opened.stretches:
         log.add(stretch)
-        yield Part(stretch.frames, stretch.done, {opened.time_column: _round_times(stretch.times)})
+        yield FrameBatch(stretch.frames, stretch.done, {opened.time_column: _round_times(stretch.times)})
 
 
 def _round_times(seconds: Any) -> Any:

@@ -50,7 +50,7 @@ class Signals(NamedTuple):
     total: int | None = None
 
 
-class Names(NamedTuple):
+class SignalNames(NamedTuple):
     """Choice of the signals: the clock and the data line, or one data line if ``clock`` is None.
 
     A name is the name of a channel, or its number from 1. An empty name is replaced by a channel with a common name for
@@ -78,9 +78,9 @@ class Names(NamedTuple):
         missing, and there are as many channels as signals, they are taken in order. If only one of two signals has a
         channel, the other gets the remaining one of two channels.
         """
-        signals: list[_Signal] = [(self.data, _SERIAL, "--data")]
+        signals: list[_Signal] = [(self.data, _NAMES_OF_SERIAL_LINES, "--data")]
         if self.clock is not None:
-            signals = [(self.clock, _CLOCKS, "--clock"), (self.data, _DATA, "--data")]
+            signals = [(self.clock, _NAMES_OF_CLOCKS, "--clock"), (self.data, _NAMES_OF_DATA, "--data")]
         if len(channels) < len(signals):
             raise InputError(file, "", f"expected channels of a clock and a data line, got {listed(list(channels))}")
         places: list[int | None] = []
@@ -121,9 +121,9 @@ def _add_remaining_channel(signals: Sequence[_Signal], places: list[int | None])
 #: Chosen name of a signal, its usual names, and the option that chooses it.
 _Signal = tuple[str, tuple[str, ...], str]
 
-_CLOCKS: Final = ("ma", "clock", "clk", "sck", "sclk", "scl")
-_DATA: Final = ("slo", "sl", "data", "dat", "miso", "sdo", "sda")
-_SERIAL: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "dat")
+_NAMES_OF_CLOCKS: Final = ("ma", "clock", "clk", "sck", "sclk", "scl")
+_NAMES_OF_DATA: Final = ("slo", "sl", "data", "dat", "miso", "sdo", "sda")
+_NAMES_OF_SERIAL_LINES: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "dat")
 
 
 def _find_place(channels: Sequence[str], name: str) -> int | None:
@@ -208,7 +208,7 @@ def pack_bits(columns: Any) -> Any:
     return levels
 
 
-def read_array(samples: Any, names: Names, rate: float | None = None) -> Signals:
+def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> Signals:
     """Return the signals in an array of samples.
 
     Args:
@@ -219,7 +219,7 @@ def read_array(samples: Any, names: Names, rate: float | None = None) -> Signals
 
     Raises:
         TypeError: ``samples`` is not such an array.
-        InputError, UsageError: See ``Names.places``.
+        InputError, UsageError: See ``SignalNames.places``.
     """
     array = np.asarray(samples)
     has_rows = array.ndim == 2

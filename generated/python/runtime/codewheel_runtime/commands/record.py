@@ -19,17 +19,17 @@ from ..files.targets import open_for_writing
 RecordKind = Literal["csv", "jsonl", "parquet"]
 #: Formats by name, for the option.
 RECORD_KINDS: Final[tuple[RecordKind, ...]] = ("csv", "jsonl", "parquet")
-_SUFFIXES: Final[dict[str, RecordKind]] = {
+_FORMAT_BY_SUFFIX: Final[dict[str, RecordKind]] = {
     ".jsonl": "jsonl",
     ".ndjson": "jsonl",
     ".parquet": "parquet",
     ".pq": "parquet",
 }
 #: Number of rows of a Parquet file that are written at once.
-_ROWS: Final = 4096
+_ROWS_AT_ONCE: Final = 4096
 
 
-class Reading(NamedTuple):
+class RecordedReading(NamedTuple):
     """One reading of an encoder.
 
     Attributes:
@@ -50,7 +50,7 @@ class Reading(NamedTuple):
 class Recorder(Protocol):
     """Open output to which readings are appended."""
 
-    def write(self, reading: Reading) -> None:
+    def write(self, reading: RecordedReading) -> None:
         """Append a reading."""
         ...
 
@@ -69,9 +69,9 @@ class _Csv:
         self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
         self._out = self._own or sys.stdout
         self._row: Callable[[Any], object] = csv.writer(self._out, lineterminator="\n").writerow
-        self._row(Reading._fields)
+        self._row(RecordedReading._fields)
 
-    def write(self, reading: Reading) -> None:
+    def write(self, reading: RecordedReading) -> None:
         self._row(reading._replace(time=_round(reading.time)))
         self._out.flush()
 
@@ -91,7 +91,7 @@ class _JsonLines:
         self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
         self._out = self._own or sys.stdout
 
-    def write(self, reading: Reading) -> None:
+    def write(self, reading: RecordedReading) -> None:
         self._out.write(json.dumps(reading._replace(time=_round(reading.time))._asdict()) + "\n")
         self._out.flush()
 
@@ -105,18 +105,18 @@ class _Parquet:
     """Parquet file, written in groups of rows."""
 
     def __init__(self, file: Any) -> None:
-        """Write the header of ``file``, whose columns are the fields of ``Reading``."""
+        """Write the header of ``file``, whose columns are the fields of ``RecordedReading``."""
         self._pa: Any = import_module("pyarrow")
         text_type = self._pa.string()
         number_types = {"time": self._pa.float64(), "position": self._pa.int64()}
-        self._schema = self._pa.schema([(name, number_types.get(name, text_type)) for name in Reading._fields])
+        self._schema = self._pa.schema([(name, number_types.get(name, text_type)) for name in RecordedReading._fields])
         self._writer = import_module("pyarrow.parquet").ParquetWriter(file, self._schema)
         #: Rows that are not written yet.
         self._rows: list[dict[str, Any]] = []
 
-    def write(self, reading: Reading) -> None:
+    def write(self, reading: RecordedReading) -> None:
         self._rows.append(reading._asdict())
-        if len(self._rows) == _ROWS:
+        if len(self._rows) == _ROWS_AT_ONCE:
             self._write_rows()
 
     def close(self) -> None:
@@ -141,7 +141,7 @@ def record_kind(target: str, kind: RecordKind | None) -> RecordKind:
     Raises:
         UsageError: Parquet cannot be written to standard output.
     """
-    chosen = kind or _SUFFIXES.get(PurePath(target).suffix.lower(), "csv")
+    chosen = kind or _FORMAT_BY_SUFFIX.get(PurePath(target).suffix.lower(), "csv")
     if target == "-" and chosen == "parquet":
         raise UsageError("Parquet cannot be written to standard output; give a file with -o")
     return chosen
