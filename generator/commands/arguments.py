@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     from ..cache import Cache
@@ -173,7 +173,7 @@ def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
     """
     register_bytes: dict[int, int] = {}
     for pair in pairs:
-        malformed = Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
+        malformed = CommandError(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
         # With the base 0, the prefix of a number decides: 0x, 0b, or none for decimal.
         address_text, _, byte_text = pair.partition("=")
         try:

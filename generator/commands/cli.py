@@ -17,7 +17,7 @@ from importlib import import_module
 from typing import Protocol, cast
 
 from .arguments import Parser, ShowVersion, add_examples, parse
-from .terminal import Stop, prepare_streams, release_streams
+from .terminal import CommandError, prepare_streams, release_streams
 
 _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
@@ -125,14 +125,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run_command(arguments: Sequence[str] | None) -> int:
     """Parse the arguments, run the command, and return its exit code.
 
-    If it raises ``Stop``, print the message and return the exit code of ``Stop``.
+    If it raises ``CommandError``, print the message and return the exit code of ``CommandError``.
     """
     try:
         words = sys.argv[1:] if arguments is None else arguments
         parsed = parse(parser_for(words), words)
         prepare_streams(as_json=getattr(parsed, "json", False))
         return command_named(parsed.command).run(parsed)
-    except Stop as stop:
+    except CommandError as stop:
         print(f"codewheel: {stop}", file=sys.stderr)
         return stop.code
     except SystemExit as stop:  # Of the parser: help, or wrong usage.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..say.plain_text import counted
 from .arguments import Parser, add_specs_option
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     import argparse
@@ -54,7 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         path.write_text("\n".join(lines), encoding="utf-8")
     except OSError as error:
-        raise Stop(f"cannot write {path}: {error.strerror or error}", 1) from None
+        raise CommandError(f"cannot write {path}: {error.strerror or error}", 1) from None
     gaps_text = counted(open_gaps(sheet_data), "gap")
     texts_text = counted(len(sheet_data["texts"]), "text")
     print(f"written    {path.as_posix()}: {gaps_text} to fill, in {texts_text}")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..changes.rules import IMPACTS, Impact
 from .arguments import FORMATS, FORMATS_HELP, Parser, a_path, add_cache_option, cache_for
-from .terminal import Progress, Stop, print_json, refuse_missing
+from .terminal import CommandError, Progress, print_json, refuse_missing
 
 if TYPE_CHECKING:
     from ..cache import Cache
@@ -112,7 +112,7 @@ def run(arguments: argparse.Namespace) -> int:
         Stop: Something cannot be read, or families that must not be released would be recorded.
     """
     if arguments.record and not Path(arguments.new).is_dir():
-        raise Stop("--record needs a folder of specs: all families of a manufacturer share a version", 2)
+        raise CommandError("--record needs a folder of specs: all families of a manufacturer share a version", 2)
     cache = cache_for(arguments)
     old, new, comparison = _compare_sides(arguments, cache)
     if arguments.record:
@@ -195,7 +195,7 @@ def _filters_for(specs: str) -> FamilyFilters:
 
 
 def _refuse_unproved(families: Sequence[Family], cache: Cache) -> None:
-    """Raise ``Stop`` if families must not be released."""
+    """Raise ``CommandError`` if families must not be released."""
     import_module(f"{__package__}.check.specs").refuse_unproved(families, "recorded", cache)
 
 
@@ -223,7 +223,7 @@ def _without_accepted(
     try:
         return changes_to_accept(changes, read_accepted(accepted_file), today)
     except NotAccepted as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
 
 
 def _compare_families(old_side: _Side, new_side: _Side, cache: Cache, filters: FamilyFilters) -> DiffResult:
@@ -263,14 +263,14 @@ def _write_records(comparison: DiffResult, new_side: _Side) -> DiffResult:
     from ..changes.report import NotRecorded, files_of_release
 
     if comparison.notices:
-        raise Stop(f"nothing is recorded: {comparison.notices[0]}", 1)
+        raise CommandError(f"nothing is recorded: {comparison.notices[0]}", 1)
     try:
         # Compose all texts before touching the first file.
         paths_and_texts = list(files_of_release(comparison, new_side.families))
         for path, text in paths_and_texts:
             path.write_text(text, encoding="utf-8")
     except NotRecorded as error:
-        raise Stop(str(error), 1) from None
+        raise CommandError(str(error), 1) from None
     notices = tuple(f"recorded in {path.as_posix()}" for path, _ in paths_and_texts)
     packages = [replace(package, stated=package.new) for package in comparison.packages]
     return replace(comparison, packages=packages, notices=notices)
@@ -338,7 +338,7 @@ def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequenc
             try:
                 written_files = write_revision(place_in_revision, Path(folder))
             except RevisionError as error:
-                raise Stop(str(error), 2) from None
+                raise CommandError(str(error), 2) from None
             path = written_files.place
             file_names = written_files.names
         if old_side is None:
@@ -357,15 +357,15 @@ def _print_first_problems(problems: Sequence[Problem]) -> None:
         print(f"and {len(problems) - _MOST_PROBLEMS} more", file=sys.stderr)
 
 
-def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> Stop:
-    """Print the first problems of a side, and return the ``Stop`` to raise. For the old side, it suggests a remedy."""
+def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> CommandError:
+    """Print the first problems of a side, and return the ``CommandError`` to raise. For the old side, it suggests a remedy."""
     from ..say.plain_text import counted
 
     _print_first_problems(problems)
     problems_text = counted(len(problems), "problem")
     if not is_old:
-        return Stop(f"{text} has {problems_text} and is not compared", 1)
-    return Stop(
+        return CommandError(f"{text} has {problems_text} and is not compared", 1)
+    return CommandError(
         f"{text} is not compared, because the current spec language finds {problems_text} in it. It may use an older "
         "form of the language: add --lenient, use a later revision, or run the version of codewheel from that time",
         1,

@@ -12,7 +12,7 @@ from ..loading.overlays import Family
 from ..model import Device
 from ..order_codes.labels import Match, UnknownOrderCode, edition_by_label, find_code
 from ..reference.findings import edition_by_registers, without_tests
-from .terminal import Stop, problems
+from .terminal import CommandError, problems
 
 #: Words that ask to infer the edition instead of naming it.
 BY_LABEL, BY_REGISTERS = "label", "registers"
@@ -50,9 +50,9 @@ def in_requested_edition(
         match_in_edition = find_code(device_in_edition, text) if code_match is not None else None
         return device_in_edition, match_in_edition, remaining_bytes
     except UnknownOrderCode as error:
-        raise Stop(f"in edition {revision} of the manual: {error}", 2) from None
+        raise CommandError(f"in edition {revision} of the manual: {error}", 2) from None
     except (UnknownEdition, ValueError) as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
 
 
 def _find_revision(
@@ -112,14 +112,16 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
             first_name = next(iter(families_by_name), "FAMILY")
             example = f"{first_name}=1.0"
             known_names = ", ".join(families_by_name)
-            raise Stop(f"'{wanted_edition}' is not a family and an edition; write it like {example} ({known_names})", 2)
+            raise CommandError(
+                f"'{wanted_edition}' is not a family and an edition; write it like {example} ({known_names})", 2
+            )
         family = families_by_name[name]
         try:
             revision = revision_for(family.device, revision_or_date)
         except UnknownEdition as error:
-            raise Stop(str(error), 2) from None
+            raise CommandError(str(error), 2) from None
         if revision == family.device.manual.revision:
-            raise Stop(f"the spec of {name} is already edition {revision}", 2)
+            raise CommandError(f"the spec of {name} is already edition {revision}", 2)
         # An edition is merged into the spec as read, so the spec must conform to the schema.
         if report.faults(family.document):
             continue

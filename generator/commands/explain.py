@@ -7,7 +7,7 @@ import textwrap
 from typing import TYPE_CHECKING, TypedDict
 
 from .arguments import Parser
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     import argparse
@@ -70,7 +70,7 @@ def explain(name: str | None) -> str:
     if not descriptions:
         names_of_rules = [*examples, *_SEVERAL_FILES, *RULES]
         hint = suggestion(name, names_of_rules) or "; codewheel explain lists the rules"
-        raise Stop(f"there is no rule '{name}'{hint}", 2)
+        raise CommandError(f"there is no rule '{name}'{hint}", 2)
     return "\n\n".join(descriptions)
 
 

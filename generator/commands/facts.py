@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..say.plain_text import counted
 from .arguments import Parser, add_specs_option
-from .terminal import Stop, print_json, problems
+from .terminal import CommandError, print_json, problems
 
 if TYPE_CHECKING:
     import argparse
@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     page = arguments.page
     section = arguments.section
     if page is None and section is None:
-        raise Stop("give --page NUMBER or --section NUMBER, or both", 2)
+        raise CommandError("give --page NUMBER or --section NUMBER, or both", 2)
     facts = facts_with_citations(family_named(arguments.family, paths).document)
     if page is not None:
         facts = [fact for fact in facts if page in fact.pages]
@@ -70,7 +70,7 @@ def family_named(name: str, paths: Sequence[Path]) -> Family:
         raise problems(report)
     families_by_name = {family.device.name: family for family in families}
     if name.lower() not in families_by_name:
-        raise Stop(f"'{name}' is not a family; known: {', '.join(families_by_name)}", 2)
+        raise CommandError(f"'{name}' is not a family; known: {', '.join(families_by_name)}", 2)
     return families_by_name[name.lower()]
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ..say.plain_text import counted
 from .arguments import Parser
 from .line_encoder import command_for_spec
-from .terminal import Stop, print_json
+from .terminal import CommandError, print_json
 
 if TYPE_CHECKING:
     import argparse
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         layouts = find_layouts(recording)
     except NoLayout as error:
-        raise Stop(str(error), 1) from None
+        raise CommandError(str(error), 1) from None
     proposals = [answer_with_lines(recording, layout) for layout in layouts]
     if arguments.json:
         print_json(_json_data(recording, proposals))
@@ -90,21 +90,21 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
 
     frame_texts = _frame_texts(arguments.frame)
     if len(frame_texts) < FEWEST:
-        raise Stop("one frame does not show a layout; give at least 2, and turn the shaft between them", 2)
+        raise CommandError("one frame does not show a layout; give at least 2, and turn the shaft between them", 2)
     frames = [_read_frame(arguments.interface, frame_text, arguments.bits) for frame_text in frame_texts]
     lengths = sorted({frame.bits for frame in frames})
     if len(lengths) > 1:
         reason = f"the frames have {lengths[0]} to {lengths[-1]} bits; give frames of one length"
-        raise Stop(f"{reason}, with all leading zeros, or --bits", 2)
+        raise CommandError(f"{reason}, with all leading zeros, or --bits", 2)
     common_length = lengths[0]
     if arguments.interface == "rs485" and common_length % 8:
-        raise Stop(f"the frames have {common_length} bits; over RS-485, they are whole bytes", 2)
+        raise CommandError(f"the frames have {common_length} bits; over RS-485, they are whole bytes", 2)
     longest = _LONGEST.get(arguments.interface, _LONGEST_IN_BITS)
     shortest = _SHORTEST.get(arguments.interface, 1)
     if common_length > longest:
-        raise Stop(f"the frames have {common_length} bits; a line has at most {longest}", 2)
+        raise CommandError(f"the frames have {common_length} bits; a line has at most {longest}", 2)
     if common_length < shortest:
-        raise Stop(f"the frames have {counted(common_length, 'bit')}; a line has at least {shortest}", 2)
+        raise CommandError(f"the frames have {counted(common_length, 'bit')}; a line has at least {shortest}", 2)
     positions: tuple[float, ...] = ()
     if arguments.positions is not None:
         positions = _read_positions(arguments.positions, len(frame_texts))
@@ -167,10 +167,12 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
             # Without a prefix, one piece could be decimal, hexadecimal or bits.
             if len(plain_text.split()) == 1:
                 start_of_text = plain_text[:_SHOWN_CHARACTERS]
-                raise Stop(f"'{start_of_text}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
+                raise CommandError(
+                    f"'{start_of_text}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2
+                )
         frame_data = frame_bytes(plain_text)
     except FrameTextError as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     return _with_stated_length(_Frame(int.from_bytes(frame_data, "big"), 8 * len(frame_data)), bits, text)
 
 
@@ -183,7 +185,7 @@ def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
     if bits is None:
         return frame
     if frame.number.bit_length() > bits:
-        raise Stop(f"'{text[:_SHOWN_CHARACTERS]}' has more than {bits} bits", 2)
+        raise CommandError(f"'{text[:_SHOWN_CHARACTERS]}' has more than {bits} bits", 2)
     return _Frame(frame.number, bits)
 
 
@@ -199,13 +201,17 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
         positions = tuple(float(piece) for piece in text.split(","))
     except ValueError:
         start_of_text = text[:_SHOWN_CHARACTERS]
-        raise Stop(f"'{start_of_text}' is not a list of numbers; write it like --positions 0,45,90", 2) from None
+        raise CommandError(
+            f"'{start_of_text}' is not a list of numbers; write it like --positions 0,45,90", 2
+        ) from None
     if len(positions) != count:
-        raise Stop(f"{counted(len(positions), 'position')} for {counted(count, 'frame')}; give one for each frame", 2)
+        raise CommandError(
+            f"{counted(len(positions), 'position')} for {counted(count, 'frame')}; give one for each frame", 2
+        )
     if not all(map(isfinite, positions)):
-        raise Stop("a position is not a finite number; write it like --positions 0,45,90", 2)
+        raise CommandError("a position is not a finite number; write it like --positions 0,45,90", 2)
     if max(map(abs, positions)) > _MOST_POSITION:
-        raise Stop(f"a position is beyond ±{_MOST_POSITION:.0e}; give the positions in a larger unit", 2)
+        raise CommandError(f"a position is beyond ±{_MOST_POSITION:.0e}; give the positions in a larger unit", 2)
     return positions
 
 

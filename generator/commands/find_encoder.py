@@ -13,7 +13,7 @@ from ..say.plain_text import counted, first_of
 from .arguments import bytes_by_address
 from .line_encoder import encoder_in_line, is_line, refuse_line
 from .specs_by_text import families_for, has_family, has_same_spec
-from .terminal import Stop, problems
+from .terminal import CommandError, problems
 
 if TYPE_CHECKING:
     import argparse
@@ -186,7 +186,7 @@ def _print_skipped_files(report: Report) -> None:
     print(f"codewheel: {notice}", file=sys.stderr)
 
 
-def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Stop:
+def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> CommandError:
     """Return the error that no group contains the text: a spec has problems, or the text is unknown."""
     from ..language.files import packaged_families
     from ..loading.library import load_sound
@@ -203,7 +203,7 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: b
     packaged_match, _ = _find_in_group(packaged_families(), text, cache, accepts_family=accepts_family)
     if packaged_match is None:
         return reason
-    return Stop(f"{reason}; the packaged specs have it, so leave out the names of specs", reason.code)
+    return CommandError(f"{reason}; the packaged specs have it, so leave out the names of specs", reason.code)
 
 
 def find_among(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
@@ -234,7 +234,7 @@ def _is_special_model(device: Device, code: str) -> bool:
     return any(overlay.special and code.endswith(f"/{overlay.special}") for overlay in device.overlays)
 
 
-def _unknown_code_error(devices: Sequence[Device], text: str) -> Stop:
+def _unknown_code_error(devices: Sequence[Device], text: str) -> CommandError:
     """Return the error for an unknown code.
 
     The message is the first of these that applies: that the text is a file, that it is the name of a family, why it is
@@ -246,20 +246,20 @@ def _unknown_code_error(devices: Sequence[Device], text: str) -> Stop:
     from ..order_codes.unknown_labels import closest_reason, family_with_name
 
     if Path(text).suffix in SUFFIXES:
-        return Stop(f"'{text}' is not an order code; give a spec as --specs {text}", 2)
+        return CommandError(f"'{text}' is not an order code; give a spec as --specs {text}", 2)
     device = family_with_name(devices, text)
     if device is not None:
         example = device.variants[0].code
         message = labels.family_instead_of_code(text, example)
-        return Stop(f"{message} (codewheel show {device.name} explains them)", 2)
+        return CommandError(f"{message} (codewheel show {device.name} explains them)", 2)
     reason = closest_reason(_candidate_families(devices, text), text)
     if reason is not None:
-        return Stop(reason, 2)
+        return CommandError(reason, 2)
     similar_codes = nearest_codes(devices, text, NEAR)
     remedy = "; codewheel list shows the known patterns"
     if similar_codes:
         remedy = labels.nearest_codes_hint(", ".join(similar_codes))
-    return Stop(labels.unknown_code(text) + remedy, 2)
+    return CommandError(labels.unknown_code(text) + remedy, 2)
 
 
 def _family_named(devices: Sequence[Device], text: str) -> Device | None:

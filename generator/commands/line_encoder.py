@@ -10,7 +10,7 @@ from ..one_line.line import Line, LineError
 from ..one_line.parse import is_line as is_line
 from ..one_line.parse import parse_line
 from ..say.plain_text import counted
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     from ..model import Device
@@ -45,13 +45,13 @@ def checked_line(text: str) -> Line:
     return parse_line(text)
 
 
-def line_problems(error: LineError) -> Stop:
-    """Print all problems of a line to standard error, and return the ``Stop`` to raise."""
+def line_problems(error: LineError) -> CommandError:
+    """Print all problems of a line to standard error, and return the ``CommandError`` to raise."""
     from ..language.problems import excerpt, visible
 
     for column, message in error.problems:
         print(f"column {column}: {visible(message)}", *excerpt(error.text, column), sep="\n", file=sys.stderr)
-    return Stop(f"{counted(len(error.problems), 'problem')} in the line", 2)
+    return CommandError(f"{counted(len(error.problems), 'problem')} in the line", 2)
 
 
 def refuse_line(text: str, action: str) -> None:
@@ -61,7 +61,7 @@ def refuse_line(text: str, action: str) -> None:
         Stop: It is a line. The exit code is 2.
     """
     if is_line(text):
-        raise Stop(f"a line {action}; to write it as a spec: {command_for_spec(text)}", 2)
+        raise CommandError(f"a line {action}; to write it as a spec: {command_for_spec(text)}", 2)
 
 
 def command_for_spec(text: str) -> str:

@@ -17,7 +17,7 @@ from .arguments import (
     cache_for,
 )
 from .line_encoder import OR_A_LINE
-from .terminal import Stop, print_json, problems, refuse_missing
+from .terminal import CommandError, print_json, problems, refuse_missing
 
 if TYPE_CHECKING:
     from ..masters.record import Record
@@ -115,9 +115,9 @@ def _refuse_incomplete_options(arguments: argparse.Namespace) -> None:
     has_format_option = arguments.format is not None or arguments.device is not None
     if has_format_option and (arguments.master is None or arguments.order_code is None):
         option = "--format" if arguments.format is not None else "--device"
-        raise Stop(f"{option} needs an order code and --master", 2)
+        raise CommandError(f"{option} needs an order code and --master", 2)
     if arguments.order_code is None and arguments.edition is not None:
-        raise Stop("--edition needs an order code", 2)
+        raise CommandError("--edition needs an order code", 2)
 
 
 def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
@@ -131,7 +131,7 @@ def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
     known_names = [master.name for master in masters]
     if name is not None and name not in known_names:
         hint = suggestion(name, known_names) or "; codewheel master lists them"
-        raise Stop(f"there is no master '{name}'{hint}", 2)
+        raise CommandError(f"there is no master '{name}'{hint}", 2)
 
 
 def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Record]:
@@ -158,11 +158,11 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Rec
         )
         return device, match, encoder_record
     except RegisterError as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     except Undecided as error:
-        raise Stop(open_questions(device, error.layout, answers, "has no settings"), 2) from None
+        raise CommandError(open_questions(device, error.layout, answers, "has no settings"), 2) from None
     except NoRecord as error:
-        raise Stop(str(error), 1) from None
+        raise CommandError(str(error), 1) from None
 
 
 def _file_for_master(
@@ -184,12 +184,12 @@ def _file_for_master(
     file_format = _chosen_format(arguments, master, masters)
     master_sheet = sheet(master, encoder_record)
     if master_sheet.refusals:
-        raise Stop(_cannot_use_message(master_sheet, masters, encoder_record), 2)
+        raise CommandError(_cannot_use_message(master_sheet, masters, encoder_record), 2)
     devices_with_format = master_sheet.devices_with(file_format)
     master_device = devices_with_format[0] if arguments.device is None else arguments.device
     if master_device not in devices_with_format:
         known_devices = listed(devices_with_format, "or")
-        raise Stop(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
+        raise CommandError(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
     return file_text(device, [encoder_record.code], master_sheet, file_format, master_device).rstrip("\n")
 
 
@@ -204,12 +204,12 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
     formats = {file_format["format"]: file_format for file_format in master.files}
     if not formats:
         masters_with_files = listed(other_master.name for other_master in masters if other_master.files)
-        raise Stop(f"no file format is known for {master.name}; there are formats for {masters_with_files}", 2)
+        raise CommandError(f"no file format is known for {master.name}; there are formats for {masters_with_files}", 2)
     if arguments.format not in formats:
         problem = f"{master.name} has no format '{arguments.format}'" if arguments.format else "--device needs --format"
-        raise Stop(f"{problem}; the formats of {master.name} are {listed(formats)}", 2)
+        raise CommandError(f"{problem}; the formats of {master.name} are {listed(formats)}", 2)
     if arguments.json:
-        raise Stop("--format prints a file; leave out --json", 2)
+        raise CommandError("--format prints a file; leave out --json", 2)
     return formats[arguments.format]
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..say.plain_text import counted
 from .arguments import Parser, add_specs_argument
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     import argparse
@@ -115,4 +115,4 @@ def _apply_edits(edits: Sequence[Edit], path: Path) -> None:
         shutil.copymode(real_path, new_path)
         new_path.replace(real_path)
     except OSError as error:
-        raise Stop(f"cannot write {path}: {error.strerror or error}", 1) from None
+        raise CommandError(f"cannot write {path}: {error.strerror or error}", 1) from None

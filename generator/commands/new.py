@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .arguments import Parser, a_path
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     import argparse
@@ -67,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         Stop: The name or the line is not valid (exit code 2), or a file exists or cannot be written (exit code 1).
     """
     if arguments.line is not None and arguments.like:
-        raise Stop("--line and --like describe two encoders; leave one of them out", 2)
+        raise CommandError("--line and --like describe two encoders; leave one of them out", 2)
     if arguments.line is None:
         text_of: DeviceText = partial(device_text, like=arguments.like)
     else:
@@ -80,9 +80,9 @@ def run(arguments: argparse.Namespace) -> int:
         for written_file in write_spec(arguments.name, arguments.output, text_of=text_of):
             print(f"written    {written_file.as_posix()}")
     except NameRefused as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     except NotWritten as error:
-        raise Stop(str(error), 1) from None
+        raise CommandError(str(error), 1) from None
     return 0
 
 

@@ -7,7 +7,7 @@ from collections.abc import Container, Sequence
 from ..language.problems import quoted, visible
 from ..model import Alternative, Device, Layout, Variant
 from ..order_codes.reduction import for_interface, reduced_to_codes
-from .terminal import Stop
+from .terminal import CommandError
 
 
 class UndecidedError(ValueError):
@@ -30,17 +30,19 @@ def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[s
     for pair in pairs:
         name, _, answer_name = pair.partition("=")
         if not alternatives:
-            raise Stop(f"{variant.code} has nothing to choose", 2)
+            raise CommandError(f"{variant.code} has nothing to choose", 2)
         if name not in alternatives:
             options: list[str] = []
             for alternative in alternatives.values():
                 options += _choose_options(alternative)
-            raise Stop(f"{variant.code} has no choice {quoted(visible(name))}; write {' or '.join(options)}", 2)
+            raise CommandError(f"{variant.code} has no choice {quoted(visible(name))}; write {' or '.join(options)}", 2)
         if answer_name not in (answer.name for answer in alternatives[name].answers):
             choices = " or ".join(_choose_options(alternatives[name]))
-            raise Stop(f"{quoted(name)} has no answer {quoted(visible(answer_name))}; write {choices}", 2)
+            raise CommandError(f"{quoted(name)} has no answer {quoted(visible(answer_name))}; write {choices}", 2)
         if answers.setdefault(name, answer_name) != answer_name:
-            raise Stop(f"{quoted(name)} is chosen twice, as {quoted(answers[name])} and as {quoted(answer_name)}", 2)
+            raise CommandError(
+                f"{quoted(name)} is chosen twice, as {quoted(answers[name])} and as {quoted(answer_name)}", 2
+            )
     return answers
 
 

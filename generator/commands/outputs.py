@@ -18,7 +18,7 @@ from ..say.plain_text import first_of
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import PackageMissing, files_of, load_target, problems_of, target_names
 from .edition_devices import edition_devices
-from .terminal import Stop
+from .terminal import CommandError
 
 #: Families named in a message. If there are more, the list ends with their number.
 _MOST_FAMILIES = 8
@@ -47,7 +47,7 @@ def devices_by_target(
     for target, target_devices in accepted.items():
         if devices and not target_devices:
             grades = [f"{device.name} ({device.evidence.grade})" for device in devices]
-            raise Stop(
+            raise CommandError(
                 f"the setting 'only.{target}' accepts no family that was read: {first_of(grades, _MOST_FAMILIES)}; "
                 "change it, or name the other targets with --target",
                 1,
@@ -70,13 +70,13 @@ def targets_named(names: Iterable[str] | None = None, default_names: Iterable[st
         try:
             loaded_targets.append(load_target(name))
         except LookupError:
-            raise Stop(_unknown_target_message(name), 2) from None
+            raise CommandError(_unknown_target_message(name), 2) from None
         except PackageMissing as error:
             if names:
-                raise Stop(str(error), 1) from None
+                raise CommandError(str(error), 1) from None
             print(f"codewheel: {error}; this target is skipped", file=sys.stderr)
         except TargetError as error:
-            raise Stop(str(error), 1) from None
+            raise CommandError(str(error), 1) from None
     return loaded_targets
 
 
@@ -114,28 +114,32 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
         target_and_option, equals, value = setting.partition("=")
         target_name, dot, option = target_and_option.partition(".")
         if not equals or not dot:
-            raise Stop(f"'{setting}' is not a setting; write it like TARGET.OPTION=VALUE", 2)
+            raise CommandError(f"'{setting}' is not a setting; write it like TARGET.OPTION=VALUE", 2)
         if target_name not in targets_by_name:
             if target_name not in target_names():
-                raise Stop(_unknown_target_message(target_name), 2)
-            raise Stop(f"'{target_and_option}' is for a target that does not run; add --target {target_name}", 2)
+                raise CommandError(_unknown_target_message(target_name), 2)
+            raise CommandError(
+                f"'{target_and_option}' is for a target that does not run; add --target {target_name}", 2
+            )
         _refuse_setting(targets_by_name[target_name], option, value)
         options[target_name][option] = value
     return dict(options)
 
 
 def _refuse_setting(target: Target, name: str, value: str) -> None:
-    """Raise ``Stop`` if the option does not exist in the target or does not accept the value.
+    """Raise ``CommandError`` if the option does not exist in the target or does not accept the value.
 
     An option without a list of values accepts all.
     """
     options = {option.name: option for option in target.options}
     if name not in options:
         hint = suggestion(name, options, "it has") if options else "; it has none"
-        raise Stop(f"the target '{target.name}' has no option '{name}'{hint}", 2)
+        raise CommandError(f"the target '{target.name}' has no option '{name}'{hint}", 2)
     accepted_values = options[name].values
     if accepted_values and value not in accepted_values:
-        raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, accepted_values, 'it can be')}", 2)
+        raise CommandError(
+            f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, accepted_values, 'it can be')}", 2
+        )
 
 
 def load_for_targets(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
@@ -185,7 +189,7 @@ def report_unfit_parts(
         try:
             target_problems = problems_of(target, library)
         except TargetError as error:
-            raise Stop(str(error), 1) from None
+            raise CommandError(str(error), 1) from None
         for problem in target_problems:
             document = valid_families[problem.device.name].document
             message = problem.message
@@ -215,14 +219,14 @@ def render_targets(
     try:
         files = {target.name: files_of(target, library, options[target.name]) for target in targets}
     except OptionError as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     except (TargetError, TemplateFault) as error:
-        raise Stop(str(error), 1) from None
+        raise CommandError(str(error), 1) from None
     if library.own_templates is not None:
         templates_by_target = {target.name: target.templates for target in targets}
         unused = list(unused_templates(library.own_templates, templates_by_target, target_names()))
         if unused:
-            raise Stop("\n  ".join(["nothing written: these templates have no effect:", *unused]), 2)
+            raise CommandError("\n  ".join(["nothing written: these templates have no effect:", *unused]), 2)
     return files
 
 

@@ -28,7 +28,7 @@ from ..language.files import (
 )
 from ..loading.configuration import BUILT_IN, PYPROJECT, Configuration, Faulty
 from ..say.plain_text import counted, first_of
-from .terminal import Stop, problems, refuse_missing
+from .terminal import CommandError, problems, refuse_missing
 
 if TYPE_CHECKING:
     from ..language.document import Path as Place
@@ -179,7 +179,7 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     # These commands have other arguments, so specs need an option.
     option = " --specs" if command in _COMMANDS_WITH_OPTION else ""
     if not specs.is_complete:
-        raise Stop(
+        raise CommandError(
             f"{_folder_text(folder)} has more than {MOST_NAMES:,} files and folders, so not all of its specs were "
             f"found; name the folder of the specs: codewheel {command}{option} FOLDER, or list it under "
             "[tool.codewheel]",
@@ -190,7 +190,7 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
         if command == "generate":
             example = _example_of_packaged_family()
             hint = f"; outputs for a packaged encoder: codewheel generate --packaged {example} -o out"
-        raise Stop(
+        raise CommandError(
             f"there are no specs in {_folder_text(folder)} or below it{_output_with_specs(specs)}; name them: "
             f"codewheel {command}{option} FOLDER, or list them under [tool.codewheel] in pyproject.toml{hint}",
             2,

@@ -11,7 +11,7 @@ from ..language.problems import joined_lines
 from ..say.plain_text import counted
 from .arguments import Parser, a_path, add_specs_option
 from .facts import facts_data
-from .terminal import Progress, Stop, print_json, problems
+from .terminal import CommandError, Progress, print_json, problems
 
 if TYPE_CHECKING:
     import argparse
@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         old, new = read_manual(arguments.old), read_manual(arguments.new)
     except NoText as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     family = _family_of_manual(paths, arguments.family, old)
     facts = facts_with_citations(family.document)
     # In texts of different languages, only the numbers can be compared.
@@ -108,13 +108,13 @@ def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> F
     known_names = ", ".join(families_by_name)
     if name is not None:
         if name.lower() not in families_by_name:
-            raise Stop(f"'{name}' is not a family; known: {known_names}", 2)
+            raise CommandError(f"'{name}' is not a family; known: {known_names}", 2)
         return families_by_name[name.lower()]
     named_families = [family for family in families_by_name.values() if _is_named_first(family, old)]
     if len(named_families) != 1:
         named_count_text = "several families" if named_families else "none of the families"
         problem = f"cannot tell which family this manual describes: its first page names {named_count_text}"
-        raise Stop(f"{problem}; add --family NAME, one of {known_names}", 2)
+        raise CommandError(f"{problem}; add --family NAME, one of {known_names}", 2)
     return named_families[0]
 
 

@@ -15,7 +15,7 @@ from ..language.files import MANUFACTURER, find_files, packaged_families
 from ..loading.configuration import NO_FILTERS, Configuration, FamilyFilters
 from .find_encoder import find_family_or_code
 from .read_specs import Specs, find_settings, find_specs, find_specs_to_judge, refuse_unknown_targets
-from .terminal import Stop, refuse_missing
+from .terminal import CommandError, refuse_missing
 
 if TYPE_CHECKING:
     from ..model import Device
@@ -187,7 +187,7 @@ def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:
     """
     try:
         refuse_missing(named)
-    except Stop as stop:
+    except CommandError as stop:
         missing_names = [path.as_posix() for path in named if not path.exists()]
         packaged_names = [name for name in missing_names if _is_name_of_packaged(name, cache)]
         if not packaged_names:
@@ -196,14 +196,14 @@ def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:
         for name in packaged_names:
             command_words += ["--packaged", name]
         message = f"{stop}; to generate a packaged encoder: {shlex.join(command_words)}"
-        raise Stop(message, stop.code) from None
+        raise CommandError(message, stop.code) from None
 
 
 def _is_name_of_packaged(name: str, cache: Cache) -> bool:
     """Return True if this is the order code, family or manufacturer of packaged specs."""
     try:
         _packaged_specs(name, cache)
-    except Stop:
+    except CommandError:
         return False
     return True
 
@@ -257,7 +257,7 @@ def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[s
         return specs, [path.stem for path in specs if path.name != MANUFACTURER]
     try:
         device, match, _ = find_family_or_code(Specs(tuple(folders.values())), name, cache)
-    except Stop as stop:
+    except CommandError as stop:
         raise _no_packaged_error(name, stop, folders) from None
     spec = folders[device.manufacturer.name] / f"{device.name}.yaml"
     # The name of a family is found without a match.
@@ -266,7 +266,7 @@ def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[s
     return [spec], [match.variant.code]
 
 
-def _no_packaged_error(name: str, stop: Stop, folders: Mapping[str, Path]) -> Stop:
+def _no_packaged_error(name: str, stop: CommandError, folders: Mapping[str, Path]) -> CommandError:
     """Return the error for an unknown name, with the nearest family or manufacturer if there is one.
 
     ``stop`` is the error of the search for an order code, and ``folders`` are the folders of the manufacturers.
@@ -290,7 +290,7 @@ def _no_packaged_error(name: str, stop: Stop, folders: Mapping[str, Path]) -> St
         remedy = labels.nearest_codes_hint(", ".join(similar_names))
     else:
         remedy = str(stop).removeprefix(unknown_code)
-    return Stop(f"'{name}' is not a packaged order code, family or manufacturer{remedy}", stop.code)
+    return CommandError(f"'{name}' is not a packaged order code, family or manufacturer{remedy}", stop.code)
 
 
 def _option_to_limit_c(arguments: argparse.Namespace, families_and_codes: Sequence[str]) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from .arguments import Parser, a_path, add_choose_option, add_register_option, bytes_by_address, cache_for
 from .line_encoder import OR_A_LINE, encoder_in_line, is_line
-from .terminal import Stop
+from .terminal import CommandError
 
 if TYPE_CHECKING:
     import argparse
@@ -106,12 +106,12 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         encoder = _virtual_encoder(arguments, paths)
     except ValueError as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     try:
         uses_tcp = arguments.tcp is not None or not has_terminals()
         port = listen_tcp(arguments.tcp or 0) if uses_tcp else terminal()
     except (OSError, OverflowError) as error:
-        raise Stop(f"cannot open a port: {getattr(error, 'strerror', None) or error}", 1) from None
+        raise CommandError(f"cannot open a port: {getattr(error, 'strerror', None) or error}", 1) from None
     print(port.name, flush=True)
     try:
         serve(encoder, line_of(encoder), port)

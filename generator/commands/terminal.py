@@ -34,7 +34,7 @@ _BY_IMPACT = {
 _IMPACT = re.compile(rf"^(  )({'|'.join(_BY_IMPACT)})(?= )", re.MULTILINE)
 
 
-class Stop(Exception):
+class CommandError(Exception):
     """End of the command, with a message and an exit code."""
 
     def __init__(self, message: str, code: int) -> None:
@@ -122,7 +122,7 @@ class _ClosedInput(io.StringIO):
     """Stand-in for a closed standard input."""
 
     def readline(self, *_: object) -> str:  # type: ignore[override]
-        raise Stop("cannot read frames: standard input is closed", 2)
+        raise CommandError("cannot read frames: standard input is closed", 2)
 
     read = __next__ = readline  # type: ignore[assignment]
 
@@ -169,7 +169,7 @@ def refuse_missing(paths: Sequence[Path]) -> None:
     """
     missing = [str(path) for path in paths if not _path_exists(path)]
     if missing:
-        raise Stop(f"no such file or folder: {', '.join(missing)}", 2)
+        raise CommandError(f"no such file or folder: {', '.join(missing)}", 2)
 
 
 def _path_exists(path: Path) -> bool:
@@ -184,11 +184,11 @@ def print_json(data: Any) -> None:
     print(json.dumps(data, indent=2, ensure_ascii=False))
 
 
-def problems(report: Report) -> Stop:
-    """Print all problems to standard error, and return the ``Stop`` to raise."""
+def problems(report: Report) -> CommandError:
+    """Print all problems to standard error, and return the ``CommandError`` to raise."""
     for problem in report.shown:
         print(problem.format(), file=sys.stderr)
-    return Stop(counted(len(report.by_cause), "problem"), 1)
+    return CommandError(counted(len(report.by_cause), "problem"), 1)
 
 
 def has_colours() -> bool:

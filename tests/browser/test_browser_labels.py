@@ -11,7 +11,7 @@ import pytest
 from browser_harness import Asker
 from codewheel.commands.cli import main
 from codewheel.commands.find_encoder import find_among
-from codewheel.commands.terminal import Stop
+from codewheel.commands.terminal import CommandError
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
 from exhaustive import mostly_exhaustive
@@ -57,7 +57,7 @@ def description_of(library: Library, text: str) -> Any:
     """Return the order code or the help of the command line for a label, without commands to run."""
     try:
         device, match = find_among(library.devices, text)
-    except Stop as stop:
+    except CommandError as stop:
         message = str(stop)
         for command in COMMANDS:
             message = message.partition(command)[0]

@@ -13,7 +13,7 @@ import yaml
 from codewheel.changes.families import compare
 from codewheel.changes.rules import OUTPUTS, RULES, Impact
 from codewheel.commands.explain import explain
-from codewheel.commands.terminal import Stop
+from codewheel.commands.terminal import CommandError
 from codewheel.model import Device
 from codewheel.model.members import PARTS_BY_CLASS, Part
 from codewheel.targets import Library
@@ -241,7 +241,7 @@ def test_explain() -> None:
     )
     assert all(rule.name in explain(None) for rule in RULES.values())
     assert max(map(len, explain(None).splitlines())) <= 80
-    with pytest.raises(Stop, match="there is no rule 'register-goen'; did you mean 'register-gone'"):
+    with pytest.raises(CommandError, match="there is no rule 'register-goen'; did you mean 'register-gone'"):
         explain("register-goen")
-    with pytest.raises(Stop, match="there is no rule 'unknown-kee'; did you mean 'unknown-key'"):
+    with pytest.raises(CommandError, match="there is no rule 'unknown-kee'; did you mean 'unknown-key'"):
         explain("unknown-kee")

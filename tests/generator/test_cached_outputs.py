@@ -15,7 +15,7 @@ import pytest
 from codewheel import cache as cache_module
 from codewheel.cache import Cache, default_folder
 from codewheel.commands.cli import main
-from codewheel.commands.terminal import Stop
+from codewheel.commands.terminal import CommandError
 from codewheel.family_parts import FamilyParts
 from codewheel.loading.configuration import BUILT_IN
 from codewheel.loading.library import Family, load_families
@@ -216,7 +216,7 @@ def test_only_changed_families_are_proved_again(folder: Path, two: Path, monkeyp
 
     assert (refuse(), refuse()) == (["tv62", "tv63"], [])
     second.write_text(text.replace("max_hz: 1500000", "max_hz: 1400000"), encoding="utf-8")
-    with pytest.raises(Stop, match="reports 1 problem;"):
+    with pytest.raises(CommandError, match="reports 1 problem;"):
         refuse()
     second.write_text(text, encoding="utf-8")
     assert refuse() == []

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import FORMATS, FORMATS_HELP, Parser, add_cache_option, add_specs, cache_for
-from ..terminal import Progress, Stop, print_json
+from ..terminal import CommandError, Progress, print_json
 
 if TYPE_CHECKING:
     import argparse
@@ -68,13 +68,13 @@ def run(arguments: argparse.Namespace) -> int:
     from ..read_specs import specs_to_judge
 
     if arguments.write and not arguments.coverage:
-        raise Stop("--write needs --coverage", 2)
+        raise CommandError("--write needs --coverage", 2)
     named_paths = [*arguments.specs, *arguments.more_specs]
     specs = specs_to_judge(named_paths, "check")
     # Specs that the user names may be only some of those that the settings refer to.
     settings = None if named_paths else specs.settings
     if arguments.format in ("github", "sarif") and arguments.coverage:
-        raise Stop(f"--format {arguments.format} lists problems only; leave --coverage out", 2)
+        raise CommandError(f"--format {arguments.format} lists problems only; leave --coverage out", 2)
     arguments.json = arguments.json or arguments.format == "json"
     cache = cache_for(arguments)
     # The counts of the coverage, and the problems of chosen targets, depend on more than the stored inputs.

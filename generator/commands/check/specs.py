@@ -35,7 +35,7 @@ from ...say.plain_text import counted
 from ...targets import Target
 from ..edition_devices import check_editions
 from ..outputs import report_unfit_parts
-from ..terminal import Stop
+from ..terminal import CommandError
 
 #: Kind of entry for a family whose editions and second reading have no problems.
 _CLEAN = "clean family"
@@ -183,7 +183,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
         for problem in report.shown:
             print(problem.format(), file=sys.stderr)
         problems = f"'codewheel check --coverage' reports {counted(len(report.by_cause), 'problem')}"
-        raise Stop(f"nothing {participle}: {problems}; correct them, or add --unchecked", 1)
+        raise CommandError(f"nothing {participle}: {problems}; correct them, or add --unchecked", 1)
 
 
 def is_complete(covered: Sequence[Coverage], report: Report) -> bool:

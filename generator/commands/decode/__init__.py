@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..arguments import Parser, add_choose_option, add_edition_option, add_register_option, add_specs_option, cache_for
 from ..line_encoder import OR_A_LINE, command_for_spec, is_line
-from ..terminal import Stop, release_streams
+from ..terminal import CommandError, release_streams
 
 if TYPE_CHECKING:
     import argparse
@@ -108,7 +108,7 @@ def _request_of(arguments: argparse.Namespace) -> Request:
         variant_with_registers = with_registers(device, match.variant, changed_bytes)
         variant = with_answers(device, variant_with_registers, answers)
     except RegisterError as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     return Request(
         device=reduced_to_codes(device, [variant.code]),
         match=replace(match, variant=variant),

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..arguments import Parser, a_path, add_cache_option, add_specs, cache_for
-from ..terminal import Progress, Stop, problems
+from ..terminal import CommandError, Progress, problems
 
 if TYPE_CHECKING:
     import argparse
@@ -195,9 +195,9 @@ def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Tar
         Stop: The exit code is 2.
     """
     if arguments.templates is not None and not arguments.templates.is_dir():
-        raise Stop(f"there is no folder {arguments.templates}", 2)
+        raise CommandError(f"there is no folder {arguments.templates}", 2)
     if arguments.biss_dtd is not None and all(target.name != "biss" for target in targets):
-        raise Stop("--biss-dtd needs the target biss", 2)
+        raise CommandError("--biss-dtd needs the target biss", 2)
 
 
 def _line_about_specs(

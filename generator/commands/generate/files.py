@@ -27,7 +27,7 @@ from ...targets import Library, TargetError
 from ...targets.registry import load_target
 from ...write import Change, changes, digest_of, digest_on_disk, left_stages, write
 from ..outputs import accepted_devices
-from ..terminal import Stop
+from ..terminal import CommandError
 
 #: The files of each target, as texts by path.
 Files = Mapping[str, Mapping[str, str]]
@@ -67,7 +67,7 @@ def write_or_compare(
 ) -> int:
     """Write or, with ``--check``, only compare the files of each target. Return the exit code, which is 0.
 
-    ``families`` are those that each target was rendered from. ``gate`` raises ``Stop`` to refuse writing specs that
+    ``families`` are those that each target was rendered from. ``gate`` raises ``CommandError`` to refuse writing specs that
     must not be released. ``gate`` is called if a file would change. Without ``--prune``, ``guard`` refuses to remove
     outputs.
 
@@ -97,7 +97,7 @@ def write_or_compare(
                 families=families,
             )
     except WriteError as error:
-        raise Stop(str(error), 1) from None
+        raise CommandError(str(error), 1) from None
     _print_changes(file_changes, arguments)
     if arguments.biss_dtd is not None:
         _validate_idbiss(files["biss"], arguments.output, arguments.biss_dtd)
@@ -125,9 +125,9 @@ def _print_changes(file_changes: Sequence[Change], arguments: argparse.Namespace
 
 
 def _print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
-    """Print the number of files. With ``--check``, raise ``Stop`` with exit code 1 if ``changed`` of them differ."""
+    """Print the number of files. With ``--check``, raise ``CommandError`` with exit code 1 if ``changed`` of them differ."""
     if arguments.check and changed:
-        raise Stop(f"{counted(changed, 'file')} out of date; run: {arguments.again}", 1)
+        raise CommandError(f"{counted(changed, 'file')} out of date; run: {arguments.again}", 1)
     if arguments.check:
         print(f"{counted(count, 'file')} up to date")
     elif changed:
@@ -169,11 +169,11 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
         for name in idbiss_names:
             dtd_errors += faults(files[name], path_by_name[name], dtd_text, dtd.as_posix())
     except DtdError as error:
-        raise Stop(str(error), 2) from None
+        raise CommandError(str(error), 2) from None
     for dtd_error in dtd_errors:
         print(dtd_error, file=sys.stderr)
     if dtd_errors:
-        raise Stop(f"not valid against {dtd}: {counted(len(dtd_errors), 'error')}", 1)
+        raise CommandError(f"not valid against {dtd}: {counted(len(dtd_errors), 'error')}", 1)
     for name in idbiss_names:
         print(f"valid against {dtd}: {path_by_name[name]}")
 
