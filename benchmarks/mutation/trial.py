@@ -12,7 +12,7 @@ from pathlib import Path
 from codewheel.commands.outputs import report_unfit_parts, targets_named
 from codewheel.language.document import Document
 from codewheel.language.files import packaged_masters, packaged_specs
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_specs
 from codewheel.loading.library import Family, families_of
 from codewheel.loading.repeated_facts import check_shared_facts
@@ -64,7 +64,7 @@ class Trial:
     """
 
     def __init__(self, paths: Sequence[Path] = ()) -> None:
-        report = Report()
+        report = ProblemReport()
         documents = read_specs(paths or [packaged_specs()], report)
         self.documents = [document for document in documents if packaged_masters() not in Path(document.file).parents]
         self.families = families_of(self.documents, report)
@@ -114,7 +114,7 @@ class Trial:
             return Verdict((), Effect.NOTHING, f"{type(error).__name__}: {error}")
 
     def _of_spec(self, document: Document, changed: Document) -> Verdict:
-        report = Report()
+        report = ProblemReport()
         touched = [family for family in self.families if document.file in family.files]
         files = {file for family in touched for file in family.files}
         other_files = files - {document.file}
@@ -141,7 +141,7 @@ class Trial:
     def _of_second(self, document: Document, changed: Document) -> Verdict:
         files = [file for file, reading in self._seconds.items() if reading.document is document]
         family = next(family for family in self.families if family.document.file in files)
-        report = Report()
+        report = ProblemReport()
         second = second_of(changed, family.device.manufacturer, report)
         if second.facts is None:
             return _refused(report)
@@ -157,10 +157,10 @@ class Trial:
             return Verdict((READ_ONCE,), Effect.NOTHING)
         return Verdict((), Effect.READING)
 
-    def _second(self, family: Family, report: Report) -> SecondReading | None:
+    def _second(self, family: Family, report: ProblemReport) -> SecondReading | None:
         return self._seconds.get(family.document.file)
 
-    def _sheet(self, family: Family, report: Report) -> Document | None:
+    def _sheet(self, family: Family, report: ProblemReport) -> Document | None:
         return self._sheets.get(family.document.file)
 
     def _facts_of(self, family: Family) -> Facts:
@@ -176,5 +176,5 @@ class Trial:
         return self._outputs[name]
 
 
-def _refused(report: Report) -> Verdict:
+def _refused(report: ProblemReport) -> Verdict:
     return Verdict(tuple(sorted({problem.rule for problem in report.problems})), Effect.NOTHING)

@@ -8,7 +8,7 @@ from datetime import date
 from pathlib import Path
 
 from ..language.document import Document
-from ..language.problems import Report, listed, quoted, suggestion
+from ..language.problems import ProblemReport, listed, quoted, suggestion
 from ..language.read import read_document
 from .rules import RULES, Change
 
@@ -41,7 +41,7 @@ def read_accepted(file: Path) -> list[Accepted]:
     Raises:
         NotAccepted: The file cannot be read, has another shape, or an entry lacks a key, names no rule or has no date.
     """
-    report = Report()
+    report = ProblemReport()
     document = read_document(file, report)
     # A report with problems is true.
     if document is None or report:

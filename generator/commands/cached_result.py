@@ -15,7 +15,7 @@ from typing import Any, TypedDict
 
 from ..cache import Cache, content_of, key_of
 from ..language.files import family_files, find_files, is_folder, packaged_masters, top_keys
-from ..language.problems import Report
+from ..language.problems import ProblemReport
 
 #: Keys of overlays, which may refer to specs in other folders.
 _OVERLAY_KEYS = frozenset(("overlay", "changes"))
@@ -65,14 +65,14 @@ def cached_result(cache: Cache, command: str, paths: Sequence[Path], options: Se
     return CachedResult(cache, command, paths, options, inputs)
 
 
-def specs_read(families: Sequence[str], report: Report) -> SpecsRead:
+def specs_read(families: Sequence[str], report: ProblemReport) -> SpecsRead:
     """Return the result of reading specs without problems."""
     return SpecsRead(families=list(families), files=report.files, skipped=report.passed_over)
 
 
-def report_of(specs: SpecsRead) -> Report:
+def report_of(specs: SpecsRead) -> ProblemReport:
     """Return the report of a run that read these specs."""
-    report = Report()
+    report = ProblemReport()
     report.files += specs["files"]
     report.passed_over += specs["skipped"]
     return report

@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         Stop: The family does not exist (exit code 2), it has problems, or its sheet cannot be read (exit code 1).
     """
-    from ..language.problems import Report
+    from ..language.problems import ProblemReport
     from ..language.schema_files import word_sheet_path
     from ..readings.cloze import as_lines, open_gaps, read_sheet, sheet
     from .facts import family_named
@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     loaded_family = family_named(arguments.family, specs_to_judge(arguments.specs, "cloze FAMILY").paths)
     family = loaded_family.plain or loaded_family
-    report = Report()
+    report = ProblemReport()
     filled_sheet = read_sheet(family, report)
     if report:
         raise problems(report)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..changes.rules import Change
     from ..language.document import Document
     from ..language.document import Path as SpecPath
-    from ..language.problems import Problem, Report
+    from ..language.problems import Problem, ProblemReport
     from ..loading.configuration import FamilyFilters
     from ..loading.library import Family
     from ..model import Device
@@ -310,7 +310,9 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
     return _Side(tuple(valid_families), file_names, notices=(notice,), excluded_names=frozenset(excluded_names))
 
 
-def _read_side(text: str, cache: Cache, old_side: _Side | None) -> tuple[Sequence[Family], Report, Mapping[str, str]]:
+def _read_side(
+    text: str, cache: Cache, old_side: _Side | None
+) -> tuple[Sequence[Family], ProblemReport, Mapping[str, str]]:
     """Return the families, the report on them, and the original names of files from a git revision.
 
     ``text`` is a path, or a revision and a path such as ``v1.0:specs``. Files of a revision are read from a temporary

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ..language.problems import Report
+from ..language.problems import ProblemReport
 from ..loading.editions import UnknownEdition, revision_for
 from ..loading.library import in_edition, load_families
 from ..loading.overlays import Family
@@ -89,14 +89,14 @@ def _load_in_edition(specs: Sequence[Path], device: Device, revision: str) -> De
         return device
     families, _ = load_families(specs)
     families_by_name = {family.device.name: family for family in families}
-    report = Report()
+    report = ProblemReport()
     edition_family = in_edition(families_by_name[device.name], revision, report)
     if report or edition_family is None:
         raise problems(report)
     return edition_family.device
 
 
-def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], report: Report) -> list[Device]:
+def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], report: ProblemReport) -> list[Device]:
     """Return the devices of families in the editions given by arguments such as ``FAMILY=1.6``, each once.
 
     Editions of a family whose spec has problems are left out. Problems of an edition are added to ``report``.
@@ -131,7 +131,7 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
     return list(devices.values())
 
 
-def check_editions(families: Iterable[Family], report: Report) -> None:
+def check_editions(families: Iterable[Family], report: ProblemReport) -> None:
     """Report the problems in all editions of the families, except those that are derived, have overlays or problems."""
     for family in families:
         # With an overlay, a family may lack the parts that an edition changes. A request for the edition reports that.

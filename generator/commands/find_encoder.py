@@ -18,7 +18,7 @@ from .terminal import CommandError, problems
 if TYPE_CHECKING:
     import argparse
 
-    from ..language.problems import Report
+    from ..language.problems import ProblemReport
     from ..model import Device
     from ..order_codes.labels import Match
     from .read_specs import Specs
@@ -85,7 +85,7 @@ def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bo
     if is_line(text):
         device, match_of_line = encoder_in_line(text)
         return device, match_of_line, ()
-    reports_with_problems: list[Report] = []
+    reports_with_problems: list[ProblemReport] = []
     for index, paths in enumerate(specs.groups):
         family_and_code, report = _find_in_group(paths, text, cache, accepts_family=accepts_family)
         if report is not None:
@@ -114,7 +114,7 @@ def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, *, a
 
 def _find_in_group(
     paths: Sequence[Path], text: str, cache: Cache, *, accepts_family: bool
-) -> tuple[tuple[Device, Match | None] | None, Report | None]:
+) -> tuple[tuple[Device, Match | None] | None, ProblemReport | None]:
     """Return a family with its match, or None, and the report if all specs were read and some have problems.
 
     The match is None if the text is the name of the family. The report is None if only the possible families were read,
@@ -167,7 +167,7 @@ def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) 
     return matches
 
 
-def _refuse_hidden(device: Device, reports_with_problems: Iterable[Report]) -> None:
+def _refuse_hidden(device: Device, reports_with_problems: Iterable[ProblemReport]) -> None:
     """Refuse a family if a file with problems has its name, such as the user's spec of a packaged family.
 
     Raises:
@@ -180,7 +180,7 @@ def _refuse_hidden(device: Device, reports_with_problems: Iterable[Report]) -> N
             raise problems(report)
 
 
-def _print_skipped_files(report: Report) -> None:
+def _print_skipped_files(report: ProblemReport) -> None:
     files = list(dict.fromkeys(problem.file for problem in report.problems))
     notice = f"skipped, with {counted(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
     print(f"codewheel: {notice}", file=sys.stderr)

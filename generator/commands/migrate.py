@@ -83,10 +83,10 @@ def _migrate_file(path: Path, *, only_check: bool) -> int:
     A file that cannot be read has no changes.
     """
     from ..language.migrate import migrate
-    from ..language.problems import Report
+    from ..language.problems import ProblemReport
     from ..language.read import read_document
 
-    document = read_document(path, Report())
+    document = read_document(path, ProblemReport())
     edits = migrate(document) if document is not None else ()
     for edit in edits:
         print(f"{path}:{edit.line}:{edit.column}: {edit.old} is now {edit.new}")

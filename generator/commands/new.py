@@ -198,10 +198,10 @@ def _suggested_name(name: str) -> str:
 
 def _manufacturer_name(path: Path) -> str:
     """Return the name of the manufacturer in a file, or the template's name if it has no valid one."""
-    from ..language.problems import Report
+    from ..language.problems import ProblemReport
     from ..language.read import read_document
 
-    document = read_document(path, Report()) if path.is_file() else None
+    document = read_document(path, ProblemReport()) if path.is_file() else None
     if document is None:
         return _MANUFACTURER
     name = document.data.get("manufacturer")

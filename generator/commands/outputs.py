@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ..language.problems import Report, TemplateFault, listed, suggestion
+from ..language.problems import ProblemReport, TemplateFault, listed, suggestion
 from ..loading.configuration import BUILT_IN, NO_FILTERS, FamilyFilters
 from ..loading.library import load_families, sound_families
 from ..loading.overlays import Family
@@ -142,7 +142,7 @@ def _refuse_setting(target: Target, name: str, value: str) -> None:
         )
 
 
-def load_for_targets(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
+def load_for_targets(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], ProblemReport]:
     """Return the devices of the specs, and a report that includes the parts that these targets cannot express.
 
     Raises:
@@ -156,7 +156,7 @@ def complete_devices(
     families: Sequence[Family],
     targets: Iterable[Target],
     editions: Iterable[str],
-    report: Report,
+    report: ProblemReport,
     filters: FamilyFilters = NO_FILTERS,
 ) -> tuple[Device, ...]:
     """Return the devices of families and of ``editions``, by name, and report the parts that targets cannot express.
@@ -173,7 +173,7 @@ def complete_devices(
 
 
 def report_unfit_parts(
-    families: Sequence[Family], targets: Iterable[Target], report: Report, filters: FamilyFilters = NO_FILTERS
+    families: Sequence[Family], targets: Iterable[Target], report: ProblemReport, filters: FamilyFilters = NO_FILTERS
 ) -> None:
     """Report the parts that these targets cannot express, for families whose specs have no other problems.
 

@@ -32,7 +32,7 @@ from .terminal import CommandError, problems, refuse_missing
 
 if TYPE_CHECKING:
     from ..language.document import Path as Place
-    from ..language.problems import Report
+    from ..language.problems import ProblemReport
 
 
 #: Text that a pyproject.toml with the section must contain. Other files are not parsed.
@@ -348,15 +348,15 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
 
 def _report_unknown_targets(
     file: Path, unknown_targets: Iterable[tuple[str, Place]], known_names: Iterable[str]
-) -> Report:
+) -> ProblemReport:
     """Return a report with an error for each target, at its place in the settings.
 
     Under ``targets``, a name is an item of the list. Under ``only``, it is a key, and the error is at that.
     """
-    from ..language.problems import Report, suggestion
+    from ..language.problems import ProblemReport, suggestion
     from ..loading.configuration_file import add_error
 
-    report = Report()
+    report = ProblemReport()
     for name, place in unknown_targets:
         message = f"there is no target '{name}'{suggestion(name, known_names, 'there are')}"
         is_key = place[0] == "only"
@@ -364,7 +364,7 @@ def _report_unknown_targets(
     return report
 
 
-def report_unknown_families(settings: Configuration | None, family_names: Iterable[str], report: Report) -> None:
+def report_unknown_families(settings: Configuration | None, family_names: Iterable[str], report: ProblemReport) -> None:
     """Report families in the settings that none of the specs describes.
 
     Args:
@@ -417,7 +417,7 @@ def specs_to_read(named: Sequence[Path]) -> Specs:
 
 
 def read_line(
-    families: Iterable[str], report: Report, packaged: Sequence[str] = (), packaged_files: Sequence[Path] = ()
+    families: Iterable[str], report: ProblemReport, packaged: Sequence[str] = (), packaged_files: Sequence[Path] = ()
 ) -> str:
     """Return one line that names the specs that were read, so that users notice a forgotten path.
 
@@ -432,7 +432,7 @@ def read_line(
 
 
 def _packaged_text(
-    families: Iterable[str], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
+    families: Iterable[str], report: ProblemReport, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
     """Return text about the packaged families that were read, and about the specs of the user among the files.
 

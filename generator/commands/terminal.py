@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from ..say.plain_text import STAND_INS, counted
 
 if TYPE_CHECKING:
-    from ..language.problems import Report
+    from ..language.problems import ProblemReport
 
 #: Time in seconds after which work is shown, and between updates.
 _AFTER_S, _EVERY_S = 1.0, 0.25
@@ -184,7 +184,7 @@ def print_json(data: Any) -> None:
     print(json.dumps(data, indent=2, ensure_ascii=False))
 
 
-def problems(report: Report) -> CommandError:
+def problems(report: ProblemReport) -> CommandError:
     """Print all problems to standard error, and return the ``CommandError`` to raise."""
     for problem in report.shown:
         print(problem.format(), file=sys.stderr)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .document import Document
-from .problems import MAX_FOUND, TOO_MANY, DocumentReport, Path, Report
+from .problems import MAX_FOUND, TOO_MANY, DocumentReport, Path, ProblemReport
 from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
 from .rules.order_code import is_whole
@@ -26,7 +26,7 @@ _STAND_INS: dict[str, Any] = {
 _NO_CODES: dict[str, Any] = {"parameters": {}, "order_code": {"pattern": "", "parts": []}}
 
 
-def check_document(document: Document, report: Report) -> dict[str, Any] | None:
+def check_document(document: Document, report: ProblemReport) -> dict[str, Any] | None:
     """Check a document and add its problems to ``report``.
 
     Returns:
@@ -46,13 +46,13 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
     return checked.data if checked.complete and len(report) == problems_before else None
 
 
-def check_overlay(document: Document, report: Report) -> bool:
+def check_overlay(document: Document, report: ProblemReport) -> bool:
     """Check an overlay by itself, and return True if it has no errors, so that it can be applied to a spec."""
     checked = check_schema(document, report, FileKind.OVERLAY)
     return checked is not None and checked.complete and not checked.cut and not report.faults(document)
 
 
-def check_second(document: Document, report: Report) -> dict[str, Any] | None:
+def check_second(document: Document, report: ProblemReport) -> dict[str, Any] | None:
     """Check a second reading. Stand-ins replace the prose that it lacks.
 
     Returns:
@@ -69,7 +69,7 @@ class _TooManyProblems(Exception):
 class _RecordingReport(DocumentReport):
     """A report that records in ``noted`` the places mentioned by a rule, as paths in the data as read."""
 
-    def __init__(self, report: Report, document: Document) -> None:
+    def __init__(self, report: ProblemReport, document: Document) -> None:
         super().__init__(report, document)
         self.noted: list[Path] = []
         self._before = len(report)
@@ -91,7 +91,7 @@ class _RecordingReport(DocumentReport):
         super().mark(path)
 
 
-def _remove_broken_parts(checked: SchemaResult, document: Document, report: Report) -> dict[str, Any] | None:
+def _remove_broken_parts(checked: SchemaResult, document: Document, report: ProblemReport) -> dict[str, Any] | None:
     """Return the data of a device without the broken parts, or None if it has too many problems."""
     try:
         return _check_device(checked, document, report)
@@ -99,7 +99,7 @@ def _remove_broken_parts(checked: SchemaResult, document: Document, report: Repo
         return None
 
 
-def _check_device(checked: SchemaResult, document: Document, report: Report) -> dict[str, Any]:
+def _check_device(checked: SchemaResult, document: Document, report: ProblemReport) -> dict[str, Any]:
     """Check a device with every rule, and return its data without the broken parts.
 
     An error of a rule in ``FOUNDATIONS`` about order codes or parameters empties the order codes or parameters. An

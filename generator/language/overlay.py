@@ -29,7 +29,7 @@ from .document import (
     with_value,
     without_value,
 )
-from .problems import Report, quoted, suggestion
+from .problems import ProblemReport, quoted, suggestion
 from .rules.values import check_source_format
 from .written_parts import WrittenSpec
 
@@ -90,7 +90,7 @@ class AppliedChange:
 class LayeredSpec:
     """A spec to which layers are applied one after the other."""
 
-    def __init__(self, base: Document, report: Report) -> None:
+    def __init__(self, base: Document, report: ProblemReport) -> None:
         self._base = base
         self._report = report
         self._data = base.data

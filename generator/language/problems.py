@@ -77,7 +77,7 @@ class Problem:
         return {name: getattr(self, name) for name in ("file", "line", "column", "rule", "path", "message", "text")}
 
 
-class Report:
+class ProblemReport:
     """The problems of all documents of a run.
 
     ``files`` lists the files that were read, ``passed_over`` lists files in folders that are not specs.
@@ -132,7 +132,7 @@ class Report:
         """Add a problem at a place of a file, for errors before a document exists."""
         self._problems.add(Problem(file, line, column, rule, path, message, text, cause))
 
-    def include(self, other_report: Report) -> None:
+    def include(self, other_report: ProblemReport) -> None:
         """Add the problems of another report, and the places that it marks as faulty."""
         self._problems |= other_report._problems
         for key, paths in other_report._faults.items():
@@ -227,7 +227,7 @@ def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
 class DocumentReport:
     """A report bound to one document, as passed to rules."""
 
-    def __init__(self, report: Report, document: Document) -> None:
+    def __init__(self, report: ProblemReport, document: Document) -> None:
         self._report = report
         self.document = document
         #: The data of the document that rules asked about last, and its leaves.

@@ -19,7 +19,7 @@ import yaml
 
 from . import files
 from .document import Document, Mark, Path
-from .problems import Report, quoted
+from .problems import ProblemReport, quoted
 from .schema_files import family_of, is_second, is_word_sheet
 from .yaml_mistakes import CorrectedEvents, explain
 
@@ -302,7 +302,7 @@ def _build_error(event: Any, rule: str, message: str, path: Path = ()) -> Unread
     return Unreadable(event.start_mark.line + 1, event.start_mark.column + 1, rule, message, path)
 
 
-def read_document(path: pathlib.Path, report: Report, shown_as: str | None = None) -> Document | None:
+def read_document(path: pathlib.Path, report: ProblemReport, shown_as: str | None = None) -> Document | None:
     """Read one file and add its problems to ``report``.
 
     The result is None if nothing in the file can be used. A document may have problems. ``shown_as`` is the name to
@@ -328,13 +328,13 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
     return None
 
 
-def document_of_text(file: str, yaml_text: str, report: Report) -> Document | None:
+def document_of_text(file: str, yaml_text: str, report: ProblemReport) -> Document | None:
     """Parse a text without forbidden characters as if a file with that name contained it, like ``read_document``."""
     report.files.append(file)
     return _parsed_document(file, yaml_text, tuple(LINE_BREAK.split(yaml_text)), report)
 
 
-def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: Report) -> Document | None:
+def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: ProblemReport) -> Document | None:
     """Return the document of a text, with the places of errors, or None if nothing can be used. Report its errors."""
     errors: list[Unreadable] = []
     broken_places: list[Path] = []
@@ -353,7 +353,7 @@ def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: 
     return Document(file, lines, data, marks, broken=tuple(broken_places), doubtful=doubtful_places)
 
 
-def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
+def read_specs(paths: Iterable[pathlib.Path], report: ProblemReport) -> list[Document]:
     """Read files and whole folders, each file once.
 
     A folder represents the specs in it and below it, in sorted order, which ``find_files`` lists. A file given by name
@@ -379,7 +379,7 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
     return documents
 
 
-def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path], report: Report) -> None:
+def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path], report: ProblemReport) -> None:
     """Report a second reading or a sheet of turning words that was given by name, unless its spec was given too."""
     spec = file.with_name(f"{family_of(str(file))}{file.suffix}")
     if spec not in requested_paths:
@@ -389,7 +389,7 @@ def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path
         report.add_at(str(file), 1, 1, rule, f"this is a {kind}; give {spec.name}, the spec that it belongs to")
 
 
-def _specs_at(path: pathlib.Path, report: Report) -> Sequence[pathlib.Path]:
+def _specs_at(path: pathlib.Path, report: ProblemReport) -> Sequence[pathlib.Path]:
     """Return the specs in a folder, or the file itself. Report a folder without specs, and note its other files."""
     if not files.is_folder(path):
         return (path,)

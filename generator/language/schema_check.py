@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from .document import Document, Path
 from .messages import RENAMED, Finding, explain
-from .problems import MAX_PROBLEMS, MISSING_PROSE, TOO_MANY, WORDS_ONLY, Report
+from .problems import MAX_PROBLEMS, MISSING_PROSE, TOO_MANY, WORDS_ONLY, ProblemReport
 from .schema_files import is_second, load_schema
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ class SchemaResult:
     stand_ins: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
 
 
-def check_schema(document: Document, report: Report, file_kind: FileKind | None = None) -> SchemaResult | None:
+def check_schema(document: Document, report: ProblemReport, file_kind: FileKind | None = None) -> SchemaResult | None:
     """Check a document against the schema of its kind, report each error, and remove the broken parts.
 
     Args:
@@ -189,7 +189,7 @@ def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> 
     return places
 
 
-def _report_findings(findings: Sequence[Finding], document: Document, report: Report) -> None:
+def _report_findings(findings: Sequence[Finding], document: Document, report: ProblemReport) -> None:
     """Report each finding that no other finding explains, up to the largest number, and then that there are more."""
     for finding in findings[:MAX_PROBLEMS]:
         if not _is_explained(finding, findings, document.data):

@@ -9,7 +9,7 @@ from pathlib import PurePath
 from typing import Any, NamedTuple
 
 from ..language.document import Document, Path, label_of
-from ..language.problems import Report, quoted
+from ..language.problems import ProblemReport, quoted
 from ..language.rules.connectors import signal_names
 from ..language.rules.parts import as_affected_name, has_erratum_at
 from ..language.rules.walk import items, leaves, mapping
@@ -30,7 +30,7 @@ _SHIELDS = frozenset(("shield", "screen"))
 _VOLTAGE = re.compile(r"[+-]?\s?[\d.,]*\s?v\w*")
 
 
-def compare_facts(places: Sequence[str], documents: Sequence[Document], report: Report) -> None:
+def compare_facts(places: Sequence[str], documents: Sequence[Document], report: ProblemReport) -> None:
     """Report each device whose facts at a place such as ``interfaces.ssi.cable_lengths`` differ from most devices.
 
     All devices with the interface are compared, so one that lacks the facts is reported, too. Among equally common
@@ -78,7 +78,7 @@ def _compared_leaves(node: object) -> Iterator[tuple[Path, object]]:
 
 
 def _report_difference(
-    document: Document, common: Document, facts_by_file: Mapping[str, _Facts], place: Path, report: Report
+    document: Document, common: Document, facts_by_file: Mapping[str, _Facts], place: Path, report: ProblemReport
 ) -> None:
     """Report the first fact in which two devices differ, or nothing if they agree."""
     facts, common_facts = facts_by_file[document.file], facts_by_file[common.file]
@@ -110,7 +110,7 @@ class _Contact(NamedTuple):
 _Line = tuple[str, str]
 
 
-def compare_connectors(maker_document: Document, documents: Sequence[Document], report: Report) -> None:
+def compare_connectors(maker_document: Document, documents: Sequence[Document], report: ProblemReport) -> None:
     """Report each line that two connectors of a group have on different contacts.
 
     The file of the manufacturer lists groups of references such as ``m100.m12_connector``. A device whose spec was not
@@ -157,7 +157,7 @@ def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
         yield _Cable(document, path, frozenset(wires))
 
 
-def _compare_wires(cables: Sequence[_Cable], report: Report) -> None:
+def _compare_wires(cables: Sequence[_Cable], report: ProblemReport) -> None:
     """Report each cable with other wires than the first one of its group, unless an erratum affects its contacts."""
     if not cables:
         return
@@ -183,7 +183,9 @@ def _name_of_cable(cable: _Cable) -> str:
     return str(cable.document.data["connectors"][cable.path[-1]]["name"])
 
 
-def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Document, path: Path, report: Report) -> None:
+def _compare_connector(
+    contacts_by_line: dict[_Line, _Contact], document: Document, path: Path, report: ProblemReport
+) -> None:
     """Report the lines of a connector that have another contact in ``contacts_by_line``, and add the new ones."""
     connector = document.data["connectors"][path[-1]]
     reported_paths: set[Path] = set()
@@ -199,7 +201,7 @@ def _compare_connector(contacts_by_line: dict[_Line, _Contact], document: Docume
             _report_contact(line, contact, first_contact, report)
 
 
-def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: Report) -> None:
+def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: ProblemReport) -> None:
     """Report a line that is on another contact here than on the first connector of its group."""
     line_number, _ = first_contact.document.position(first_contact.path)
     _, line_name = line  # The first member is its interface.

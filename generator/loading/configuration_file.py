@@ -12,7 +12,7 @@ from typing import Any
 from ..language.document import Document, Mark
 from ..language.document import Path as Place
 from ..language.files import CONFIGURATION
-from ..language.problems import Report, listed, nearest_choice, quoted, suggestion
+from ..language.problems import ProblemReport, listed, nearest_choice, quoted, suggestion
 from .configuration import PYPROJECT, Configuration, FamilyFilter, Faulty, exists
 
 _TOKEN = re.compile(
@@ -176,7 +176,7 @@ def read_configuration(file: Path) -> Configuration | None:
     Raises:
         Faulty: There are errors in the settings.
     """
-    report = Report()
+    report = ProblemReport()
     # If there is an error, errors_in reads the file again, with places.
     document = _read_settings(file, report, has_places=False)
     configuration = None if document is None else _build_configuration(file, document, report)
@@ -185,12 +185,12 @@ def read_configuration(file: Path) -> Configuration | None:
     return configuration
 
 
-def errors_in(files: tuple[Path, ...]) -> Report:
+def errors_in(files: tuple[Path, ...]) -> ProblemReport:
     """Return a report with the errors in these files, which are next to each other.
 
     If none of the files has an error, two files are an error themselves, because only one may have the settings.
     """
-    report = Report()
+    report = ProblemReport()
     for file in files:
         document = _read_settings(file, report)
         if document is not None:
@@ -202,17 +202,19 @@ def errors_in(files: tuple[Path, ...]) -> Report:
     return report
 
 
-def add_error(report: Report, file: Path, place: Place, rule: str, message: str, *, at_key: bool = False) -> None:
+def add_error(
+    report: ProblemReport, file: Path, place: Place, rule: str, message: str, *, at_key: bool = False
+) -> None:
     """Add an error in a setting that was found later, such as in the name of a target.
 
     The file is read again for the place of the setting. If that fails now, nothing is added.
     """
-    document = _read_settings(file, Report())
+    document = _read_settings(file, ProblemReport())
     if document is not None:
         report.add(rule, document, place, message, at_key=at_key)
 
 
-def _read_settings(file: Path, report: Report, *, has_places: bool = True) -> Document | None:
+def _read_settings(file: Path, report: ProblemReport, *, has_places: bool = True) -> Document | None:
     """Return the settings in a file as a document, or None if it contains none or cannot be read.
 
     Without ``has_places``, a ``pyproject.toml`` is read in half the time, and all its keys have the place 1:1.
@@ -222,11 +224,11 @@ def _read_settings(file: Path, report: Report, *, has_places: bool = True) -> Do
     )
 
 
-def _yaml_document(file: Path, report: Report) -> Document | None:
+def _yaml_document(file: Path, report: ProblemReport) -> Document | None:
     """Return a codewheel.yaml as a document. Its messages are about settings instead of specs."""
     from ..language.read import read_document  # PyYAML takes longer to import than a frame to decode.
 
-    yaml_report = Report()
+    yaml_report = ProblemReport()
     document = read_document(file, yaml_report)
     report.files += yaml_report.files
     for problem in yaml_report.problems:
@@ -235,7 +237,7 @@ def _yaml_document(file: Path, report: Report) -> Document | None:
     return document
 
 
-def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Document | None:
+def _read_pyproject_table(file: Path, report: ProblemReport, has_places: bool) -> Document | None:
     """Return the table ``[tool.codewheel]`` of a pyproject.toml as a document, or None if there is none.
 
     Return None also if the file cannot be read, which is reported. If ``tool.codewheel`` is not a table, the document
@@ -269,7 +271,7 @@ def _read_pyproject_table(file: Path, report: Report, has_places: bool) -> Docum
     return Document(str(file), toml_lines, section, marks)
 
 
-def _parse_toml(file: Path, toml_text: str, report: Report) -> dict[str, Any]:
+def _parse_toml(file: Path, toml_text: str, report: ProblemReport) -> dict[str, Any]:
     """Return the data of a TOML file, or an empty map if it is not valid, which is reported."""
     if sys.version_info >= (3, 11):
         import tomllib
@@ -304,7 +306,7 @@ def _split_off_place(message: str, toml_text: str) -> tuple[int, int, str]:
     return line, column, message[: place_in_message.start()]
 
 
-def _build_configuration(file: Path, document: Document, report: Report) -> Configuration:
+def _build_configuration(file: Path, document: Document, report: ProblemReport) -> Configuration:
     """Return the settings in a document. Settings with errors are reported and left out.
 
     Paths are relative to the folder of the file. Specs that do not exist are reported but stay in the result.
@@ -327,7 +329,7 @@ def _build_configuration(file: Path, document: Document, report: Report) -> Conf
 
 
 def _report_unknown_keys(
-    document: Document, place: Place, keys: Iterable[Any], known_keys: Iterable[str], report: Report
+    document: Document, place: Place, keys: Iterable[Any], known_keys: Iterable[str], report: ProblemReport
 ) -> None:
     """Report the keys that are not known. ``place`` is the path of the map with these keys."""
     for key in keys:
@@ -336,7 +338,7 @@ def _report_unknown_keys(
             report.add("unknown-key", document, (*place, key), message, at_key=True)
 
 
-def _text_at(document: Document, key: str, report: Report) -> str:
+def _text_at(document: Document, key: str, report: ProblemReport) -> str:
     """Return a text of the settings, or an empty string if it is missing. Report a value that is not a text."""
     value = document.data.get(key, "")
     if key in document.data and not _is_text(value):
@@ -344,7 +346,7 @@ def _text_at(document: Document, key: str, report: Report) -> str:
     return value if _is_text(value) else ""
 
 
-def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report: Report) -> tuple[str, ...]:
+def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report: ProblemReport) -> tuple[str, ...]:
     """Return a list of texts as a tuple. It is empty if the setting is missing, or has an error, which is reported.
 
     ``table`` is the map that contains the last key of ``place``.
@@ -364,7 +366,7 @@ def _is_text(setting: Any) -> bool:
     return isinstance(setting, str) and bool(setting)
 
 
-def _family_filters(document: Document, report: Report) -> dict[str, FamilyFilter]:
+def _family_filters(document: Document, report: ProblemReport) -> dict[str, FamilyFilter]:
     """Return the families to which targets are restricted, by the name of the target: the setting ``only``.
 
     The result is empty if there is no such setting, or if it is not a map with targets, which is reported.
@@ -378,7 +380,7 @@ def _family_filters(document: Document, report: Report) -> dict[str, FamilyFilte
     return {str(target): _family_filter(document, target, conditions, report) for target, conditions in filters.items()}
 
 
-def _family_filter(document: Document, target: str, conditions: Any, report: Report) -> FamilyFilter:
+def _family_filter(document: Document, target: str, conditions: Any, report: ProblemReport) -> FamilyFilter:
     """Return the condition of a target: the families and the grades for which it is generated.
 
     ``conditions`` is the value in the file. Without a map, or with errors, the condition lacks the values concerned.
@@ -394,7 +396,7 @@ def _family_filter(document: Document, target: str, conditions: Any, report: Rep
     return FamilyFilter(families, grades)
 
 
-def _report_unknown_grades(document: Document, place: Place, grades: Iterable[str], report: Report) -> None:
+def _report_unknown_grades(document: Document, place: Place, grades: Iterable[str], report: ProblemReport) -> None:
     """Report each grade that does not exist, with the grade that it misspells, or else all grades."""
     from ..say.evidence import GRADES  # Settings without grades need no model.
 
@@ -409,7 +411,9 @@ def _report_unknown_grades(document: Document, place: Place, grades: Iterable[st
             report.add("not-allowed", document, (*place, index), message)
 
 
-def _report_wrong_type(document: Document, place: Place, expected_type: str, example: str, report: Report) -> None:
+def _report_wrong_type(
+    document: Document, place: Place, expected_type: str, example: str, report: ProblemReport
+) -> None:
     """Report a value of the wrong type, with an example in the language of the file.
 
     ``expected_type`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``. In

@@ -13,7 +13,7 @@ from typing import Any
 
 from ..language.document import MissingPath, Path, as_affected, resolve
 from ..language.overlay import CHANGE_KINDS, Layer, LayeredSpec, LayerKind
-from ..language.problems import DocumentReport, Report, listed, quoted
+from ..language.problems import DocumentReport, ProblemReport, listed, quoted
 from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_in_words
 from ..order_codes.reduction import for_codes
@@ -81,7 +81,7 @@ def revision_for(device: Device, wanted: str) -> str:
     return editions_so_far[-1].revision
 
 
-def edition_of(family: Family, revision: str, build: Build, report: Report) -> Family | None:
+def edition_of(family: Family, revision: str, build: Build, report: ProblemReport) -> Family | None:
     """Return the family in the edition of this revision, or None if it cannot be built.
 
     Its problems are reported in the spec.
@@ -93,7 +93,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
         report: Receives changes that cannot be applied, and problems of the result.
     """
     # A change that fails may already be reported for a later edition, which has it too.
-    report_of_changes = Report()
+    report_of_changes = ProblemReport()
     layered_spec = LayeredSpec(family.document, report_of_changes)
     for index, key, name in _change_lists(family, revision):
         layered_spec.apply(
@@ -104,7 +104,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
     document = layered_spec.document(name)
     document = replace(document, data={key: value for key, value in document.data.items() if key != "editions"})
-    inner_report = Report()
+    inner_report = ProblemReport()
     device = build(document, inner_report)
     if not report_of_changes:
         _report_in_edition(inner_report, revision, report)
@@ -127,7 +127,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
     return Family(device, document, family.files)
 
 
-def _report_in_edition(inner_report: Report, revision: str, report: Report) -> None:
+def _report_in_edition(inner_report: ProblemReport, revision: str, report: ProblemReport) -> None:
     """Report the problems of an edition at their places, except those that are in the report already."""
     reported = set(report.problems)
     for problem in inner_report.problems:

@@ -8,7 +8,7 @@ from dataclasses import asdict, fields, replace
 from pathlib import Path
 
 from ..language.document import is_placeholder, placeholder_names
-from ..language.problems import DocumentReport, Report
+from ..language.problems import DocumentReport, ProblemReport
 from ..language.schema_files import coverage_path
 from ..model import Device, Release, ReleasedChange, TimesRead
 from ..say.plain_text import first_of
@@ -17,7 +17,7 @@ from .from_mapping import Raw
 RULE = "coverage-file"
 
 
-def read_counts(spec: Path, report: Report) -> TimesRead | None:
+def read_counts(spec: Path, report: ProblemReport) -> TimesRead | None:
     """Return the counts stored next to a spec, or None if there are none.
 
     A file with other content is reported as edited.
@@ -75,7 +75,7 @@ def history_beside(spec: Path) -> Path:
     return spec.with_name(f"{spec.stem}.changes.json")
 
 
-def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
+def read_history(spec: Path, report: ProblemReport) -> tuple[Release, ...]:
     """Return the versions stored next to a spec, newest first, or none if the file is missing.
 
     A file with other content is reported as edited.

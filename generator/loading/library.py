@@ -15,7 +15,7 @@ from ..cache import NO_CACHE, Cache, content_of
 from ..language.check import check_document
 from ..language.document import Document
 from ..language.files import family_files, packaged_families, spec_files
-from ..language.problems import Report, listed, nearest_choice
+from ..language.problems import ProblemReport, listed, nearest_choice
 from ..language.read import read_document, read_specs
 from ..model import Device, Manufacturer, Variant
 from ..order_codes.reduction import for_codes
@@ -33,7 +33,7 @@ from .stored import store_device, stored_device
 _OURS = ("codewheel", "codewheel_runtime", "runtime")
 
 
-def load_library(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...], Report]:
+def load_library(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...], ProblemReport]:
     """Load every device described by the specs at ``paths``, sorted by name, and report all problems.
 
     Args:
@@ -46,7 +46,7 @@ def load_library(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...
     return tuple(family.device for family in families), report
 
 
-def load_sound(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...], Report]:
+def load_sound(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...], ProblemReport]:
     """Load only the devices that are valid, even if other specs have problems.
 
     A valid device is also left out if an invalid device has the same name or one of its order codes.
@@ -58,7 +58,7 @@ def load_sound(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...],
     return tuple(device for device in valid_devices if not _shares_with_any(device, broken_devices)), report
 
 
-def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
+def sound_families(families: Iterable[Family], report: ProblemReport) -> list[Family]:
     """Return the families whose files have no problem so far."""
     faulty = report.faulty_files
     return [family for family in families if faulty.isdisjoint(family.files)]
@@ -83,7 +83,7 @@ def load_families(
     cache: Cache = NO_CACHE,
     prepare: Callable[[Document], object] | None = None,
     others: Sequence[Family] | None = None,
-) -> tuple[list[Family], Report]:
+) -> tuple[list[Family], ProblemReport]:
     """Load all families, like ``load_library``, with the spec and the files of each device.
 
     A device is not built again if all files of its family have the same content as when it was built without problems.
@@ -97,7 +97,7 @@ def load_families(
         others: Families that were loaded before. If given, even if empty, the resulting families have their content.
     """
     paths = packaged_families() if paths is None else paths
-    report = Report()
+    report = ProblemReport()
     needs_contents = bool(cache) or others is not None
     contents_before = contents(paths) if needs_contents else {}
     # The content of its files is the key of a device: with the same content, it would be built in the same way.
@@ -118,7 +118,7 @@ def load_families(
     return families, report
 
 
-def _read_documents(paths: Sequence[Path], report: Report) -> list[Document]:
+def _read_documents(paths: Sequence[Path], report: ProblemReport) -> list[Document]:
     """Read the specs at ``paths``, and the files that they need: packaged specs, manufacturers and overlays."""
     documents = read_specs(paths, report)
     # Overlays alone apply to the specs that ship with the tool.
@@ -149,7 +149,7 @@ def _is_storable(family: Family) -> bool:
     return family.plain is None and not family.device.base and family.files <= files_of_key
 
 
-def is_clean(family: Family, report: Report) -> bool:
+def is_clean(family: Family, report: ProblemReport) -> bool:
     """Return True if no problem was reported in any file on which a family depends."""
     all_files = {*family.files, *map(str, family_files(Path(family.document.file)))}
     return report.faulty_files.isdisjoint(all_files)
@@ -159,7 +159,7 @@ def _add_content(
     family: Family,
     contents_of_files: Mapping[str, Sequence[bytes | str]],
     cached_devices: Mapping[str, Device],
-    report: Report,
+    report: ProblemReport,
     cache: Cache,
 ) -> Family:
     """Return a family with the content of its files, and store its device if it is new.
@@ -186,7 +186,7 @@ def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:
 
 def families_of(
     documents: Sequence[Document],
-    report: Report,
+    report: ProblemReport,
     cached_devices: Mapping[str, Device] = MappingProxyType({}),
 ) -> list[Family]:
     """Build the families of documents with their overlays applied, sorted by name.
@@ -226,7 +226,7 @@ def _manufacturer_of(
     device_data: Mapping[str, Any],
     makers: Mapping[str, Manufacturer],
     manufacturer_files: Sequence[Document],
-    report: Report,
+    report: ProblemReport,
 ) -> Manufacturer:
     """Return the manufacturer of a spec, or a stand-in if it is not in ``makers``.
 
@@ -243,7 +243,7 @@ def _manufacturer_of(
 
 
 def _build_device(
-    document: Document, device_data: dict[str, Any], maker: Manufacturer, report: Report
+    document: Document, device_data: dict[str, Any], maker: Manufacturer, report: ProblemReport
 ) -> Device | None:
     """Return the device of a spec, or None if it cannot be built.
 
@@ -261,13 +261,13 @@ def _build_device(
     return replace(device, times_read=counts, releases=releases, errata=(*device.errata, *edition_notes))
 
 
-def in_edition(family: Family, revision: str, report: Report) -> Family | None:
+def in_edition(family: Family, revision: str, report: ProblemReport) -> Family | None:
     """Return a family in another edition of its manual, or None if it cannot be built. Add problems to ``report``."""
     maker = family.device.manufacturer
     return edition_of(family, revision, partial(_rebuild_device, {maker.name: maker}), report)
 
 
-def _rebuild_device(makers: Mapping[str, Manufacturer], document: Document, report: Report) -> Device | None:
+def _rebuild_device(makers: Mapping[str, Manufacturer], document: Document, report: ProblemReport) -> Device | None:
     """Build the device of a document derived from a spec that was already built, or return None if it is not valid."""
     data = check_document(document, report)
     if data is None:
@@ -277,7 +277,7 @@ def _rebuild_device(makers: Mapping[str, Manufacturer], document: Document, repo
 
 
 def _manufacturers_by_name(
-    checked: Sequence[tuple[Document, dict[str, Any] | None]], report: Report
+    checked: Sequence[tuple[Document, dict[str, Any] | None]], report: ProblemReport
 ) -> dict[str, Manufacturer]:
     """Return the manufacturers of all valid manufacturer files, by name.
 
@@ -307,7 +307,7 @@ def _stand_in_for_manufacturer(manufacturer_name: str) -> Manufacturer:
 
 
 def _check_manufacturer(
-    maker: Manufacturer, other_makers: Iterable[Manufacturer], document: Document, report: Report
+    maker: Manufacturer, other_makers: Iterable[Manufacturer], document: Document, report: ProblemReport
 ) -> None:
     """Check that names derived from a manufacturer are unique, and that its package hides no standard module."""
     package = maker.python_package
@@ -337,7 +337,7 @@ def _check_manufacturer(
             report.add("duplicate-name", document, ("biss_id",), message)
 
 
-def _missing_manufacturers(documents: Sequence[Document], report: Report) -> list[Document]:
+def _missing_manufacturers(documents: Sequence[Document], report: ProblemReport) -> list[Document]:
     """Return the manufacturer files next to device files that are not among the documents."""
     read_paths = {Path(document.file).resolve() for document in documents}
     folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
@@ -352,7 +352,9 @@ def _missing_manufacturers(documents: Sequence[Document], report: Report) -> lis
     return missing_documents
 
 
-def _compare_with_others(device: Device, other_devices: Sequence[Device], document: Document, report: Report) -> None:
+def _compare_with_others(
+    device: Device, other_devices: Sequence[Device], document: Document, report: ProblemReport
+) -> None:
     """Report a name that another family has, and the first order code that another family has."""
     if any(other_device.name == device.name for other_device in other_devices):
         report.add("duplicate-name", document, ("device",), f"there is another spec for '{device.name}'")

@@ -16,7 +16,7 @@ from pathlib import Path
 from ..language.check import check_overlay
 from ..language.document import Document
 from ..language.overlay import SUFFIX, AppliedChange, Layer, LayeredSpec, LayerKind
-from ..language.problems import Problem, Report, quoted, suggestion
+from ..language.problems import Problem, ProblemReport, quoted, suggestion
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay, layer_in_words
 from ..order_codes.reduction import for_codes
 from .change_titles import change_title
@@ -28,7 +28,7 @@ _MOST_NAMED = 8
 _WORD = re.compile(r"[^a-z0-9]+")
 
 #: Function that builds the family of a document and adds its problems to the report.
-Build = Callable[[Document, Report], Device | None]
+Build = Callable[[Document, ProblemReport], Device | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ def _is_overlay_of(path: Path, spec: Path) -> bool:
 
 
 def apply_overlays(
-    families: Sequence[Family], overlays: Sequence[Document], build: Build, report: Report
+    families: Sequence[Family], overlays: Sequence[Document], build: Build, report: ProblemReport
 ) -> list[Family]:
     """Return the families with their overlays applied, and those that overlays add, sorted by name.
 
@@ -120,7 +120,7 @@ def _is_for_special_model(family_name: str, special: str, overlay: Document) -> 
 
 
 def _special_families(
-    family: Family, overlays: Sequence[Document], corrections: Sequence[Document], build: Build, report: Report
+    family: Family, overlays: Sequence[Document], corrections: Sequence[Document], build: Build, report: ProblemReport
 ) -> Iterator[Family]:
     """Yield a family for each special model that the overlays of a family name, if it can be built.
 
@@ -136,7 +136,7 @@ def _special_families(
             yield special_family
 
 
-def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
+def _refuse_same_names(overlays: Sequence[Document], report: ProblemReport) -> None:
     """Report each overlay with the name of an earlier overlay."""
     first_overlays: dict[str, Document] = {}
     for overlay in overlays:
@@ -152,7 +152,7 @@ def _layer_of(overlay: Document) -> Layer:
 
 
 def _apply_overlays(
-    family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report
+    family: Family, overlays: Sequence[Document], special: str, build: Build, report: ProblemReport
 ) -> Family | None:
     """Return the family that results from applying overlays to another, or None if it cannot be built.
 
@@ -165,7 +165,7 @@ def _apply_overlays(
     layered_spec.apply([_layer_of(overlay) for overlay in overlays])
     name_of_special = f"{family.device.name}_{special.lower()}" if special else ""  # Such as x_24_s123.
     document = layered_spec.document(name_of_special)
-    inner_report = Report()
+    inner_report = ProblemReport()
     device = build(document, inner_report)
     # After a change that failed, problems of the result would only follow from it.
     if len(report) == problems_before:
@@ -265,7 +265,7 @@ def join_shortened(names: Sequence[str]) -> str:
     return f"{', '.join(unique_names[:_MOST_NAMED])} and {omitted} more"
 
 
-def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
+def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report: ProblemReport) -> Device:
     """Return the device with only the order codes that the overlays list under ``applies_to``.
 
     Report unknown order codes. If no known code is listed, the device keeps all of its codes.
@@ -282,7 +282,7 @@ def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report
     return for_codes(device, selected_codes) if selected_codes else device
 
 
-def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, report: Report) -> None:
+def _report_in_overlay(inner_report: ProblemReport, spec: Document, overlay: Document, report: ProblemReport) -> None:
     """Report the problems of the resulting family that the spec itself does not have.
 
     Those in the spec are reported at the name of the overlay, with their place in the spec as part of the message.
@@ -306,6 +306,6 @@ def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, 
             )
 
 
-def _report_problem(problem: Problem, overlay: Document, message: str, report: Report) -> None:
+def _report_problem(problem: Problem, overlay: Document, message: str, report: ProblemReport) -> None:
     """Report a problem at the name of an overlay, under the same rule."""
     report.add(problem.rule, overlay, ("overlay",), message)

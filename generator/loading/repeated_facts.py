@@ -9,7 +9,7 @@ from itertools import count
 from pathlib import PurePath
 
 from ..language.document import Document, Path
-from ..language.problems import DocumentReport, Report, quoted
+from ..language.problems import DocumentReport, ProblemReport, quoted
 from ..language.rules.code_meanings import MEANING_DIFFERS
 from ..language.rules.parts import by_name, by_part_name, has_erratum_at
 from ..language.written import Located
@@ -30,7 +30,7 @@ _COMMON = {
 _Fact = tuple[Path, str]
 
 
-def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
+def check_shared_facts(documents: Sequence[Document], report: ProblemReport) -> None:
     """Report differences between devices of a manufacturer in facts that its file lists under ``alike``."""
     device_documents = [document for document in documents if "device" in document.data and not report.faults(document)]
     for maker_document in documents:
@@ -55,7 +55,7 @@ def _parts_by_name(section: str, document: Document) -> Mapping[str, WrittenRegi
 
 
 def _report_different_facts(
-    section: str, part_name: str, documents_with_fact: Sequence[Document], report: Report
+    section: str, part_name: str, documents_with_fact: Sequence[Document], report: ProblemReport
 ) -> None:
     """Report each device whose register or CRC differs from the most common one, fact by fact.
 

@@ -15,7 +15,7 @@ from typing import Any
 from ..language.check import check_document
 from ..language.files import packaged_masters
 from ..language.master_items import NUMBERS
-from ..language.problems import Report, listed
+from ..language.problems import ProblemReport, listed
 from ..language.read import read_specs
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression
@@ -129,7 +129,7 @@ class Sheet:
         return tuple(rule for rule in self.writing if len(rule.of) != 1)
 
 
-def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report]:
+def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], ProblemReport]:
     """Return the shipped masters and the masters at ``paths``, by title.
 
     A master with the same name replaces a shipped one.
@@ -137,7 +137,7 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
     Returns:
         The masters, valid only if the report is empty, and the report.
     """
-    report = Report()
+    report = ProblemReport()
     masters: dict[str, Master] = {}
     # The user's masters come second, so they replace shipped ones. Within a group, each name may occur once.
     for group in ([packaged_masters()], paths):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..language.problems import Problem, Report
+from ..language.problems import Problem, ProblemReport
 from ..language.read import document_of_text
 from ..loading.library import families_of
 from ..model import Device
@@ -25,7 +25,7 @@ def device_of_line(text: str) -> tuple[Device, Match]:
         LineError: The line has problems.
     """
     line = parse_line(text)
-    report = Report()
+    report = ProblemReport()
     texts = {f"{_FAMILY}.yaml": spec_text(line, _FAMILY, _MANUFACTURER), "manufacturer.yaml": _MANUFACTURER_TEXT}
     documents = [document_of_text(file, file_text, report) for file, file_text in texts.items()]
     families = families_of([document for document in documents if document is not None], report)
@@ -39,7 +39,7 @@ def device_of_line(text: str) -> tuple[Device, Match]:
     return device, Match(variant, unlisted=(), tail="", special=False)
 
 
-def _problems_in_line(line: Line, report: Report) -> list[LineProblem]:
+def _problems_in_line(line: Line, report: ProblemReport) -> list[LineProblem]:
     """Return the problems of the spec of a line, each at the field that it is about."""
     columns = {field.name: field.column for field in line.fields}
     return [LineProblem(_column_of(problem, columns), problem.message) for problem in report.problems]

@@ -12,7 +12,7 @@ from pathlib import Path as File
 from typing import Any, NamedTuple
 
 from ..language.document import Document, Path
-from ..language.problems import Report, quoted
+from ..language.problems import ProblemReport, quoted
 from ..language.read import read_document
 from ..language.schema_check import FileKind, check_schema
 from ..language.schema_files import word_sheet_path
@@ -140,10 +140,10 @@ def open_gaps(sheet_data: Mapping[str, Any]) -> int:
 
 
 #: Function that reads the sheet of a family, if it has a sheet, and adds its problems to the report.
-Reader = Callable[[Family, Report], Document | None]
+Reader = Callable[[Family, ProblemReport], Document | None]
 
 
-def read_sheet(family: Family, report: Report) -> Document | None:
+def read_sheet(family: Family, report: ProblemReport) -> Document | None:
     """Return the sheet next to the spec of a family, or None if there is none or it has problems."""
     file = word_sheet_path(File(family.document.file))
     document = read_document(file, report) if file.is_file() else None
@@ -155,7 +155,9 @@ def read_sheet(family: Family, report: Report) -> Document | None:
     return document if checked_data is not None and not has_new_problems else None
 
 
-def check_sheets(families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_sheet) -> None:
+def check_sheets(
+    families: Iterable[Family], sound: Collection[str], report: ProblemReport, read: Reader = read_sheet
+) -> None:
     """Compare families with their sheets, and report the differences. A family without a sheet is skipped.
 
     A sheet is always checked, but only compared if its spec is among the ``sound`` files. A sheet is filled from the
@@ -169,7 +171,7 @@ def check_sheets(families: Iterable[Family], sound: Collection[str], report: Rep
             compare_words(family.document, sheet_document, report)
 
 
-def compare_words(spec: Document, sheet_document: Document, report: Report) -> None:
+def compare_words(spec: Document, sheet_document: Document, report: ProblemReport) -> None:
     """Report each gap that the sheet fills with a word other than the spec's, and each outdated text of the sheet.
 
     A text is outdated if only the spec has it, or if it has changed. Texts that only the sheet has are not reported in
@@ -206,7 +208,7 @@ def _advice_to_refill(spec: Document) -> str:
 
 
 def _compare_gaps(
-    spec: Document, place: Path, cloze: ClozeText, sheet_document: Document, sheet_place: Path, report: Report
+    spec: Document, place: Path, cloze: ClozeText, sheet_document: Document, sheet_place: Path, report: ProblemReport
 ) -> None:
     """Report each gap of a text that the sheet fills with another word than the first word of the sense in the spec.
 

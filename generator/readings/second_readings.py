@@ -10,7 +10,7 @@ from pathlib import Path as File
 
 from ..language.check import check_second
 from ..language.document import Document, Path
-from ..language.problems import Report, joined_lines, quoted
+from ..language.problems import ProblemReport, joined_lines, quoted
 from ..language.read import read_document
 from ..language.schema_files import second_reading_path
 from ..loading.device import build_device
@@ -124,10 +124,10 @@ class SecondReading:
 
 
 #: Function that reads the second reading of a family, if it has one, and adds its problems to the report.
-Reader = Callable[[Family, Report], SecondReading | None]
+Reader = Callable[[Family, ProblemReport], SecondReading | None]
 
 
-def read_beside(family: Family, report: Report) -> SecondReading | None:
+def read_beside(family: Family, report: ProblemReport) -> SecondReading | None:
     """Return the second reading next to the spec of a family, or None if there is no file or it cannot be read.
 
     Problems of the file are added to ``report``.
@@ -137,7 +137,7 @@ def read_beside(family: Family, report: Report) -> SecondReading | None:
     return second_of(document, family.device.manufacturer, report) if document is not None else None
 
 
-def second_of(document: Document, manufacturer: Manufacturer, report: Report) -> SecondReading:
+def second_of(document: Document, manufacturer: Manufacturer, report: ProblemReport) -> SecondReading:
     """Return the second reading in a document, without facts if the document has problems.
 
     The problems are added to ``report``.
@@ -152,14 +152,14 @@ def second_of(document: Document, manufacturer: Manufacturer, report: Report) ->
     return SecondReading(document, facts_of(Reading(device, document)))
 
 
-def comparable_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
+def comparable_specs(families: Iterable[Family], report: ProblemReport) -> frozenset[str]:
     """Return the files of the families whose documents have no faults in the report so far."""
     valid_families = (family for family in families if not report.faults((family.plain or family).document))
     return frozenset(family.document.file for family in valid_families)
 
 
 def compare_readings(
-    families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_beside
+    families: Iterable[Family], sound: Collection[str], report: ProblemReport, read: Reader = read_beside
 ) -> list[Coverage]:
     """Compare each family with its second reading, report the differences, and return the coverage.
 
@@ -182,7 +182,7 @@ def compare_readings(
     return coverages
 
 
-def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
+def explain(spec: Document, second: Document, outcome: Comparison, report: ProblemReport) -> None:
     """Count the disagreements explained by errata of the spec, and report the remaining disagreements, each once.
 
     An erratum explains a disagreement with exactly its two values at a place that it affects. An erratum that explains
@@ -242,7 +242,7 @@ def _explained_differences(spec: Document) -> Iterator[_Explanation]:
             )
 
 
-def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: Report) -> None:
+def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: ProblemReport) -> None:
     """Report disagreements with one cause once: the first one, with the lines of the other ones.
 
     The report is about the spec, or about the second reading if only that has the fact.
@@ -299,7 +299,7 @@ def _others_text(disagreements: Related, spec: Document, second: Document) -> st
     return f", and {len(other_disagreements)} more with the same cause in {', '.join(places)}"
 
 
-def _check_explanation(explanation: _Explanation, spec: Document, report: Report, *, is_used: bool) -> None:
+def _check_explanation(explanation: _Explanation, spec: Document, report: ProblemReport, *, is_used: bool) -> None:
     """Report an erratum that explains no disagreement, or whose printed text has other values.
 
     In the second case, the printed text contains values with the same unit, but not the number of the second reading.

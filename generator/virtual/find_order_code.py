@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from ..language.problems import Report
+from ..language.problems import ProblemReport
 from ..loading.editions import revision_for
 from ..loading.library import Family, in_edition, load_families, sound_families
 from ..model import Device
@@ -59,7 +59,7 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
             continue
         if not edition:
             return family.device, match
-        report = Report()
+        report = ProblemReport()
         family_in_edition = in_edition(family, revision_for(family.device, edition), report)
         if family_in_edition is None or report:
             raise ValueError("\n".join(problem.format() for problem in report.shown))

@@ -12,7 +12,7 @@ import pytest
 from codewheel.commands.decode.plain_data import decoded_data
 from codewheel.dump.plain import device_dump, variant_dump
 from codewheel.dump.schema import show_schema
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.language.schema_files import is_second, is_word_sheet, load_schema
 from codewheel.loading.from_mapping import parse_sources
@@ -149,7 +149,7 @@ def _encoder_specs() -> list[Path]:
 
 @pytest.mark.parametrize("path", _encoder_specs(), ids=lambda path: path.stem)
 def test_every_fact_of_the_spec_is_there(path: Path, every_encoder: Library) -> None:
-    document = read_document(path, Report())
+    document = read_document(path, ProblemReport())
     assert document is not None
     device = next(device for device in every_encoder.devices if device.name == document.data["device"])
     dump = device_dump(device)

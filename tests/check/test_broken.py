@@ -7,7 +7,7 @@ import re
 
 import pytest
 from codewheel.language.check import check_document
-from codewheel.language.problems import Problem, Report
+from codewheel.language.problems import Problem, ProblemReport
 from codewheel.language.read import read_document
 
 HERE = pathlib.Path(__file__).parent
@@ -43,9 +43,9 @@ RULES_WITH_BROKEN_SPECS = """
 """.split()
 
 
-def problems_of(path: pathlib.Path) -> tuple[list[str], Report]:
+def problems_of(path: pathlib.Path) -> tuple[list[str], ProblemReport]:
     """Return each problem as ``line:column: rule: message``, and the report."""
-    report = Report()
+    report = ProblemReport()
     document = read_document(path, report, path.name)
     if document is not None:
         check_document(document, report)
@@ -95,7 +95,7 @@ def test_every_rule_in_the_code_is_listed() -> None:
 
 @pytest.mark.parametrize("path", sorted((HERE / "ok").glob("*.yaml")), ids=lambda path: path.stem)
 def test_sound_spec_is_clean(path: pathlib.Path) -> None:
-    report = Report()
+    report = ProblemReport()
     document = read_document(path, report)
     assert document is not None
     assert check_document(document, report) == document.data

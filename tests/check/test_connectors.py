@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.language.check import check_document
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 
 LIKA = Path(__file__).parents[2] / "specs" / "lika"
@@ -28,7 +28,7 @@ MISTAKES = [
 
 
 def rules_broken(folder: Path, text: str, family: str) -> set[str]:
-    report = Report()
+    report = ProblemReport()
     path = folder / f"{family}.yaml"
     path.write_text(text, encoding="utf-8")
     document = read_document(path, report)

@@ -9,7 +9,7 @@ from typing import Any, get_args
 import pytest
 import yaml
 from codewheel.language.check import check_document
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.language.written_layouts import KIND_KEYS, WrittenField
 from codewheel.language.written_parts import WrittenExample, WrittenStep
@@ -123,7 +123,7 @@ def problems_of(data: dict[str, Any], folder: Path) -> dict[str, list[str]]:
     """Return the messages about a spec, by their path in it."""
     path = folder / "spec.yaml"
     path.write_text(yaml.safe_dump(data, allow_unicode=True, sort_keys=False), encoding="utf-8")
-    report = Report()
+    report = ProblemReport()
     document = read_document(path, report, path.name)
     assert document is not None
     check_document(document, report)
@@ -246,7 +246,7 @@ def test_a_field_of_each_kind_is_valid_without_them(tmp_path: Path) -> None:
 
 def test_each_key_of_a_kind_makes_its_own_kind() -> None:
     """Without its case in ``kind_of``, a field with the key would silently be a number."""
-    context = Context(Report(), groups={}, definitions={}, parameter_sets={}, crcs={}, data_ids={"rs485": ()})
+    context = Context(ProblemReport(), groups={}, definitions={}, parameter_sets={}, crcs={}, data_ids={"rs485": ()})
     kinds = {}
     for key in KIND_KEYS:
         kinds[key] = type(kind_of({"name": "level", **FIELDS[key]}, context, "rs485", Expression(8)))

@@ -14,7 +14,7 @@ import pytest
 from codewheel.commands.check import as_data, as_text
 from codewheel.commands.cli import main
 from codewheel.language import document, messages, problems
-from codewheel.language.problems import MAX_FOUND, MAX_PROBLEMS, TOO_MANY, Report
+from codewheel.language.problems import MAX_FOUND, MAX_PROBLEMS, TOO_MANY, ProblemReport
 from codewheel.language.rules import order_code, quantities
 from codewheel.language.schema_files import load_schema
 from codewheel.loading.library import load_library
@@ -32,7 +32,7 @@ def write_spec(folder: Path, text: str) -> Path:
     return folder
 
 
-def load_spec(folder: Path, text: str) -> tuple[tuple[Device, ...], Report]:
+def load_spec(folder: Path, text: str) -> tuple[tuple[Device, ...], ProblemReport]:
     return load_library([write_spec(folder, text)])
 
 
@@ -61,8 +61,8 @@ def test_every_list_has_a_limit(kind: str) -> None:
         assert list_schema.get("maxItems" if "items" in list_schema else "maxProperties", 2001) <= 2000, list_schema
 
 
-def report_of(*counts: int, rule: str = "rule") -> Report:
-    report = Report()
+def report_of(*counts: int, rule: str = "rule") -> ProblemReport:
+    report = ProblemReport()
     for number, count in enumerate(counts):
         for line in range(1, count + 1):
             report.add_at(f"{number}.yaml", line, 3, rule, f"wrong {line}", path="a.b", text="text")

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.new import write_spec
 from codewheel.language.check import check_document
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.loading.library import load_library
 
@@ -36,7 +36,7 @@ def test_a_place_with_too_many_digits_in_a_layout_of_bytes(tmp_path: Path) -> No
     layout = f'        carried_as: bytes\n        fields:\n          - {{name: lone, at: "{DIGITS}"}}\n'
     file = tmp_path / "unused_bits.yaml"
     file.write_text(f"{before_fields}{layout}registers:\n{rest}", encoding="utf-8")
-    report = Report()
+    report = ProblemReport()
     document = read_document(file, report)
     assert document is not None
     check_document(document, report)
@@ -66,7 +66,7 @@ def test_an_open_part_with_an_enormous_count(tmp_path: Path) -> None:
     text = (BROKEN / "order_code_open.yaml").read_text(encoding="utf-8")
     file = tmp_path / "order_code_open.yaml"
     file.write_text(text.replace('"[A-"', f'"[A-Z]{{{10**20}}}"'), encoding="utf-8")
-    report = Report()
+    report = ProblemReport()
     document = read_document(file, report)
     assert document is not None
     check_document(document, report)
@@ -88,7 +88,7 @@ def test_a_bound_that_is_not_a_number(tmp_path: Path) -> None:
     assert "min: 10, max: 10," in text
     file = tmp_path / "numbers_in_texts.yaml"
     file.write_text(text.replace("min: 10, max: 10,", "min: 10, max: .nan,"), encoding="utf-8")
-    report = Report()
+    report = ProblemReport()
     document = read_document(file, report)
     assert document is not None
     check_document(document, report)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.new import device_text
 from codewheel.language.check import check_document
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 
 #: Parts to which the rest of a spec refers by name, so that more is reported. The measurement names the position.
@@ -31,7 +31,7 @@ def test_a_misspelt_part_is_one_problem(tmp_path: Path, like: str, part: str) ->
     misspelt = f"{part[:-1]}x"
     text = re.sub(rf"^( *){part}:", rf"\1{misspelt}:", TEXTS[like], count=1, flags=re.MULTILINE)
     (tmp_path / "my_encoder.yaml").write_text(text, encoding="utf-8")
-    report = Report()
+    report = ProblemReport()
     document = read_document(tmp_path / "my_encoder.yaml", report, "my_encoder.yaml")
     if document is not None:
         check_document(document, report)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from codewheel.language.problems import Problem, Report, listed, quoted, suggestion
+from codewheel.language.problems import Problem, ProblemReport, listed, quoted, suggestion
 
 
 def problem(text: str, column: int, *, file: str = "a.yaml", message: str = "wrong", path: str = "") -> Problem:
@@ -48,7 +48,7 @@ def test_wide_characters_take_two_columns() -> None:
 
 
 def test_report_sorts_and_drops_repetitions() -> None:
-    report = Report()
+    report = ProblemReport()
     assert not report
     for line in (2, 1, 2):
         report.add_at("a.yaml", line, 1, "rule", "wrong")

@@ -8,7 +8,7 @@ import time
 
 import pytest
 from codewheel.language.document import Document
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document, read_specs
 
 
@@ -16,7 +16,7 @@ def read(folder: pathlib.Path, content: str | bytes) -> tuple[Document | None, l
     """Return the document made from ``content``, and the problems."""
     path = folder / "spec.yaml"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    report = Report()
+    report = ProblemReport()
     document = read_document(path, report, "spec.yaml")
     return document, [problem.format() for problem in report.problems]
 
@@ -163,7 +163,7 @@ def test_letters_of_other_scripts_are_text(tmp_path: pathlib.Path) -> None:
     assert document.data == {"a": text}
 
 
-def first_lines(report: Report, folder: pathlib.Path) -> list[str]:
+def first_lines(report: ProblemReport, folder: pathlib.Path) -> list[str]:
     return [problem.format().splitlines()[0].replace(f"{folder}{os.sep}", "") for problem in report.problems]
 
 
@@ -173,7 +173,7 @@ def test_paths_that_cannot_be_read(tmp_path: pathlib.Path) -> None:
     (tmp_path / "folder.yaml").mkdir()
     (tmp_path / "plain.yaml").write_text("a: 1\n")
     os.mkfifo(tmp_path / "pipe.yaml")
-    report = Report()
+    report = ProblemReport()
     for name in (
         "missing.yaml",
         "loop.yaml",
@@ -202,7 +202,7 @@ def test_file_without_permission(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "secret.yaml"
     path.write_text("a: 1\n")
     path.chmod(0)
-    report = Report()
+    report = ProblemReport()
     assert read_document(path, report) is None
     assert first_lines(report, tmp_path) == ["secret.yaml:1:1: unreadable: the file cannot be read: Permission denied"]
 
@@ -213,7 +213,7 @@ def test_error_of_the_disk_is_a_problem(tmp_path: pathlib.Path, monkeypatch: pyt
 
     path = tmp_path / "spec.yaml"
     path.write_text("a: 1\n")
-    report = Report()
+    report = ProblemReport()
     monkeypatch.setattr("builtins.open", fail)
     document = read_document(path, report)
     monkeypatch.undo()
@@ -229,7 +229,7 @@ def test_folders_are_read_in_order_and_each_file_once(tmp_path: pathlib.Path) ->
     (tmp_path / "b" / "up").symlink_to(tmp_path)
     (tmp_path / "c").mkdir()
     (tmp_path / "c" / "round").symlink_to("round")
-    report = Report()
+    report = ProblemReport()
     documents = read_specs([tmp_path, tmp_path / "a.yaml"], report)
     assert report.problems == ()
     assert [pathlib.Path(document.file).relative_to(tmp_path).as_posix() for document in documents] == [
@@ -240,7 +240,7 @@ def test_folders_are_read_in_order_and_each_file_once(tmp_path: pathlib.Path) ->
 
 
 def test_folder_without_specs(tmp_path: pathlib.Path) -> None:
-    report = Report()
+    report = ProblemReport()
     assert read_specs([tmp_path], report) == []
     assert [problem.rule for problem in report.problems] == ["no-specs"]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.language.check import check_document
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 
 BASE = (Path(__file__).parent / "ok" / "minimal.yaml").read_text(encoding="utf-8")
@@ -452,7 +452,7 @@ def problems(folder: Path, changes: list[Change]) -> list[tuple[str, str]]:
         assert old in text
         text = text.replace(old, new, 1)
     (folder / "minimal.yaml").write_text(text, encoding="utf-8")
-    report = Report()
+    report = ProblemReport()
     document = read_document(folder / "minimal.yaml", report, "minimal.yaml")
     assert document is not None
     check_document(document, report)

@@ -13,7 +13,7 @@ import yaml
 from codewheel.language.check import check_document
 from codewheel.language.document import Document
 from codewheel.language.messages import KEYWORDS, PATTERNS, explain
-from codewheel.language.problems import MAX_PROBLEMS, Report
+from codewheel.language.problems import MAX_PROBLEMS, ProblemReport
 from codewheel.language.read import read_document
 from codewheel.language.schema_check import FileKind, check_schema, follows_schema, shape_of
 from codewheel.language.schema_files import is_second, is_word_sheet, load_schema
@@ -37,10 +37,10 @@ def subschemas(schema: Any) -> Iterator[dict[str, Any]]:
                 yield from subschemas(subschema)
 
 
-def read_spec(folder: pathlib.Path, text: str) -> tuple[Document, Report]:
+def read_spec(folder: pathlib.Path, text: str) -> tuple[Document, ProblemReport]:
     path = folder / "minimal.yaml"
     path.write_text(text, encoding="utf-8")
-    report = Report()
+    report = ProblemReport()
     spec = read_document(path, report, path.name)
     assert spec is not None
     return spec, report
@@ -84,7 +84,7 @@ def test_faults_are_cut_out_and_the_rest_keeps_its_lines(tmp_path: pathlib.Path)
     assert [register["name"] for register in checked.data["registers"]] == ["bank", "one", "two"]
     last = text.splitlines().index((valid_register % ("two", 80)).rstrip()) + 1
     assert spec.position(("registers", 2, "name"))[0] == last
-    assert check_document(spec, Report()) is not None
+    assert check_document(spec, ProblemReport()) is not None
 
 
 def test_misspelt_key_is_one_problem(tmp_path: pathlib.Path) -> None:
@@ -163,11 +163,11 @@ EACH = pytest.mark.parametrize(
 @EACH
 def test_no_damage_makes_it_raise(path: pathlib.Path) -> None:
     """Remove or replace random places of a valid spec. The result is problems or a valid spec, never an exception."""
-    sound = read_document(path, Report())
+    sound = read_document(path, ProblemReport())
     assert sound is not None
     for data in damaged_copies(sound.data, path.stem):
         # It is checked as data. The marks come from the valid spec, since they only give places.
-        damaged_spec, report = Document(path.name, sound.lines, data, sound.marks), Report()
+        damaged_spec, report = Document(path.name, sound.lines, data, sound.marks), ProblemReport()
         accepted = check_document(damaged_spec, report)
         if accepted is not None and "device" in accepted:
             build_device(accepted, MAKER, report.for_document(damaged_spec))
@@ -179,7 +179,7 @@ def test_no_damage_makes_it_raise(path: pathlib.Path) -> None:
 @EACH
 def test_the_quick_test_agrees_with_jsonschema(path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It accepts each valid spec, so that jsonschema is not imported, and nothing that jsonschema rejects."""
-    sound = read_document(path, Report())
+    sound = read_document(path, ProblemReport())
     assert sound is not None
     kind = next(kind for kind in (FileKind.DEVICE, FileKind.MASTER, FileKind.MANUFACTURER) if kind.value in sound.data)
     shape = shape_of(kind.value)
@@ -188,7 +188,7 @@ def test_the_quick_test_agrees_with_jsonschema(path: pathlib.Path, monkeypatch: 
     answers = [follows_schema(data, shape) for data in copies]
     monkeypatch.setattr("codewheel.language.schema_check.follows_schema", lambda value, schema: False)
     for data, answer in zip(copies, answers, strict=True):
-        report = Report()
+        report = ProblemReport()
         check_schema(Document(path.name, sound.lines, data, sound.marks), report, kind)
         assert answer == (not report.problems)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.language.check import check_document
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 
 LIKA = Path(__file__).parents[2] / "specs" / "lika"
@@ -19,7 +19,7 @@ MISTAKES = [
 
 
 def contradictions(folder: Path, text: str) -> list[str]:
-    report = Report()
+    report = ProblemReport()
     path = folder / "amm5.yaml"
     path.write_text(text, encoding="utf-8")
     document = read_document(path, report)

@@ -14,7 +14,7 @@ import yaml
 from codewheel.language import written_masters, written_parts
 from codewheel.language.check import check_document
 from codewheel.language.part_schema import described_parts
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.language.written import Located, WrittenPart
 from codewheel.language.written_codes import WrittenRegister
@@ -167,7 +167,7 @@ def test_each_presence_test_asks_for_a_key_of_its_class(monkeypatch: pytest.Monk
     monkeypatch.setattr(Located, "has", ask)
     broken_specs = [*Path(__file__).parent.glob("broken/*.yaml"), *Path(__file__).parents[1].glob("masters/broken/*")]
     for path in broken_specs:
-        report = Report()
+        report = ProblemReport()
         document = read_document(path, report, path.name)
         if document is not None:
             check_document(document, report)

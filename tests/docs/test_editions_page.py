@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.dump.plain import device_dump
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.loading import library as loading
 from codewheel.loading.library import in_edition
 from codewheel.model import Device
@@ -477,7 +477,7 @@ def test_both_files_mean_the_same_by_a_change() -> None:
 
 
 def test_reports_of_editions_are_no_problem_of_the_spec() -> None:
-    report = Report()
+    report = ProblemReport()
     families, _ = loading.load_families([SPECS / "amm5.yaml"])
     assert in_edition(families[0], "1.0", report) is not None
     assert len(report) == 0

@@ -18,7 +18,7 @@ from codewheel.cache import Cache, default_folder
 from codewheel.commands.cli import main
 from codewheel.language.check import check_document
 from codewheel.language.document import Document
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.loading.library import load_families
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "lika"
@@ -202,7 +202,7 @@ def test_a_problem_makes_no_other_file_be_checked_again(
 ) -> None:
     looked: list[str] = []
 
-    def check_noted(document: Document, report: Report) -> Any:
+    def check_noted(document: Document, report: ProblemReport) -> Any:
         looked.append(Path(document.file).name)
         return check_document(document, report)
 

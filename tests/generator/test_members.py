@@ -15,7 +15,7 @@ from codewheel.changes.families import compare_family
 from codewheel.changes.rules import RULES
 from codewheel.dump import plain, schema
 from codewheel.dump.xml import schema_text, to_xml
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.model import Device, Register
 from codewheel.model.members import PARTS, PARTS_BY_CLASS, Member, Part
@@ -139,7 +139,7 @@ def test_a_documented_property_reaches_every_output_diff_and_the_second_reading(
     (change,) = compare_family(old, new)
     assert change.text.endswith(f" {name}: needs restart no → yes")
     assert change.rule.name == "register-rule"
-    document = read_document(SPEC, Report())
+    document = read_document(SPEC, ProblemReport())
     assert document is not None
     (found,) = compare(facts_of(Reading(old, document)), facts_of(Reading(new, document))).disagreements
     values = found.spec_value, found.second_value

@@ -10,7 +10,7 @@ import pytest
 from codewheel.commands import new
 from codewheel.commands.cli import main
 from codewheel.commands.outputs import load_for_targets, targets_named
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.targets import Library
 from codewheel.targets.biss.files import generate as generate_biss
@@ -106,7 +106,7 @@ def test_a_manufacturer_that_is_there_is_used(tmp_path: Path) -> None:
         'codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n', encoding="utf-8"
     )
     assert main(["new", "demo", "-o", str(tmp_path)]) == 0
-    document = read_document(tmp_path / "demo.yaml", Report())
+    document = read_document(tmp_path / "demo.yaml", ProblemReport())
     assert document is not None
     assert document.data["manufacturer"] == "acme"
     assert not load_for_targets([tmp_path], targets_named())[1].problems

@@ -16,7 +16,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.commands.decode.frames import decode_text
 from codewheel.language.check import check_document
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.loading.library import load_library
 from codewheel.one_line.encoder import device_of_line
@@ -284,7 +284,7 @@ def gaps(line: str, tmp_path: Path, run: Run) -> tuple[list[str], list[str]]:
     run("new", "my_encoder", "--line", line, "-o", str(tmp_path))
     _, out, _ = run("check", str(tmp_path), "--json")
     places = [place["name"] for place in json.loads(out)["placeholders"] if "my_encoder" in place["file"]]
-    report = Report()
+    report = ProblemReport()
     document = read_document(tmp_path / "my_encoder.yaml", report)
     assert document is not None
     assert check_document(document, report) is not None

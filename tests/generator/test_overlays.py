@@ -9,7 +9,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import to_xml
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.loading.library import load_families, load_library, load_sound
 from codewheel.model import Device
 from xml_reader import from_xml
@@ -22,7 +22,7 @@ HEAD = "codewheel: 1\noverlay: mine\nof: amm5\ntitle: Measured here\nchanges:\n"
 OWN = '    why: Measured.\n    source: "6.4"\n'
 
 
-def load_with_overlays(tmp_path: Path, *texts: str) -> tuple[Sequence[Device], list[str], Report]:
+def load_with_overlays(tmp_path: Path, *texts: str) -> tuple[Sequence[Device], list[str], ProblemReport]:
     """Return AMM5 with overlays, and each problem as ``line:column: rule: message``."""
     paths = [SPECS / "amm5.yaml"]
     for number, text in enumerate(texts):

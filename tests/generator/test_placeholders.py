@@ -9,7 +9,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.commands.new import LIKE, device_text
 from codewheel.commands.outputs import load_for_targets, targets_named
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.render import our_templates
 from codewheel.targets import Library
@@ -92,7 +92,7 @@ def test_a_manufacturer_that_is_still_the_template_s_allows_only_the_lowest_grad
 def test_templates_are_whole_specs_that_share_their_head(like: str) -> None:
     """Editors check them with the schema of the checkout."""
     template = our_templates("new") / f"{like}.yaml"
-    document = read_document(template, Report())
+    document = read_document(template, ProblemReport())
     assert document is not None
     assert document.data["device"] == "my_encoder"
     schema = document.lines[0].partition("$schema=")[2]

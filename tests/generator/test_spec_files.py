@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.language.files import LINK, NESTED, find_files, top_keys
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_specs
 
 # YAML files of other tools, each with keys from its own documentation.
@@ -41,7 +41,7 @@ SPECS = {
 
 
 def read(folder: Path) -> tuple[set[str], set[str]]:
-    report = Report()
+    report = ProblemReport()
     read_specs([folder], report)
     files = {Path(name).relative_to(folder).as_posix() for name in report.files}
     passed_over = {Path(name).relative_to(folder).as_posix() for name in report.passed_over}
@@ -68,14 +68,14 @@ def test_a_long_name_is_read_once(tmp_path: Path) -> None:
 def test_a_file_given_by_name_is_always_read(tmp_path: Path, name: str) -> None:
     path = tmp_path / Path(name).name
     path.write_text(FOREIGN[name])
-    report = Report()
+    report = ProblemReport()
     read_specs([path], report)
     assert report.files == [str(path)]
 
 
 def test_a_folder_of_other_yaml_files_holds_no_spec(tmp_path: Path) -> None:
     (tmp_path / "ci.yml").write_text("jobs: {}\n")
-    report = Report()
+    report = ProblemReport()
     assert read_specs([tmp_path], report) == []
     (problem,) = report.problems
     assert problem.rule == "no-specs"

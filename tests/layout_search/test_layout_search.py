@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.commands.decode.frames import decode_text
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.layout_search.answers import Answer, answer_with_lines
 from codewheel.layout_search.frames import Recording
@@ -132,7 +132,7 @@ def test_every_crc_of_a_spec_is_known() -> None:
     for path in sorted(SPECS.glob("*/*.yaml")):
         if path.parent.name == "masters" or "second" in path.name or path.name == "manufacturer.yaml":
             continue
-        document = read_document(path, Report())
+        document = read_document(path, ProblemReport())
         assert document is not None
         for crc in document.data.get("crcs", []):
             assert crc["poly"] | 1 << crc["width"] in known, path.name

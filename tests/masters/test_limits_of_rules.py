@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.language.check import check_document
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 
 MASTER = """codewheel: 1
@@ -39,7 +39,7 @@ def problems(folder: Path, word: str, text: str) -> set[str]:
     for name, valid_text in VALID.items():
         content = content.replace(name, text if name == word else valid_text)
     (folder / "tried.yaml").write_text(content, encoding="utf-8")
-    report = Report()
+    report = ProblemReport()
     document = read_document(folder / "tried.yaml", report, "tried.yaml")
     assert document is not None
     check_document(document, report)

@@ -13,7 +13,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.language.check import check_document
 from codewheel.language.master_items import NUMBERS, WORDS
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.masters.sheet import Master
 
@@ -23,8 +23,8 @@ BROKEN = sorted((HERE / "broken").glob("*.yaml"))
 EXPECT = "# expect: "
 
 
-def problems_of(path: Path) -> tuple[list[str], Report]:
-    report = Report()
+def problems_of(path: Path) -> tuple[list[str], ProblemReport]:
+    report = ProblemReport()
     document = read_document(path, report, path.name)
     if document is not None:
         check_document(document, report)

@@ -7,7 +7,7 @@ from collections import Counter
 
 import pytest
 from codewheel.language.document import Document
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from mutation.campaign import drawn, tried
 from mutation.effects import Effect
@@ -92,7 +92,7 @@ registers:
 def invented_spec(tmp_path: pathlib.Path) -> Document:
     path = tmp_path / "made_up.yaml"
     path.write_text(SPEC, encoding="utf-8")
-    document = read_document(path, Report())
+    document = read_document(path, ProblemReport())
     assert document is not None
     return document
 

@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag
@@ -217,7 +217,7 @@ def test_text_of_a_spec_stays_text(
 
 def _parsed_spec(name: str) -> dict[str, Any]:
     """Return the data of one of our specs, to be changed."""
-    document = read_document(SPECS / name, Report())
+    document = read_document(SPECS / name, ProblemReport())
     assert document is not None
     return copy.deepcopy(document.data)
 

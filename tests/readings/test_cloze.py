@@ -8,7 +8,7 @@ import shutil
 import pytest
 from codewheel.commands.check.specs import check_specs
 from codewheel.commands.cli import main
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.readings.cloze import Vocabulary
 from mutation.words import opposites
@@ -189,7 +189,7 @@ def test_gaps_of_a_text(text: str, gaps: list[str]) -> None:
 
 @pytest.mark.parametrize("family", ["am36", "amm5", "asc85", "sma21"])
 def test_no_gap_of_a_shipped_sheet_is_empty(family: str) -> None:
-    document = read_document(LIKA / f"{family}.words.yaml", Report())
+    document = read_document(LIKA / f"{family}.words.yaml", ProblemReport())
     assert document is not None
     assert not any("?" in text["words"] for text in document.data["texts"].values())
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from codewheel.language.problems import Problem, Report
+from codewheel.language.problems import Problem, ProblemReport
 from codewheel.language.read import read_specs
 from codewheel.loading.library import families_of
 from codewheel.readings.second_readings import comparable_specs, compare_readings
@@ -33,7 +33,7 @@ def problems_with(folder: Path, text: str) -> list[Problem]:
     for name in ("asc85.second.yaml", "manufacturer.yaml"):
         shutil.copy(LIKA / name, folder)
     (folder / "asc85.yaml").write_text(text, encoding="utf-8")
-    report = Report()
+    report = ProblemReport()
     families = families_of(read_specs([folder], report), report)
     compare_readings(families, comparable_specs(families, report), report)
     return list(report.problems)

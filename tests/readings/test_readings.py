@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import pytest
 from codewheel.commands.check.specs import check_specs
 from codewheel.commands.cli import main
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.language.schema_files import is_only_in_device_files
 from codewheel.loading.library import load_families
@@ -389,7 +389,7 @@ def write_facts_only(folder: pathlib.Path) -> None:
                 facts[key] = facts_of(value)
         return facts
 
-    document = read_document(folder / "twice.yaml", Report())
+    document = read_document(folder / "twice.yaml", ProblemReport())
     assert document is not None
     text = json.dumps(facts_of(document.data), indent=1)
     (folder / "twice.second.yaml").write_text(text, encoding="utf-8")

@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 from codewheel.commands.check.specs import check_specs
-from codewheel.language.problems import Report
+from codewheel.language.problems import ProblemReport
 from codewheel.loading.library import load_families
 from codewheel.readings.reading import Sort
 from codewheel.readings.second_readings import Coverage, comparable_specs, compare_readings
@@ -118,7 +118,7 @@ def test_a_typo_in_words_is_told(folder: pathlib.Path, old: str, new: str, expec
 
 
 def coverage(folder: pathlib.Path) -> Coverage:
-    report = Report()
+    report = ProblemReport()
     families, _ = load_families([folder])
     (covered,) = compare_readings(families, comparable_specs(families, report), report)
     return covered

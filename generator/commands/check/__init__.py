@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ...cache import Cache
-    from ...language.problems import Problem, Report
+    from ...language.problems import Problem, ProblemReport
     from ...loading.configuration import Configuration
     from ...readings.second_readings import Coverage
     from ..cached_result import CachedResult
@@ -142,7 +142,7 @@ def _check_and_print(
 
 
 def _print_problems(
-    family_names: Sequence[str], report: Report, coverage_data: dict[str, Any], arguments: argparse.Namespace
+    family_names: Sequence[str], report: ProblemReport, coverage_data: dict[str, Any], arguments: argparse.Namespace
 ) -> None:
     """Print the problems as text or, in JSON, with ``coverage_data``, which is empty without ``--coverage``."""
     if arguments.json:
@@ -151,7 +151,7 @@ def _print_problems(
         print(as_text(family_names, report, arguments.format))
 
 
-def as_data(report: Report) -> dict[str, Any]:
+def as_data(report: ProblemReport) -> dict[str, Any]:
     """Return the problems in the form that ``--json`` prints."""
     from ..placeholders import placeholders_data
 
@@ -163,7 +163,7 @@ def as_data(report: Report) -> dict[str, Any]:
     }
 
 
-def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
+def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") -> str:
     """Return the problems as text, with the files read and a summary, or in a form for review tools.
 
     ``families`` are the names of all families. ``form`` is ``text``, or ``github`` or ``sarif``, which have no summary.
@@ -187,7 +187,7 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     return "\n".join(lines)
 
 
-def _review_text(report: Report, form: str) -> str:
+def _review_text(report: ProblemReport, form: str) -> str:
     """Return the problems in a form for review tools, ``github`` or ``sarif``."""
     from ..review_formats import as_review
 

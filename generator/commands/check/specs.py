@@ -13,7 +13,7 @@ from ...cache import NO_CACHE, Cache, content_of
 from ...language.document import Document
 from ...language.document import Path as SpecPath
 from ...language.files import family_files
-from ...language.problems import Report
+from ...language.problems import ProblemReport
 from ...language.schema_files import coverage_path, second_reading_path, word_sheet_path
 from ...loading.evidence import RULE, counts_text
 from ...loading.library import contents, is_clean, load_families
@@ -47,7 +47,7 @@ class Checked:
 
     families: Sequence[Family]
     readings: Sequence[Coverage]
-    report: Report
+    report: ProblemReport
 
 
 def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache = NO_CACHE) -> Checked:
@@ -86,7 +86,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
     return checked
 
 
-def _read_second_of(files_to_check: Sequence[str], family: Family, report: Report) -> SecondReading | None:
+def _read_second_of(files_to_check: Sequence[str], family: Family, report: ProblemReport) -> SecondReading | None:
     """Return the second reading of a family that must be checked, or None.
 
     For other families, only list its file as read.
@@ -99,7 +99,7 @@ def _read_second_of(files_to_check: Sequence[str], family: Family, report: Repor
     return None
 
 
-def _read_sheet_of(files_to_check: Sequence[str], family: Family, report: Report) -> Document | None:
+def _read_sheet_of(files_to_check: Sequence[str], family: Family, report: ProblemReport) -> Document | None:
     """Return the word sheet of a family that must be checked, or None.
 
     For other families, only list its file as read.
@@ -115,7 +115,7 @@ def _read_sheet_of(files_to_check: Sequence[str], family: Family, report: Report
 def check_families(
     families: Sequence[Family],
     targets: Iterable[Target],
-    report: Report,
+    report: ProblemReport,
     read: Reader = read_beside,
     read_words: SheetReader = read_sheet,
 ) -> Checked:
@@ -165,7 +165,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
     Raises:
         Stop: There are problems. The exit code is 1.
     """
-    report = Report()
+    report = ProblemReport()
     # Check one family at a time, because a second reading needs as much memory as its spec.
     for family in families:
         if family.content and cache.get(_PROVED, family.content) is True:
@@ -186,7 +186,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
         raise CommandError(f"nothing {participle}: {problems}; correct them, or add --unchecked", 1)
 
 
-def is_complete(covered: Sequence[Coverage], report: Report) -> bool:
+def is_complete(covered: Sequence[Coverage], report: ProblemReport) -> bool:
     """Return whether there are no problems and every fact that needs two readings has them."""
     return not report and not any(family_coverage.lacking for family_coverage in covered)
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ...cache import Cache
-    from ...language.problems import Report
+    from ...language.problems import ProblemReport
     from ...model import Device
     from ...targets import Library, Options, Target
     from ..cached_result import CachedResult
@@ -201,7 +201,7 @@ def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Tar
 
 
 def _line_about_specs(
-    devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
+    devices: Sequence[Device], report: ProblemReport, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
     """Return a line about the specs that were read, and a second line if values from the template remain.
 
