@@ -115,7 +115,7 @@ _NO_PROSE = "; a second reading does not have this part; leave it out"
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class RuleFinding:
     """A problem with its rule, place and message.
 
     ``at_key`` is set if the key is wrong, not its value. ``alone`` is set if the parent can still be used, as with an
@@ -129,7 +129,7 @@ class Finding:
     alone: bool = False
 
 
-def explain(error: Any, file_kind: str) -> Iterator[Finding]:
+def explain(error: Any, file_kind: str) -> Iterator[RuleFinding]:
     """Yield the findings for one error of the validator.
 
     Args:
@@ -145,24 +145,24 @@ def explain(error: Any, file_kind: str) -> Iterator[Finding]:
         yield from _missing_keys(error, path, file_kind)
     else:
         rule, message = _MESSAGES[error.validator](error, _name_subject(path))
-        yield Finding(rule, path, message)
+        yield RuleFinding(rule, path, message)
 
 
-def _invalid_key(error: Any, path: Path) -> Finding:
+def _invalid_key(error: Any, path: Path) -> RuleFinding:
     """Return the finding for a key that is too long or does not match the pattern of names."""
     key = error.instance
     if error.validator == "maxLength":
         message = f"the key {quoted(key)} is longer than {error.validator_value} characters"
-        return Finding("too-long", (*path, key), message, at_key=True)
+        return RuleFinding("too-long", (*path, key), message, at_key=True)
     hint = ""
     if path[-1:] == ("values",) and key.isdigit():
         hint = "; the name comes first, as in 'save: {value: 1}'"
     pattern_in_words = PATTERNS.get(error.schema.get("pattern", ""), "")
     message = f"the key {quoted(key)} is not valid: {pattern_in_words}{hint}"
-    return Finding("bad-pattern", (*path, key), message, at_key=True)
+    return RuleFinding("bad-pattern", (*path, key), message, at_key=True)
 
 
-def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
+def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFinding]:
     """Yield a finding for each key that the schema does not have.
 
     Without a hint about the key, the rest of the map can still be used, as with prose in a second reading. With any
@@ -174,7 +174,7 @@ def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
         is_absent_prose = file_kind == "second" and is_only_in_device_files(key)
         hint = _NO_PROSE if is_absent_prose else _key_hint(error, path, key)
         message = f"unknown key {quoted(key)}{hint or _suggest_key(error, key)}"
-        yield Finding("unknown-key", (*path, key), message, at_key=True, alone=hint in ("", _NO_PROSE))
+        yield RuleFinding("unknown-key", (*path, key), message, at_key=True, alone=hint in ("", _NO_PROSE))
 
 
 def _key_hint(error: Any, path: Path, key: str) -> str:
@@ -207,7 +207,7 @@ def _suggest_key(error: Any, unknown_key: str) -> str:
     return suggestion(unknown_key, error.schema["properties"], "known keys")
 
 
-def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
+def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFinding]:
     """Yield one finding for all missing keys, except those that an unknown key misspells.
 
     It is ``at_key`` unless the map is an item of a list or the whole file, and ``alone`` if only prose is missing.
@@ -221,7 +221,7 @@ def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[Finding]:
     message = "; ".join([missing(missing_keys, _name_owner(error, path, file_kind)), *hints])
     is_only_prose = not misspelt_keys and WORDS_ONLY.issuperset(missing_keys)
     is_in_named_map = bool(path) and isinstance(path[-1], str)
-    yield Finding("missing-key", path, message, at_key=is_in_named_map, alone=is_only_prose)
+    yield RuleFinding("missing-key", path, message, at_key=is_in_named_map, alone=is_only_prose)
 
 
 def _is_misspelt(error: Any, required_key: str) -> bool:

@@ -17,7 +17,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from .document import Document, Path
-from .messages import RENAMED, Finding, explain
+from .messages import RENAMED, RuleFinding, explain
 from .problems import MAX_PROBLEMS, MISSING_PROSE, TOO_MANY, WORDS_ONLY, ProblemReport
 from .schema_files import is_second, load_schema
 
@@ -175,7 +175,7 @@ def check_schema(document: Document, report: ProblemReport, file_kind: FileKind 
     return _remove_broken_items(validator, document, _places_to_remove(unread_places, findings), file_kind)
 
 
-def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> set[Path]:
+def _places_to_remove(unread_places: set[Path], findings: Sequence[RuleFinding]) -> set[Path]:
     """Return the places that later checks cannot use.
 
     Missing keys of a file or an interface and missing prose are tolerated. An error that its parent survives, such as
@@ -189,7 +189,7 @@ def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> 
     return places
 
 
-def _report_findings(findings: Sequence[Finding], document: Document, report: ProblemReport) -> None:
+def _report_findings(findings: Sequence[RuleFinding], document: Document, report: ProblemReport) -> None:
     """Report each finding that no other finding explains, up to the largest number, and then that there are more."""
     for finding in findings[:MAX_PROBLEMS]:
         if not _is_explained(finding, findings, document.data):
@@ -294,7 +294,7 @@ def _stand_ins(error: Any) -> dict[str, str]:
     return stand_ins
 
 
-def _is_missing_prose(finding: Finding) -> bool:
+def _is_missing_prose(finding: RuleFinding) -> bool:
     """Return True for a finding about missing keys of which all are prose."""
     return finding.alone and finding.rule == "missing-key"
 
@@ -372,12 +372,12 @@ def _find_original_path(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -
 
 def _collect_findings(
     validator: Any, file_data: dict[str, Any], unread_places: set[Path], file_kind: str
-) -> list[Finding]:
+) -> list[RuleFinding]:
     """Return the first finding for each place, except at and below places that the reader reported.
 
     At most ``MAX_PROBLEMS`` plus one are returned, so that the caller notices that there are more.
     """
-    findings: dict[tuple[Path, bool], Finding] = {}
+    findings: dict[tuple[Path, bool], RuleFinding] = {}
     for error in validator.iter_errors(file_data):
         for finding in explain(error, file_kind):
             enclosing_paths = [finding.path[:length] for length in range(len(finding.path))]
@@ -388,7 +388,7 @@ def _collect_findings(
     return list(findings.values())
 
 
-def _is_explained(finding: Finding, findings: Sequence[Finding], file_data: dict[str, Any]) -> bool:
+def _is_explained(finding: RuleFinding, findings: Sequence[RuleFinding], file_data: dict[str, Any]) -> bool:
     """Return True if another finding explains ``finding``.
 
     That is a value under a wrong key, or the name of an interface whose key under ``interfaces`` is wrong.
