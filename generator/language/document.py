@@ -22,7 +22,7 @@ _PLAIN_LABEL = re.compile(r"[A-Za-z0-9_]+")
 
 
 @dataclass(slots=True)
-class Mark:
+class SourceMark:
     """Start of a value and of its key, counted from 1, with the marks of its children. A list item is its own key.
 
     ``file`` is empty for values in the document's own file. Values from an overlay have another file.
@@ -32,7 +32,7 @@ class Mark:
     column: int
     key_line: int
     key_column: int
-    children: dict[str | int, Mark] = field(default_factory=dict)
+    children: dict[str | int, SourceMark] = field(default_factory=dict)
     file: str = ""
 
 
@@ -51,7 +51,7 @@ class Document:
     file: str
     lines: tuple[str, ...]
     data: dict[str, Any]
-    marks: Mark
+    marks: SourceMark
     broken: tuple[Path, ...] = ()
     doubtful: tuple[Path, ...] = ()
     kept_indices: dict[Path, tuple[int, ...]] = field(default_factory=dict)
@@ -103,7 +103,7 @@ class Document:
         """Return True if there is a value at ``path``."""
         return len(list(self._walk_path(path))) == len(path)
 
-    def mark(self, path: Path) -> Mark:
+    def mark(self, path: Path) -> SourceMark:
         """Return the mark of the value at ``path``, or of its nearest ancestor if there is none."""
         nearest_mark = self.marks
         for _, mark in self._walk_path(path):
@@ -128,7 +128,7 @@ class Document:
             node = child
         return text.removeprefix(".")
 
-    def _walk_path(self, path: Path) -> Iterator[tuple[str | int, Mark]]:
+    def _walk_path(self, path: Path) -> Iterator[tuple[str | int, SourceMark]]:
         """Yield each step of the path in the data as read, with its mark, up to the first missing step."""
         mark = self.marks
         for step in self.original(path):
@@ -199,7 +199,7 @@ LEFT_OUT = frozenset(
 _UNNAMED = re.compile(r"[^a-z0-9_]")
 
 #: Function from a map or list to its replacement.
-_Edit = Callable[[Any, Mark], tuple[Any, Mark]]
+_Edit = Callable[[Any, SourceMark], tuple[Any, SourceMark]]
 
 
 class MissingPath(LookupError):
@@ -282,24 +282,24 @@ def value_at(root: Any, path: Path) -> Any:
     return root
 
 
-def mark_at(mark: Mark, path: Path) -> Mark:
+def mark_at(mark: SourceMark, path: Path) -> SourceMark:
     """Return the mark of the value at an existing path."""
     for step in path:
         mark = mark.children[step]
     return mark
 
 
-def from_file(mark: Mark, file: str) -> Mark:
+def from_file(mark: SourceMark, file: str) -> SourceMark:
     """Return the mark and its children, assigned to another file."""
     children = {key: from_file(child, file) for key, child in mark.children.items()}
     return replace(mark, children=children, file=file)
 
 
-def with_value(root: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any, Mark]:
+def with_value(root: Any, marks: SourceMark, path: Path, value: Any, mark: SourceMark) -> tuple[Any, SourceMark]:
     """Return data and marks with a value at ``path``: replaced, at a new key, or at the end of a list."""
     key = path[-1]
 
-    def put(parent: Any, parent_mark: Mark) -> tuple[Any, Mark]:
+    def put(parent: Any, parent_mark: SourceMark) -> tuple[Any, SourceMark]:
         new_parent = copy(parent)
         if isinstance(parent, list) and key == len(parent):
             new_parent.append(value)
@@ -310,11 +310,11 @@ def with_value(root: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tu
     return _with_edited_parent(root, marks, path[:-1], put)
 
 
-def without_value(root: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
+def without_value(root: Any, marks: SourceMark, path: Path) -> tuple[Any, SourceMark]:
     """Return data and marks without the value at ``path``. Later items of its list move up."""
     key = path[-1]
 
-    def remove(parent: Any, parent_mark: Mark) -> tuple[Any, Mark]:
+    def remove(parent: Any, parent_mark: SourceMark) -> tuple[Any, SourceMark]:
         if isinstance(parent, dict):
             return _without_key(parent, parent_mark, key)
         return _without_item(parent, parent_mark, key)
@@ -322,17 +322,19 @@ def without_value(root: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
     return _with_edited_parent(root, marks, path[:-1], remove)
 
 
-def _without_key(mapping: dict[str, Any], mark: Mark, removed_key: str | int) -> tuple[dict[str, Any], Mark]:
+def _without_key(
+    mapping: dict[str, Any], mark: SourceMark, removed_key: str | int
+) -> tuple[dict[str, Any], SourceMark]:
     """Return a map and its mark without one of its keys."""
     remaining = {key: value for key, value in mapping.items() if key != removed_key}
     remaining_marks = {key: child_mark for key, child_mark in mark.children.items() if key != removed_key}
     return remaining, replace(mark, children=remaining_marks)
 
 
-def _without_item(items: list[Any], mark: Mark, removed_index: str | int) -> tuple[list[Any], Mark]:
+def _without_item(items: list[Any], mark: SourceMark, removed_index: str | int) -> tuple[list[Any], SourceMark]:
     """Return a list and its mark without one of its items. The marks of later items move to their new indices."""
     remaining: list[Any] = []
-    remaining_marks: dict[str | int, Mark] = {}
+    remaining_marks: dict[str | int, SourceMark] = {}
     for index, list_item in enumerate(items):
         if index == removed_index:
             continue
@@ -342,7 +344,7 @@ def _without_item(items: list[Any], mark: Mark, removed_index: str | int) -> tup
     return remaining, replace(mark, children=remaining_marks)
 
 
-def _with_edited_parent(root: Any, mark: Mark, parent_path: Path, edit: _Edit) -> tuple[Any, Mark]:
+def _with_edited_parent(root: Any, mark: SourceMark, parent_path: Path, edit: _Edit) -> tuple[Any, SourceMark]:
     """Return copies of data and marks in which the map or list at ``parent_path`` is replaced by its edited form."""
     if not parent_path:
         return edit(root, mark)

@@ -18,7 +18,7 @@ from typing import Any
 import yaml
 
 from . import files
-from .document import Document, Mark, Path
+from .document import Document, Path, SourceMark
 from .problems import ProblemReport, quoted
 from .schema_files import family_of, is_second, is_word_sheet
 from .yaml_mistakes import CorrectedEvents, explain
@@ -72,14 +72,14 @@ class _Value:
     """A value that was read: its data, its mark, and its count and depth for repetition by an alias."""
 
     data: Any
-    mark: Mark
+    mark: SourceMark
     count: int
     depth: int
 
 
 def parse(
     yaml_text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]
-) -> tuple[dict[str, Any], Mark]:
+) -> tuple[dict[str, Any], SourceMark]:
     """Parse a YAML text and return its data and marks.
 
     Args:
@@ -112,7 +112,7 @@ class _Parser:
     def _report(self, event: Any, rule: str, message: str, path: Path = ()) -> None:
         self._complain(_build_error(event, rule, message, path))
 
-    def document(self) -> tuple[dict[str, Any], Mark]:
+    def document(self) -> tuple[dict[str, Any], SourceMark]:
         """Return the data and marks of the only document, or raise Unreadable if it is not one map."""
         next(self._events)  # Discarded: the start of the stream.
         start = next(self._events)
@@ -150,7 +150,7 @@ class _Parser:
         if anchor is not None:
             self._anchors[anchor] = None  # Open: an alias to it from inside would never end.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
-        mark = Mark(line, column, line, column)
+        mark = SourceMark(line, column, line, column)
         if isinstance(event, yaml.ScalarEvent):
             value = _Value(self._read_scalar(event, path), mark, count=1, depth=0)
         else:
@@ -178,7 +178,7 @@ class _Parser:
             raise _build_error(event, "too-deep", message)
         # The values keep the positions where they are written. Only the item itself is located at the alias.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
-        return _Value(value.data, Mark(line, column, line, column, value.mark.children), value.count, value.depth)
+        return _Value(value.data, SourceMark(line, column, line, column, value.mark.children), value.count, value.depth)
 
     def _count_values(self, count: int, event: Any) -> None:
         """Count values, and raise Unreadable if the file has too many."""
@@ -190,7 +190,7 @@ class _Parser:
             )
             raise _build_error(event, "too-large", message)
 
-    def _read_list(self, mark: Mark, path: Path, depth: int) -> _Value:
+    def _read_list(self, mark: SourceMark, path: Path, depth: int) -> _Value:
         """Return the list whose start was read. ``depth`` is the level on which it is, counted from 1."""
         list_data: list[Any] = []
         count, depth_below = 1, 0
@@ -204,7 +204,7 @@ class _Parser:
             count += value.count
             depth_below = max(depth_below, value.depth)
 
-    def _read_map(self, mark: Mark, path: Path, depth: int) -> _Value:
+    def _read_map(self, mark: SourceMark, path: Path, depth: int) -> _Value:
         """Return the map whose start was read, without the keys that are unusable or repeated, which are reported."""
         map_data: dict[str, Any] = {}
         count, depth_below = 1, 0

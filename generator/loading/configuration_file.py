@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..language.document import Document, Mark
+from ..language.document import Document, SourceMark
 from ..language.document import Path as Place
 from ..language.files import CONFIGURATION
 from ..language.problems import ProblemReport, listed, nearest_choice, quoted, suggestion
@@ -29,7 +29,7 @@ _TOKEN = re.compile(
 _VALUE_ENDS = ("\n", ",", "]", "}")
 
 
-def places_in(toml_text: str) -> Mark:
+def places_in(toml_text: str) -> SourceMark:
     """Return the places of all keys and values in a text that is valid TOML.
 
     A table has the place of its name in the header that begins it. A key written with escapes is not found.
@@ -45,12 +45,12 @@ class _PlaceFinder:
         self._index = 0
         self._line_starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
-    def document(self) -> Mark:
+    def document(self) -> SourceMark:
         """Return the mark of the whole text, whose children are the marks of all keys and values.
 
         ``table`` is the mark of the table in the header above the current line.
         """
-        root = Mark(line=1, column=1, key_line=1, key_column=1)
+        root = SourceMark(line=1, column=1, key_line=1, key_column=1)
         table = root
         while self._next_token():
             if self._next_token() == "\n":
@@ -75,7 +75,7 @@ class _PlaceFinder:
         while self._next_token() == "\n":
             self._index += 1
 
-    def _read_table_header(self, root: Mark) -> Mark:
+    def _read_table_header(self, root: SourceMark) -> SourceMark:
         """Read the header of a table, such as ``[tool.codewheel]``, and return the mark of the table."""
         while self._next_token() == "[":
             self._index += 1
@@ -84,7 +84,7 @@ class _PlaceFinder:
             self._index += 1
         return table
 
-    def _read_dotted_key(self, table: Mark) -> Mark:
+    def _read_dotted_key(self, table: SourceMark) -> SourceMark:
         """Read a key, which can be dotted such as ``tool.codewheel``, and return the mark of its last name.
 
         Each name has a mark below the mark of the name before it, and the first one below ``table``. An existing mark
@@ -97,11 +97,11 @@ class _PlaceFinder:
                 place = self._place_of_token()
                 is_quoted = name[0] in "\"'"
                 bare_name = name[1:-1] if is_quoted else name
-                mark = mark.children.setdefault(bare_name, Mark(*place, *place))
+                mark = mark.children.setdefault(bare_name, SourceMark(*place, *place))
             self._index += 1
         return mark
 
-    def _read_setting(self, table: Mark) -> None:
+    def _read_setting(self, table: SourceMark) -> None:
         """Read a key, the equals sign and the value. The mark of the key then gets the place of the value."""
         mark = self._read_dotted_key(table)
         self._index += 1  # The equals sign.
@@ -109,7 +109,7 @@ class _PlaceFinder:
             mark.line, mark.column = self._place_of_token()
             self._read_value(mark)
 
-    def _read_value(self, mark: Mark) -> None:
+    def _read_value(self, mark: SourceMark) -> None:
         """Read a value. ``mark`` is the mark of its key, and gets children for the members of an array or a table."""
         if self._next_token() == "[":
             self._read_array(mark)
@@ -119,18 +119,18 @@ class _PlaceFinder:
             while self._next_token() and self._next_token() not in _VALUE_ENDS:
                 self._index += 1
 
-    def _read_array(self, mark: Mark) -> None:
+    def _read_array(self, mark: SourceMark) -> None:
         """Read an array. Each value in it has a mark below ``mark``, by its index."""
         self._index += 1
         self._skip_newlines()
         while self._next_token() not in ("", "]"):
             place = self._place_of_token()
-            value_mark = mark.children.setdefault(len(mark.children), Mark(*place, *place))
+            value_mark = mark.children.setdefault(len(mark.children), SourceMark(*place, *place))
             self._read_value(value_mark)
             self._skip_separator()
         self._index += 1
 
-    def _read_inline_table(self, mark: Mark) -> None:
+    def _read_inline_table(self, mark: SourceMark) -> None:
         """Read a table such as ``{docs = "a"}``. Each key in it has a mark below ``mark``."""
         self._index += 1
         self._skip_newlines()
@@ -261,7 +261,7 @@ def _read_pyproject_table(file: Path, report: ProblemReport, has_places: bool) -
     if section is None:
         return None
     toml_lines = tuple(toml_text.split("\n"))
-    start_of_file = Mark(line=1, column=1, key_line=1, key_column=1)
+    start_of_file = SourceMark(line=1, column=1, key_line=1, key_column=1)
     if not isinstance(section, dict):
         return Document(str(file), toml_lines, {"codewheel": section}, start_of_file)
     marks = places_in(toml_text) if has_places else start_of_file

@@ -9,7 +9,7 @@ import pytest
 from codewheel import cache as cache_module
 from codewheel.cache import default_folder
 from codewheel.commands.cli import main
-from codewheel.language.document import Mark
+from codewheel.language.document import SourceMark
 from codewheel.loading.configuration import FamilyFilter
 from codewheel.loading.configuration_file import places_in, read_configuration
 from codewheel.output_folder import LIST, families_in
@@ -391,7 +391,7 @@ two = 2'''
     ],
 )
 def test_places_of_keys_and_values(path: tuple[str | int, ...], key: tuple[int, int], value: tuple[int, int]) -> None:
-    mark: Mark = places_in(TOML)
+    mark: SourceMark = places_in(TOML)
     for step in path:
         mark = mark.children[step]
     assert ((mark.key_line, mark.key_column), (mark.line, mark.column)) == (key, value)
