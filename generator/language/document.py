@@ -376,10 +376,10 @@ def as_affected(root: Any, path: Path) -> str:
 
 def leads_somewhere(root: Any, affected: str) -> bool:
     """Return True if a path of an erratum refers to something in the data."""
-    return bool(Affected(root).at(affected))
+    return bool(ErratumTargets(root).at(affected))
 
 
-class Affected:
+class ErratumTargets:
     """Finds the targets of an erratum's paths, in data that do not change."""
 
     def __init__(self, data: Any) -> None:

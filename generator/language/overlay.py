@@ -14,8 +14,8 @@ from pathlib import Path as File
 from typing import Any
 
 from .document import (
-    Affected,
     Document,
+    ErratumTargets,
     MissingPath,
     Path,
     as_affected,
@@ -411,12 +411,12 @@ def _with_existing_affects(erratum_data: dict[str, Any], before: dict[str, Any])
     errata = erratum_data.get("errata")
     if not isinstance(errata, list):
         return erratum_data
-    places = Affected(erratum_data)
-    places_before = Affected(before)
+    places = ErratumTargets(erratum_data)
+    places_before = ErratumTargets(before)
     return {**erratum_data, "errata": [_affects_existing(erratum, places, places_before) for erratum in errata]}
 
 
-def _affects_existing(erratum: Any, places: Affected, places_before: Affected) -> Any:
+def _affects_existing(erratum: Any, places: ErratumTargets, places_before: ErratumTargets) -> Any:
     """Return an erratum without the affected paths that led somewhere before the layer and no longer do."""
     affects = erratum.get("affects") if isinstance(erratum, dict) else None
     if not isinstance(affects, list):

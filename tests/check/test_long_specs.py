@@ -232,7 +232,7 @@ def test_a_path_is_looked_up_without_reading_its_list_again() -> None:
             Items.reads += 1
             return super().__iter__()
 
-    affected = document.Affected({"registers": Items([{"name": f"r{index}"} for index in range(50)])})
+    affected = document.ErratumTargets({"registers": Items([{"name": f"r{index}"} for index in range(50)])})
     for index in range(50):
         assert affected.at(f"registers.r{index}") == [{"name": f"r{index}"}]
     assert Items.reads == 1

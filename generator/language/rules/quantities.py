@@ -10,7 +10,7 @@ from decimal import Decimal
 
 from ...model import Alarm, Quantity
 from ...say.text import counted, nanoseconds
-from ..document import Affected
+from ..document import ErratumTargets
 from ..problems import DocumentReport, Path, listed, quoted
 from ..written import Located
 from ..written_layouts import WrittenField
@@ -247,7 +247,7 @@ def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentReport) -> None:
     """Report each erratum none of whose times occurs in a fact it affects, or in its only timing."""
-    affected_places, times_below = Affected(spec.data), _TimesBelow()
+    affected_places, times_below = ErratumTargets(spec.data), _TimesBelow()
     for erratum in spec.errata:
         used_matches = list(_ANY_TIME.finditer(erratum.used))
         if not used_matches:

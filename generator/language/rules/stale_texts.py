@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
 
 from ...model import Characteristic, Timing
-from ..document import Affected
+from ..document import ErratumTargets
 from ..problems import DocumentReport, listed, quoted, suggestion
 from ..schema_files import PROSE
 from ..written import Located, located
@@ -49,7 +49,7 @@ def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: Do
     """
     if report.document.family or report.document.other_files:
         return
-    affected_places = Affected(spec.data)
+    affected_places = ErratumTargets(spec.data)
     for erratum in spec.errata:
         key, text = ("used", erratum.used) if _QUANTITY.search(erratum.used) else ("printed", erratum.printed)
         matches = list(_QUANTITY.finditer(text))
