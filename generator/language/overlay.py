@@ -52,7 +52,7 @@ class LayerKind(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Layer:
+class OverlayLayer:
     """A list of changes to a spec, with its place and the name used for it in outputs."""
 
     document: Document
@@ -75,7 +75,7 @@ class AppliedChange:
     ``is_known`` is False.
     """
 
-    layer: Layer
+    layer: OverlayLayer
     number: int
     was: str
     now: str
@@ -96,7 +96,7 @@ class LayeredSpec:
         self._data = base.data
         self._marks = base.marks
         self._other_files: dict[str, tuple[str, ...]] = dict(base.other_files)
-        self._set: dict[Path, tuple[Layer, int]] = {}
+        self._set: dict[Path, tuple[OverlayLayer, int]] = {}
         self.applied: list[AppliedChange] = []
 
     def document(self, family: str = "") -> Document:
@@ -121,7 +121,7 @@ class LayeredSpec:
             kept_indices={},
         )
 
-    def apply(self, layers: Sequence[Layer]) -> None:
+    def apply(self, layers: Sequence[OverlayLayer]) -> None:
         """Apply the changes of layers to the spec. Two changes must not affect the same place.
 
         A change that cannot be applied is reported and left out.
@@ -136,7 +136,7 @@ class LayeredSpec:
                 if kind is not None and self._has_value(layer, number, kind):
                     self._apply_change(layer, number, kind, change)
 
-    def _kind_of_change(self, layer: Layer, change_number: int, change: Mapping[str, Any]) -> str | None:
+    def _kind_of_change(self, layer: OverlayLayer, change_number: int, change: Mapping[str, Any]) -> str | None:
         """Return the kind of a change. If it has no kind or several, report it and return None."""
         kinds = [kind for kind in CHANGE_KINDS if kind in change]
         if len(kinds) == 1:
@@ -146,7 +146,7 @@ class LayeredSpec:
         self._report_problem("overlay-change", layer, (change_number,), message)
         return None
 
-    def _has_value(self, layer: Layer, change_number: int, change_kind: str) -> bool:
+    def _has_value(self, layer: OverlayLayer, change_number: int, change_kind: str) -> bool:
         """Return True if a change has the key for its new value, and no key for another kind of value.
 
         Report it otherwise.
@@ -165,7 +165,7 @@ class LayeredSpec:
                 return False
         return True
 
-    def _add_documents(self, layer: Layer) -> None:
+    def _add_documents(self, layer: OverlayLayer) -> None:
         """Add the documents that an overlay cites to the spec, and check its sources. An edition cites those there."""
         if layer.kind is not LayerKind.OVERLAY:
             return
@@ -185,7 +185,9 @@ class LayeredSpec:
             self._data, self._marks = with_value(self._data, self._marks, path, cited_document, mark)
         check_source_format(WrittenSpec(overlay.data), WrittenSpec(self._data), self._report.for_document(overlay))
 
-    def _apply_change(self, layer: Layer, change_number: int, change_kind: str, change: Mapping[str, Any]) -> None:
+    def _apply_change(
+        self, layer: OverlayLayer, change_number: int, change_kind: str, change: Mapping[str, Any]
+    ) -> None:
         """Apply a change of a kind to each place that it lists. ``also`` only records a text.
 
         In this class, ``change_path`` leads from the layer to the text of the place, and ``text`` is that place in the
@@ -211,7 +213,7 @@ class LayeredSpec:
             else:
                 self._set_or_remove(layer, change_path, text, change_kind)
 
-    def _add_value(self, layer: Layer, change_path: Path, path_text: str, change: Mapping[str, Any]) -> None:
+    def _add_value(self, layer: OverlayLayer, change_path: Path, path_text: str, change: Mapping[str, Any]) -> None:
         """Add the value of a change at a new key, or at the end of a list that has no item with its label."""
         try:
             path = resolve(self._data, path_text)
@@ -231,7 +233,7 @@ class LayeredSpec:
             path_of_new_item = (*path, len(current_value))
             self._put_value(layer, change_path, path_of_new_item, f"{_shorten_path(path_text)} without this item")
 
-    def _add_key(self, layer: Layer, change_path: Path, path_text: str, missing_path: MissingPath) -> None:
+    def _add_key(self, layer: OverlayLayer, change_path: Path, path_text: str, missing_path: MissingPath) -> None:
         """Add the value of a change at a new key of an existing map. Only that key, the last step, may be missing."""
         _, _, last_step = path_text.rpartition(".")
         parent = value_at(self._data, missing_path.existing_path)
@@ -242,7 +244,7 @@ class LayeredSpec:
         if self._is_free(layer, change_path, path):
             self._put_value(layer, change_path, path, f"no {_shorten_path(path_text)}")
 
-    def _set_or_remove(self, layer: Layer, change_path: Path, path_text: str, change_kind: str) -> None:
+    def _set_or_remove(self, layer: OverlayLayer, change_path: Path, path_text: str, change_kind: str) -> None:
         """Replace the value at an existing place by the value of a change, or remove it if it is wrong or unknown."""
         try:
             path = resolve(self._data, path_text)
@@ -256,7 +258,7 @@ class LayeredSpec:
         else:
             self._remove_value(layer, change_path, path_text, path, is_known=change_kind != "unknown")
 
-    def _replace_value(self, layer: Layer, change_path: Path, path_text: str, path: Path) -> None:
+    def _replace_value(self, layer: OverlayLayer, change_path: Path, path_text: str, path: Path) -> None:
         """Replace the value at ``path`` by the value of a change. Report a change to the same value."""
         current_value = value_at(self._data, path)
         current_text = _value_text(current_value, self._text_from(path))
@@ -266,7 +268,9 @@ class LayeredSpec:
         else:
             self._put_value(layer, change_path, path, f"{_shorten_path(path_text)}: {current_text}")
 
-    def _remove_value(self, layer: Layer, change_path: Path, path_text: str, path: Path, *, is_known: bool) -> None:
+    def _remove_value(
+        self, layer: OverlayLayer, change_path: Path, path_text: str, path: Path, *, is_known: bool
+    ) -> None:
         """Remove the value at ``path``, and record the removed place or, if it no longer has a name, its parent."""
         affected = as_affected(self._data, path)
         parent_affected = as_affected(self._data, path[:-1])
@@ -277,7 +281,7 @@ class LayeredSpec:
             layer, change_path, was=_shorten_path(path_text), now="", affects=affects, is_known=is_known
         )
 
-    def _put_value(self, layer: Layer, change_path: Path, path: Path, was: str) -> None:
+    def _put_value(self, layer: OverlayLayer, change_path: Path, path: Path, was: str) -> None:
         """Put the value of a change at a path, and record it. ``was`` is the text for the value before."""
         number = place_number(change_path)
         change_kind = str(change_path[1])
@@ -291,7 +295,7 @@ class LayeredSpec:
         self._record_change(layer, change_path, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
 
     def _record_change(
-        self, layer: Layer, change_path: Path, *, was: str, now: str, affects: str, is_known: bool
+        self, layer: OverlayLayer, change_path: Path, *, was: str, now: str, affects: str, is_known: bool
     ) -> None:
         """Record a change with its texts before and after, and the affected path as in an erratum, or an empty one."""
         paths = (affects,) if affects else ()
@@ -299,7 +303,7 @@ class LayeredSpec:
             AppliedChange(layer, place_number(change_path), was=was, now=now, affects=paths, is_known=is_known)
         )
 
-    def _is_free(self, layer: Layer, change_path: Path, at: Path) -> bool:
+    def _is_free(self, layer: OverlayLayer, change_path: Path, at: Path) -> bool:
         """Return True, and reserve the place, if no other change touches it, its parents or its children.
 
         Otherwise report the conflict, and return False.
@@ -323,7 +327,9 @@ class LayeredSpec:
         lines = self._other_files[mark.file] if mark.file else self._base.lines
         return lines[mark.line - 1][mark.column - 1 :]
 
-    def _report_missing_place(self, layer: Layer, change_path: Path, path_text: str, missing_path: MissingPath) -> None:
+    def _report_missing_place(
+        self, layer: OverlayLayer, change_path: Path, path_text: str, missing_path: MissingPath
+    ) -> None:
         """Report a place of a change whose path ends at an existing value, with the steps that are possible there."""
         existing_name = self._base.name_path(missing_path.existing_path)
         parent = quoted(existing_name) if existing_name else "the spec"
@@ -331,7 +337,7 @@ class LayeredSpec:
         message = f"there is nothing at {quoted(path_text)}: {parent} has no {quoted(missing_path.step)}{hint}"
         self._report_problem("overlay-unused", layer, change_path, message)
 
-    def _report_problem(self, rule: str, layer: Layer, change_path: Path, message: str) -> None:
+    def _report_problem(self, rule: str, layer: OverlayLayer, change_path: Path, message: str) -> None:
         self._report.add(rule, layer.document, (*layer.path, *change_path), message)
 
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..language.document import MissingPath, Path, as_affected, resolve
-from ..language.overlay import CHANGE_KINDS, Layer, LayeredSpec, LayerKind
+from ..language.overlay import CHANGE_KINDS, LayeredSpec, LayerKind, OverlayLayer
 from ..language.problems import DocumentReport, ProblemReport, listed, quoted
 from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_in_words
@@ -97,7 +97,7 @@ def edition_of(family: Family, revision: str, build: Build, report: ProblemRepor
     layered_spec = LayeredSpec(family.document, report_of_changes)
     for index, key, name in _change_lists(family, revision):
         layered_spec.apply(
-            [Layer(document=family.document, path=("editions", index, key), kind=LayerKind.EDITION, name=name)]
+            [OverlayLayer(document=family.document, path=("editions", index, key), kind=LayerKind.EDITION, name=name)]
         )
     report.include(report_of_changes)
     # Such as ``x_24_1_4`` for edition 1.4.

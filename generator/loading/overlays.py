@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ..language.check import check_overlay
 from ..language.document import Document
-from ..language.overlay import SUFFIX, AppliedChange, Layer, LayeredSpec, LayerKind
+from ..language.overlay import SUFFIX, AppliedChange, LayeredSpec, LayerKind, OverlayLayer
 from ..language.problems import Problem, ProblemReport, quoted, suggestion
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay, layer_in_words
 from ..order_codes.reduction import for_codes
@@ -147,8 +147,8 @@ def _refuse_same_names(overlays: Sequence[Document], report: ProblemReport) -> N
             report.add("duplicate-name", overlay, ("overlay",), message)
 
 
-def _layer_of(overlay: Document) -> Layer:
-    return Layer(document=overlay, path=("changes",), kind=LayerKind.OVERLAY, name=overlay.data["overlay"])
+def _layer_of(overlay: Document) -> OverlayLayer:
+    return OverlayLayer(document=overlay, path=("changes",), kind=LayerKind.OVERLAY, name=overlay.data["overlay"])
 
 
 def _apply_overlays(
