@@ -12,7 +12,7 @@ from ..hints import POLYNOMIAL, polynomial_powers
 from ..problems import DocumentReport, Path, is_typo, quoted
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenErratum, WrittenSpec
-from .parts import Has, by_name, constant_width, field_lists, has_erratum_at, owner_of_alarm
+from .parts import FieldOwner, by_name, constant_width, field_lists, has_erratum_at, owner_of_alarm
 from .walk import leaves, leaves_of
 
 #: A hexadecimal number in a text.
@@ -222,7 +222,7 @@ def check_unused_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     """
     for field_list in field_lists(spec):
         unused_in_note = set(_unused_bits_in(field_list.owner.note))
-        if field_list.kind is not Has.REGISTER or not unused_in_note:
+        if field_list.kind is not FieldOwner.REGISTER or not unused_in_note:
             continue
         for field in field_list.fields:
             bits_of_field = _bits_at(field.at)  # Empty without ``at``.

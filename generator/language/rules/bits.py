@@ -14,7 +14,7 @@ from ..written_layouts import WrittenField, WrittenGray
 from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
-    Has,
+    FieldOwner,
     by_name,
     field_lists,
     field_names,
@@ -141,7 +141,7 @@ def check_plain_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
     for field_list in field_lists(spec):
-        if field_list.kind is not Has.GROUP and not field_list.is_from_encoder:
+        if field_list.kind is not FieldOwner.GROUP and not field_list.is_from_encoder:
             continue
         for field in field_list.fields:
             name = field.name

@@ -12,7 +12,7 @@ from ..schema_files import is_second
 from ..written import Located
 from ..written_layouts import WrittenField, WrittenFieldGroup
 from ..written_parts import WrittenSpec
-from .parts import FieldList, Has, by_name, field_lists, interface_of, owner_of_alarm, position_names
+from .parts import FieldList, FieldOwner, by_name, field_lists, interface_of, owner_of_alarm, position_names
 
 #: A level in a text of a flag.
 _LEVEL = re.compile(r"\b(?:[01]|low|high)\b", re.IGNORECASE)
@@ -76,7 +76,7 @@ def check_repeated_flags(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 
 def _sent_fields(fields: FieldList) -> Sequence[WrittenField]:
     """Return the fields of a group or a layout, and none for a register or control data."""
-    return fields.fields if fields.kind in (Has.GROUP, Has.LAYOUT) else ()
+    return fields.fields if fields.kind in (FieldOwner.GROUP, FieldOwner.LAYOUT) else ()
 
 
 def _yield_differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple[str, str, str]]:

@@ -13,7 +13,7 @@ from ..written import Located
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
-from .parts import FieldList, Groups, Has, by_name, has_erratum_at, layouts, with_groups_expanded
+from .parts import FieldList, FieldOwner, Groups, by_name, has_erratum_at, layouts, with_groups_expanded
 
 #: Interfaces over which a master sends only a clock, or control data, which are not a layout.
 _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
@@ -180,7 +180,7 @@ def _request_with(data_id: Located[DataId], rs485: WrittenRs485) -> WrittenLayou
 
 def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
     """Yield the fields of a layout, including the fields of its groups."""
-    for _, field in with_groups_expanded(FieldList(Has.LAYOUT, layout, ""), groups):
+    for _, field in with_groups_expanded(FieldList(FieldOwner.LAYOUT, layout, ""), groups):
         yield field
 
 

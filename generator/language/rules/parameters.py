@@ -14,7 +14,7 @@ from ..written_parts import WrittenSpec
 from .name_resolver import NameResolver
 from .parts import (
     FieldList,
-    Has,
+    FieldOwner,
     PlacedPart,
     WrittenInterface,
     by_name,
@@ -111,7 +111,7 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
     spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also contains the invalid groups.
     groups = by_name(spec_of_groups.field_groups)
     field_owners = list(layouts(spec))
-    field_owners += [FieldList(Has.REGISTER, register, interface_of(register)) for register in spec.registers]
+    field_owners += [FieldList(FieldOwner.REGISTER, register, interface_of(register)) for register in spec.registers]
     for field_list in field_owners:
         for path, field in with_groups_expanded(field_list, groups):
             yield from _used_by(field_list.interface, _of_field(field, path))

@@ -97,7 +97,7 @@ def interfaces(spec: WrittenSpec) -> Iterator[tuple[str, WrittenInterface]]:
         yield name, _INTERFACE_CLASSES.get(name, WrittenSsi)(data, ("interfaces", name))
 
 
-class Has(Enum):
+class FieldOwner(Enum):
     """Owners of a list of fields, by their key."""
 
     LAYOUT = "layouts"
@@ -110,7 +110,7 @@ class Has(Enum):
 class FieldList:
     """A list of fields with its owner, its kind and its interface, which is empty for groups."""
 
-    kind: Has
+    kind: FieldOwner
     owner: Owner
     interface: str
 
@@ -156,22 +156,22 @@ def layouts(spec: WrittenSpec) -> Iterator[FieldList]:
     """Yield the layouts of all interfaces."""
     for name, interface in interfaces(spec):
         for layout in interface.layouts:
-            yield FieldList(Has.LAYOUT, layout, name)
+            yield FieldList(FieldOwner.LAYOUT, layout, name)
 
 
 def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
     """Yield every list of fields: of groups, layouts, control data and registers, in the order of the language."""
     for group in spec.field_groups:
-        yield FieldList(Has.GROUP, group, "")
+        yield FieldList(FieldOwner.GROUP, group, "")
     yield from layouts(spec)
     for name, interface in interfaces(spec):
         # Only BiSS has control data. An interface with an unknown name, which is reported, may be BiSS.
         control_data = WrittenBiss(interface.data, interface.path).control_data
         if control_data is not None and control_data.is_given:
-            yield FieldList(Has.CONTROL, control_data, name)
+            yield FieldList(FieldOwner.CONTROL, control_data, name)
     for register in spec.registers:
         if register.has("fields"):
-            yield FieldList(Has.REGISTER, register, interface_of(register))
+            yield FieldList(FieldOwner.REGISTER, register, interface_of(register))
 
 
 def interface_of(register: WrittenRegister | None) -> str:
@@ -215,7 +215,7 @@ def readable_names(fields: FieldList, groups: Groups) -> list[str]:
 
     A register without fields is one number.
     """
-    if fields.kind is Has.REGISTER and not fields.owner.has("fields"):
+    if fields.kind is FieldOwner.REGISTER and not fields.owner.has("fields"):
         return [fields.name]
     fields_by_name = field_names(fields, groups)
     # A join with a wrong value is reported, but its name is known.
@@ -302,7 +302,7 @@ def constant_width(field: WrittenField) -> int | None:
 def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
     """Return the names allowed after the dot in ``register.field``: the fields, or the register's own name."""
     if register.has("fields"):
-        return list(field_names(FieldList(Has.REGISTER, register, ""), groups))
+        return list(field_names(FieldList(FieldOwner.REGISTER, register, ""), groups))
     return [register.name]
 
 
@@ -325,7 +325,7 @@ def value_names(field: WrittenField) -> list[str]:
 
 def fields_of(register: WrittenRegister, groups: Groups) -> Iterator[WrittenField]:
     """Yield the fields of a register, with groups included."""
-    for _, field in with_groups_expanded(FieldList(Has.REGISTER, register, ""), groups):
+    for _, field in with_groups_expanded(FieldList(FieldOwner.REGISTER, register, ""), groups):
         yield field
 
 

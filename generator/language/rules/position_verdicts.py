@@ -13,8 +13,8 @@ from ..written_parts import WrittenSpec
 from .bits import names_error
 from .parts import (
     FieldList,
+    FieldOwner,
     Groups,
-    Has,
     by_name,
     constant_width,
     field_lists,
@@ -43,7 +43,7 @@ def check_value_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
     position_paths = {field_list.owner.path for field_list in position_frames}
     used_groups = {field.use for field_list in position_frames for field in field_list.fields}
     for field_list in field_lists(spec):
-        is_group = field_list.kind is Has.GROUP
+        is_group = field_list.kind is FieldOwner.GROUP
         has_verdict = field_list.name in used_groups if is_group else field_list.owner.path in position_paths
         for field in field_list.fields:
             _check_verdicts_of_values(field_list, field, has_verdict, report)
@@ -82,13 +82,13 @@ def _no_verdict(fields: FieldList, field: WrittenField, has_verdict: bool) -> st
 
 def _reason_without_verdict(fields: FieldList) -> str:
     """Return the reason that a list of fields has no verdict on a position."""
-    owner = quoted(fields.name or Has.CONTROL.value)  # Only the control data are unnamed.
+    owner = quoted(fields.name or FieldOwner.CONTROL.value)  # Only the control data are unnamed.
     match fields.kind:
-        case Has.REGISTER | Has.CONTROL:
+        case FieldOwner.REGISTER | FieldOwner.CONTROL:
             return f"{owner} is not a frame, so no value in it has a verdict on the position"
-        case Has.GROUP:
+        case FieldOwner.GROUP:
             return f"no frame of the encoder with a position uses {owner}"
-        case Has.LAYOUT:
+        case FieldOwner.LAYOUT:
             return f"{owner} {'does not contain the position' if fields.is_from_encoder else 'is sent by the master'}"
 
 
@@ -353,7 +353,7 @@ def check_verdicts_by_answer(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 def _no_other_verdict(fields: FieldList, field: WrittenField, other_verdict: str) -> str:
     """Return the reason that a flag cannot have another verdict for an answer, and the fix. Empty if it can."""
     name = quoted(field.name)
-    if fields.kind in (Has.REGISTER, Has.CONTROL):
+    if fields.kind in (FieldOwner.REGISTER, FieldOwner.CONTROL):
         return f"{name} is not in a frame, so it has no verdict on a position; remove 'makes_position_if'"
     interface = INTERFACES.get(fields.interface)
     verdict_of_interface = interface.flags.get(field.name, "") if interface is not None else ""

@@ -19,7 +19,7 @@ from . import parameters
 from .name_resolver import NameResolver
 from .parts import (
     FieldList,
-    Has,
+    FieldOwner,
     by_name,
     by_part_name,
     field_lists,
@@ -42,7 +42,7 @@ def check_field_references(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
     resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
     for field_list in field_lists(spec):
         names = list(field_names(field_list, resolver.groups))
-        has_data_ids = field_list.kind is Has.GROUP or bool(_data_ids(as_read, field_list.interface))
+        has_data_ids = field_list.kind is FieldOwner.GROUP or bool(_data_ids(as_read, field_list.interface))
         for field in field_list.fields:
             _check_field(field, names, list(field_list.joins), resolver)
             if field.values_of and not has_data_ids:
@@ -101,7 +101,7 @@ def check_register_references(spec: WrittenSpec, as_read: WrittenSpec, report: D
             report.add("undefined-reference", register.path, message)
         if register.opened_by is not None:
             _check_opener(register.opened_by, resolver)
-        field_list = FieldList(Has.REGISTER, register, "")
+        field_list = FieldList(FieldOwner.REGISTER, register, "")
         number_names = [*field_names(field_list, resolver.groups), *register.join]
         limits_path = register.place_of("limits_of")
         resolver.refer_if_given(limits_path, "field or joined number", register.limits_of, number_names)
@@ -310,7 +310,7 @@ def _check_example_values(
     """Check that the layout of an example, or else its register, has the fields whose values it gives."""
     field_list = known_layouts.get(example.layout)
     if field_list is None and example.register in resolver.registers:
-        field_list = FieldList(Has.REGISTER, resolver.registers[example.register], "")
+        field_list = FieldList(FieldOwner.REGISTER, resolver.registers[example.register], "")
     if field_list is not None:
         names = readable_names(field_list, resolver.groups)
         for name in example.values:

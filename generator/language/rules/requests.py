@@ -12,8 +12,8 @@ from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
+    FieldOwner,
     Groups,
-    Has,
     by_name,
     constant_width,
     field_names,
@@ -291,7 +291,7 @@ def _check_fields(
 
 
 def _as_fields(layout: WrittenLayout) -> FieldList:
-    return FieldList(Has.LAYOUT, layout, Spi.name)
+    return FieldList(FieldOwner.LAYOUT, layout, Spi.name)
 
 
 def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:

@@ -11,7 +11,7 @@ from ..written_layouts import KIND_KEYS, WrittenField, WrittenLayout
 from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
     FieldList,
-    Has,
+    FieldOwner,
     by_name,
     by_part_name,
     constant_width,
@@ -74,10 +74,10 @@ def check_layout_keys(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 def _check_use(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that a field that includes a group is in a layout or register, and has no keys of a field."""
-    if fields.kind is Has.GROUP:
+    if fields.kind is FieldOwner.GROUP:
         message = "a field group cannot include another group; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
-    elif fields.kind is Has.CONTROL:
+    elif fields.kind is FieldOwner.CONTROL:
         message = "the control data cannot include field groups; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
     keys_of_fields = [key for key in field.data if key not in _BESIDE_USE]
@@ -225,7 +225,7 @@ def _check_placing(fields: FieldList, report: DocumentReport) -> None:
     """Check that all or none of the fields of a layout, register or group have places. Control data may mix them."""
     placed_fields = [field for field in fields.fields if field.has(*PLACES)]
     unplaced_fields = [field for field in fields.fields if not field.has(*PLACES)]
-    if not placed_fields or not unplaced_fields or fields.kind is Has.CONTROL:
+    if not placed_fields or not unplaced_fields or fields.kind is FieldOwner.CONTROL:
         return
     field = unplaced_fields[0]
     # A field that includes a group has no name of its own.
