@@ -26,7 +26,7 @@ Reader = Callable[[Any, Path], Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Located(Generic[Part]):
+class LocatedPart(Generic[Part]):
     """A part that is the same in specs and in the model, with its place and its data. It has no sources."""
 
     part: Part
@@ -283,7 +283,7 @@ def _located_reader(model_class: Any) -> Reader:
     return read_part
 
 
-def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> Located[T]:
+def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> LocatedPart[T]:
     """Return a part of the model as it is written in a spec, with its path and data.
 
     A missing key has its default or, if it is required, is empty. Parts inside it have no place, and sources are left
@@ -299,12 +299,12 @@ def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> L
         if described.name in part_data:
             read = _find_reader(value_type, model_class.__module__)
             value = read(part_data[described.name], (*path, described.name))
-            value = value.part if isinstance(value, Located) else value
+            value = value.part if isinstance(value, LocatedPart) else value
         if value is None and described.default is MISSING:
             value = _empty_value(value_type, model_class.__module__, path)
         if value is not None:
             values_by_key[described.name] = value
-    return Located(model_class(**values_by_key), path, part_data)
+    return LocatedPart(model_class(**values_by_key), path, part_data)
 
 
 def _empty_value(value_type: KeyType, module: str, path: Path) -> Any:

@@ -31,7 +31,7 @@ from ..model.part import (
     note_key,
     printed_name_key,
 )
-from .written import Located, WrittenPart, written
+from .written import LocatedPart, WrittenPart, written
 from .written_layouts import (
     WrittenField,
 )
@@ -172,7 +172,7 @@ class WrittenCodeValue(WrittenPart):
     only_with: Mapping[Name, tuple[str, ...]] = key(
         "Values of other parts that this value can be combined with. Default: all.", least=0, default=NOTHING
     )
-    supply: Located[Supply] | None = key("", default=None)
+    supply: LocatedPart[Supply] | None = key("", default=None)
     source: SourceText = key("", default="")
 
 

@@ -25,7 +25,7 @@ from ..model.part import (
     key,
     note_key,
 )
-from .written import Located, WrittenPart, written
+from .written import LocatedPart, WrittenPart, written
 from .written_layouts import (
     WrittenField,
     WrittenLayout,
@@ -44,7 +44,7 @@ _CLOCK = (
 @written("Synchronous serial interface.")
 class WrittenSsi(WrittenPart):
     source: SourceText = key("")
-    clock: OneOrMore[Located[Clock]] = key(_CLOCK)
+    clock: OneOrMore[LocatedPart[Clock]] = key(_CLOCK)
     alignment: Literal["msb_left", "lsb_right"] = key(
         "Alignment of the word: left (MSB with the first clock, zeros after the word) or right (zeros before the word)."
     )
@@ -60,11 +60,11 @@ class WrittenSsi(WrittenPart):
         "Source for this encoder's code. Default: the source of the interface.", default=""
     )
     signals: Prose = key("Electrical standard of the signals.", default="")
-    cable_lengths: tuple[Located[CableLength], ...] = key(
+    cable_lengths: tuple[LocatedPart[CableLength], ...] = key(
         "Highest clock by cable length. A row that applies to some order codes has the key 'only'.", least=0, default=()
     )
-    measurement: Located[Measurement] | None = key("", default=None)
-    timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    measurement: LocatedPart[Measurement] | None = key("", default=None)
+    timings: tuple[LocatedPart[Timing], ...] = key("Timings of this interface.", least=0, default=())
     layouts: tuple[WrittenLayout, ...] = key("Layouts of the word.", most=256)
     note: Prose = note_key(default="")
 
@@ -82,7 +82,7 @@ class WrittenControlData(WrittenPart):
 @written("BiSS C-mode.")
 class WrittenBiss(WrittenPart):
     source: SourceText = key("")
-    clock: OneOrMore[Located[Clock]] = key(_CLOCK)
+    clock: OneOrMore[LocatedPart[Clock]] = key(_CLOCK)
     signals: Prose = key("Electrical standard of the signals.", default="")
     description_file: str = key(
         "Name of the device description file that, according to the manual, is installed in the master.",
@@ -92,12 +92,12 @@ class WrittenBiss(WrittenPart):
     )
     bank_select: Name = key("Register that selects the bank of the banked area.", default="")
     profile: Prose = key("Encoder profile that the manual names.", default="")
-    network: Located[Network] | None = key("", default=None)
-    timeout: OneOrMore[Located[Timeout]] = key(f"Time-out after a frame. {_BY_CODE}", default=())
-    channels: Located[DataChannels] | None = key("", default=None)
+    network: LocatedPart[Network] | None = key("", default=None)
+    timeout: OneOrMore[LocatedPart[Timeout]] = key(f"Time-out after a frame. {_BY_CODE}", default=())
+    channels: LocatedPart[DataChannels] | None = key("", default=None)
     control_data: WrittenControlData | None = key("", default=None)
-    measurement: Located[Measurement] | None = key("", default=None)
-    timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    measurement: LocatedPart[Measurement] | None = key("", default=None)
+    timings: tuple[LocatedPart[Timing], ...] = key("Timings of this interface.", least=0, default=())
     layouts: tuple[WrittenLayout, ...] = key("Layouts of the single cycle data.", most=256)
     note: Prose = note_key(default="")
 
@@ -120,8 +120,8 @@ class WrittenRs485Exchange(WrittenPart):
 )
 class WrittenRs485(WrittenPart):
     source: SourceText = key("")
-    port: Located[Port] = key("")
-    data_ids: tuple[Located[DataId], ...] = key(
+    port: LocatedPart[Port] = key("")
+    data_ids: tuple[LocatedPart[DataId], ...] = key(
         "Data IDs, each with the control field that the manual prints for it. Required unless there are exchanges.",
         default=(),
     )
@@ -132,11 +132,11 @@ class WrittenRs485(WrittenPart):
         most=64,
         default=(),
     )
-    memory_access: tuple[Located[MemoryAccess], ...] = key(
+    memory_access: tuple[LocatedPart[MemoryAccess], ...] = key(
         "The encoder's replies to a memory access, depending on the busy flag.", least=0, default=()
     )
-    measurement: Located[Measurement] | None = key("", default=None)
-    timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    measurement: LocatedPart[Measurement] | None = key("", default=None)
+    timings: tuple[LocatedPart[Timing], ...] = key("Timings of this interface.", least=0, default=())
     layouts: tuple[WrittenLayout, ...] = key("Requests and replies.", most=256)
     note: Prose = note_key(default="")
 
@@ -176,15 +176,15 @@ class WrittenSpi(WrittenPart):
     reply: Literal["same_word", "next_word"] = key(
         "Word in which the encoder answers a request: the same word, or the next word."
     )
-    clock: OneOrMore[Located[Clock]] = key(_CLOCK)
+    clock: OneOrMore[LocatedPart[Clock]] = key(_CLOCK)
     exchanges: tuple[WrittenSpiExchange, ...] = key(
         "Requests with their replies. Omit this key if the encoder ignores the words that the master sends. "
         "The encoder then has a single layout.",
         most=64,
         default=(),
     )
-    measurement: Located[Measurement] | None = key("", default=None)
-    timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    measurement: LocatedPart[Measurement] | None = key("", default=None)
+    timings: tuple[LocatedPart[Timing], ...] = key("Timings of this interface.", least=0, default=())
     layouts: tuple[WrittenLayout, ...] = key("Requests and replies.", most=64)
     note: Prose = note_key(default="")
 

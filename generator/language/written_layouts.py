@@ -27,7 +27,7 @@ from ..model.part import (
     note_key,
     printed_name_key,
 )
-from .written import Located, WrittenPart, written
+from .written import LocatedPart, WrittenPart, written
 
 #: Named values of a field or register, by name.
 Values = Mapping[str, "WrittenValue"]
@@ -177,7 +177,7 @@ class WrittenField(WrittenPart):
         "all bits.",
         default="",
     )
-    digits: tuple[Located[Digits], ...] = key(
+    digits: tuple[LocatedPart[Digits], ...] = key(
         "Parts into which the decimal digits of the number are split, most significant first.", default=()
     )
     text: Literal["", "ascii"] = key("Character code of the bytes.", default="")
@@ -196,7 +196,7 @@ class WrittenField(WrittenPart):
         "Bits in other registers that give details, each as register.field.", default=()
     )
     unit: Prose = key("For a number: unit of one count.", default="")
-    scale: Located[Scale] | None = key("", default=None)
+    scale: LocatedPart[Scale] | None = key("", default=None)
     default: Count | None = key("Factory default.", default=None)
     meaning: Prose = key("Meaning of the field.", default="")
     note: Prose = note_key(default="")
@@ -304,7 +304,7 @@ class WrittenLayout(WrittenPart):
     combinations: tuple[WrittenCombination, ...] = key(
         "Values of several fields that together decide the verdict on the position.", most=64, least=0, default=()
     )
-    position_range: Located[LayoutRange] | None = key("", default=None)
+    position_range: LocatedPart[LayoutRange] | None = key("", default=None)
     other_bits: OtherBits = key("", default="")
     note: Prose = note_key(default="")
     source: SourceText = key("")

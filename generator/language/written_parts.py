@@ -58,7 +58,7 @@ from ..model.part import (
     key,
     note_key,
 )
-from .written import Located, WrittenPart, written
+from .written import LocatedPart, WrittenPart, written
 from .written_codes import (
     WrittenAlternative,
     WrittenOrderCode,
@@ -157,7 +157,7 @@ class WrittenExample(WrittenPart):
     values: Mapping[Name, Scalar] = key(
         "Expected values of fields, joins or groups of digits, by name.", least=0, default=NOTHING
     )
-    writes: tuple[Located[Write], ...] = key("procedure: resulting writes, in order.", least=0, default=())
+    writes: tuple[LocatedPart[Write], ...] = key("procedure: resulting writes, in order.", least=0, default=())
     refused: Literal["", "crc", "constant", "length", "range"] = key(
         "frame: error for which a decoder rejects the frame.", default=""
     )
@@ -229,7 +229,7 @@ class WrittenManual(WrittenPart):
     )
     language: Language = key("Language code of the edition that sources without a key cite.")
     publisher: Prose = key("Publisher of the manual.", default="")
-    editions: tuple[Located[Edition], ...] = key(
+    editions: tuple[LocatedPart[Edition], ...] = key(
         "Other language editions that were also read. Sources use the language code to cite them.", least=0, default=()
     )
     contents: Mapping[Heading, WrittenSection] = key(
@@ -237,7 +237,7 @@ class WrittenManual(WrittenPart):
         "which they begin. 'check' compares cited sections and pages with them.",
         default=NOTHING,
     )
-    history: tuple[Located[Revision], ...] = key("Revision table, oldest first.", least=0, default=())
+    history: tuple[LocatedPart[Revision], ...] = key("Revision table, oldest first.", least=0, default=())
 
 
 @written("A public document.")
@@ -281,7 +281,7 @@ class WrittenManualEdition(WrittenPart):
         "For a revision later than that of the manual: changes that apply from that revision on.", most=100, default=()
     )
     labels: tuple[Prose, ...] = key("Patterns from also_written that identify labels of this edition.", default=())
-    tests: tuple[Located[EditionTest], ...] = key(
+    tests: tuple[LocatedPart[EditionTest], ...] = key(
         "Registers that identify an encoder of an earlier edition.", default=()
     )
 
@@ -300,7 +300,7 @@ class WrittenSpec(WrittenPart):
     )
     title: Prose = key("Name of the family, as used in running text.")
     movement: Literal["rotary", "linear"] = key("Kind of movement: rotary for an angle, linear for a length.")
-    evidence: Located[Evidence] = key("")
+    evidence: LocatedPart[Evidence] = key("")
     manual: WrittenManual = key("")
     documents: Mapping[Name, WrittenDocument] = key(
         "Public documents other than the manual, each under a short key. A source that begins with the "
@@ -308,7 +308,7 @@ class WrittenSpec(WrittenPart):
         least=0,
         default=NOTHING,
     )
-    lost_figures: tuple[Located[LostFigure], ...] = key(
+    lost_figures: tuple[LocatedPart[LostFigure], ...] = key(
         "Facts that the manual gives only in a figure, if the text used for transcription has no figures.",
         least=0,
         default=(),
@@ -320,13 +320,13 @@ class WrittenSpec(WrittenPart):
         least=0,
     )
     order_code: WrittenOrderCode = key("")
-    crcs: tuple[Located[Crc], ...] = key("Cyclic redundancy checks that layouts refer to.", least=0, default=())
+    crcs: tuple[LocatedPart[Crc], ...] = key("Cyclic redundancy checks that layouts refer to.", least=0, default=())
     field_groups: tuple[WrittenFieldGroup, ...] = key(
         "Sequences of fields that several layouts share. A layout includes one with 'use'.", least=0, default=()
     )
     interfaces: WrittenInterfaces = key("")
     registers: tuple[WrittenRegister, ...] = key("Registers, in the order of the manual.", least=0, default=())
-    alarms: tuple[Located[Alarm], ...] = key(
+    alarms: tuple[LocatedPart[Alarm], ...] = key(
         "Error and warning flags: their meanings, whether they latch, and how to clear them.", least=0, default=()
     )
     procedures: tuple[WrittenProcedure, ...] = key(
@@ -341,20 +341,22 @@ class WrittenSpec(WrittenPart):
         least=0,
         default=(),
     )
-    timings: tuple[Located[Timing], ...] = key("Times and rates of the device as a whole.", least=0, default=())
-    measurement: Located[Measurement] | None = key("", default=None)
-    supply: Located[Supply] | None = key("", default=None)
-    inputs: tuple[Located[Input], ...] = key(
+    timings: tuple[LocatedPart[Timing], ...] = key("Times and rates of the device as a whole.", least=0, default=())
+    measurement: LocatedPart[Measurement] | None = key("", default=None)
+    supply: LocatedPart[Supply] | None = key("", default=None)
+    inputs: tuple[LocatedPart[Input], ...] = key(
         "Hardware inputs that act on the position, and their interaction with register bits.", least=0, default=()
     )
-    tables: tuple[Located[Table], ...] = key(
+    tables: tuple[LocatedPart[Table], ...] = key(
         "Tables of the manual that are only displayed, never used in computations: speeds, lengths, signals.",
         least=0,
         default=(),
     )
-    connectors: tuple[Located[Connector], ...] = key("Connectors and cables, contact by contact.", least=0, default=())
-    leds: tuple[Located[Led], ...] = key("Diagnostic LEDs and the meaning of each state.", least=0, default=())
-    characteristics: tuple[Located[Characteristic], ...] = key(
+    connectors: tuple[LocatedPart[Connector], ...] = key(
+        "Connectors and cables, contact by contact.", least=0, default=()
+    )
+    leds: tuple[LocatedPart[Led], ...] = key("Diagnostic LEDs and the meaning of each state.", least=0, default=())
+    characteristics: tuple[LocatedPart[Characteristic], ...] = key(
         "Facts of the manual that are only displayed, never used in computations: supply, batteries, "
         "analogue outputs, cables, mounting.",
         least=0,

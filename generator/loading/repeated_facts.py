@@ -12,7 +12,7 @@ from ..language.document import Document, Path
 from ..language.problems import DocumentReport, ProblemReport, quoted
 from ..language.rules.code_meanings import MEANING_DIFFERS
 from ..language.rules.parts import by_name, by_part_name, has_erratum_at
-from ..language.written import Located
+from ..language.written import LocatedPart
 from ..language.written_codes import WrittenRegister
 from ..language.written_layouts import WrittenField
 from ..language.written_parts import WrittenSpec
@@ -48,7 +48,7 @@ def check_shared_facts(documents: Sequence[Document], report: ProblemReport) -> 
         compare_connectors(maker_document, documents_of_maker, report)
 
 
-def _parts_by_name(section: str, document: Document) -> Mapping[str, WrittenRegister | Located[Crc]]:
+def _parts_by_name(section: str, document: Document) -> Mapping[str, WrittenRegister | LocatedPart[Crc]]:
     """Return the registers or CRCs of a spec by name."""
     spec = WrittenSpec(document.data)
     return by_name(spec.registers) if section == "registers" else by_part_name(spec.crcs)
@@ -87,7 +87,7 @@ def _report_different_facts(
 
 
 def _shared_facts(
-    section: str, register_or_crc: WrittenRegister | Located[Crc]
+    section: str, register_or_crc: WrittenRegister | LocatedPart[Crc]
 ) -> Iterator[tuple[tuple[str, ...], _Fact]]:
     """Yield the shared facts of a register or CRC, each with its place as an erratum gives it.
 

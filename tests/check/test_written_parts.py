@@ -16,7 +16,7 @@ from codewheel.language.check import check_document
 from codewheel.language.part_schema import described_parts
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
-from codewheel.language.written import Located, WrittenPart
+from codewheel.language.written import LocatedPart, WrittenPart
 from codewheel.language.written_codes import WrittenRegister
 from codewheel.language.written_interfaces import WrittenBiss
 from codewheel.language.written_layouts import WrittenField, WrittenLayout
@@ -108,7 +108,7 @@ def test_every_key_of_every_part_can_be_read_from_an_empty_map() -> None:
             value = getattr(part, name)
             if isinstance(value, tuple) and len(value) == 1:  # One of several rows.
                 (value,) = value
-            is_empty = not value or (isinstance(value, (WrittenPart, Located)) and not value.data)
+            is_empty = not value or (isinstance(value, (WrittenPart, LocatedPart)) and not value.data)
             assert is_empty or value is described.default, f"{kind.__name__}.{name}"
 
 
@@ -159,12 +159,12 @@ def test_each_presence_test_asks_for_a_key_of_its_class(monkeypatch: pytest.Monk
     def ask(part: Any, *names: str) -> bool:
         caller = sys._getframe(1)
         reached_sites.add((Path(caller.f_code.co_filename).name, caller.f_lineno))
-        kind = type(part.part if isinstance(part, Located) else part)
+        kind = type(part.part if isinstance(part, LocatedPart) else part)
         foreign_keys.update((kind.__name__, name) for name in names if name not in keys_by_class[kind])
         return any(name in part.data for name in names)
 
     monkeypatch.setattr(WrittenPart, "has", ask)
-    monkeypatch.setattr(Located, "has", ask)
+    monkeypatch.setattr(LocatedPart, "has", ask)
     broken_specs = [*Path(__file__).parent.glob("broken/*.yaml"), *Path(__file__).parents[1].glob("masters/broken/*")]
     for path in broken_specs:
         report = ProblemReport()

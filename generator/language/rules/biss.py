@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...model import Biss, Crc
 from ..problems import DocumentReport, Path, quoted
-from ..written import Located
+from ..written import LocatedPart
 from ..written_codes import WrittenRegister
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
@@ -167,7 +167,7 @@ class _Fault:
 SentFields = list[tuple[Path, WrittenField]]
 
 
-def _field_faults(sent_fields: SentFields, crcs: Mapping[str, Located[Crc]], frame_path: str) -> Iterator[_Fault]:
+def _field_faults(sent_fields: SentFields, crcs: Mapping[str, LocatedPart[Crc]], frame_path: str) -> Iterator[_Fault]:
     """Yield the errors of single fields of a frame: nE or nW active high, ``crc_of``, and the numbers of the CRC."""
     for path, field in sent_fields:
         name = field.name
@@ -228,7 +228,7 @@ def _all_ones(width: int) -> int:
     return (1 << width) - 1
 
 
-def _crc_faults(located_crc: Located[Crc]) -> Iterator[tuple[str, str]]:
+def _crc_faults(located_crc: LocatedPart[Crc]) -> Iterator[tuple[str, str]]:
     """Yield the keys of a CRC that contradict BiSS, each with the message: not inverted, or reflected.
 
     The data may have any structure.
@@ -275,7 +275,7 @@ def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: Document
             report.add("biss-protocol", field.place_of("crc"), problem)
 
 
-def _is_control_crc(crc: Located[Crc]) -> bool:
+def _is_control_crc(crc: LocatedPart[Crc]) -> bool:
     """Return True for the CRC of the control frame: x^4 + x + 1 (``poly`` 0x3 in 4 bits), start 0, sent inverted."""
     part = crc.part
     parameters = (part.width, part.poly, part.init, part.refin, part.refout, part.xorout)

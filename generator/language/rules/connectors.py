@@ -11,7 +11,7 @@ from ...model import Connector
 from ..document import Path
 from ..problems import DocumentReport, listed, quoted
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 
 #: Contacts without a signal.
@@ -60,7 +60,7 @@ class _Contact:
 class _Connector:
     """A connector or cable with its contacts that have a signal."""
 
-    located: Located[Connector]
+    located: LocatedPart[Connector]
     contacts: tuple[_Contact, ...]
 
     @property
@@ -261,7 +261,7 @@ def check_contact_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         _check_order(connector, numbered_contacts, report)
 
 
-def _check_order(connector: Located[Connector], numbered: Numbered, report: DocumentReport) -> None:
+def _check_order(connector: LocatedPart[Connector], numbered: Numbered, report: DocumentReport) -> None:
     """Report the first contact whose number does not follow the number of the contact before it, or has a leading zero.
 
     The number may repeat. A note that contains the expected number explains a gap.

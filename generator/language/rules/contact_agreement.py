@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ...model import Connector
 from ..problems import DocumentReport, quoted
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 from .connectors import partner_of, signal_names
 from .parts import has_erratum_at
@@ -22,7 +22,7 @@ _SHIELD = re.compile(r"shield|screen|braid|drain", re.IGNORECASE)
 #: Lines that only one interface has, by the names that its standard gives them.
 _LINES = {"biss": frozenset(("ma+", "ma-", "slo+", "slo-")), "rs485": frozenset(("rs-485",))}
 #: A connector and a cable for the same interface.
-_Connection = tuple[Located[Connector], Located[Connector]]
+_Connection = tuple[LocatedPart[Connector], LocatedPart[Connector]]
 #: Connectors and cables that are compared, and all with the same titles.
 _MOST_CONNECTORS, _MOST_CONNECTIONS = 100, 10
 #: The statement of a note that explains the order of a pair.
@@ -151,7 +151,7 @@ def _plain_signal(signal: str) -> str:
 
 
 def _compare_signals(
-    wires: Mapping[str, str], connector: Located[Connector], cable: Located[Connector], report: DocumentReport
+    wires: Mapping[str, str], connector: LocatedPart[Connector], cable: LocatedPart[Connector], report: DocumentReport
 ) -> None:
     """Report each contact whose wire has another signal, unless an erratum affects the contact or the wire."""
     signals_of_wires = {wire.contact: wire.signal for wire in cable.part.contacts}
@@ -235,7 +235,7 @@ def _yield_pairs(connector: Connector, indexes: Mapping[str, int]) -> Iterator[_
 
 
 def _stated_pairs(
-    connector: Located[Connector], indexes: Mapping[str, int], report: DocumentReport
+    connector: LocatedPart[Connector], indexes: Mapping[str, int], report: DocumentReport
 ) -> Iterator[set[int]]:
     """Yield the contacts of each statement of the note about their order, and report a statement that is not true.
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ...model import Alarm, Biss
 from ..problems import DocumentReport, quoted
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_layouts import WrittenField, WrittenFieldGroup
 from ..written_parts import WrittenSpec
 from .parts import FieldList, FieldOwner, by_name, field_lists, interface_of, owner_of_alarm, position_names
@@ -111,7 +111,7 @@ def check_implemented_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: Do
             report.add("alarm-implemented", (*alarm.path, key), message)
 
 
-def _flag_of(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenField | None:
+def _flag_of(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField | None:
     """Return the flag of an alarm in its group or register, or None if there is none."""
     owner = owner_of_alarm(spec, alarm)
     for field in owner.fields if owner is not None else ():

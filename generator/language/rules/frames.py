@@ -9,7 +9,7 @@ from ...model import Biss, Rs485, Ssi
 from ...model.interfaces import DataId
 from ..problems import DocumentReport, listed, quoted
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
@@ -135,7 +135,7 @@ def _selected_ids(sent_layouts: Sequence[WrittenLayout]) -> Iterator[int]:
 
 
 def _report_missing_frame(
-    data_id: Located[DataId], requested_ids: set[int], replied_ids: set[int], report: DocumentReport
+    data_id: LocatedPart[DataId], requested_ids: set[int], replied_ids: set[int], report: DocumentReport
 ) -> None:
     """Report a data ID that has only a request or only a reply, except data IDs of memory accesses."""
     number = data_id.part.id
@@ -169,7 +169,7 @@ def check_purposes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
             report.add("request-purpose", (*data_id.path, "purpose"), message)
 
 
-def _request_with(data_id: Located[DataId], rs485: WrittenRs485) -> WrittenLayout | None:
+def _request_with(data_id: LocatedPart[DataId], rs485: WrittenRs485) -> WrittenLayout | None:
     """Return the layout of the master that is selected by a data ID, or None."""
     for layout in rs485.layouts:
         selected_ids = [number for selected in layout.when.values() for number in selected]

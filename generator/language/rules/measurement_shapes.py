@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...model.measurement import LayoutRange, Measurement
 from ..problems import DocumentReport, quoted
-from ..written import Located
+from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 from .parts import by_name, interfaces, layouts, measurements, readable_names
 
@@ -73,7 +73,10 @@ def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: 
 
 
 def _check_range_keys(
-    own_range: Located[LayoutRange], measurement: Located[Measurement] | None, movement: str, report: DocumentReport
+    own_range: LocatedPart[LayoutRange],
+    measurement: LocatedPart[Measurement] | None,
+    movement: str,
+    report: DocumentReport,
 ) -> None:
     """Check that a range has only keys of its movement, and none next to ``wraps: false``.
 
@@ -98,7 +101,7 @@ def _check_range_keys(
         report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
 
 
-def _check_step(measurement: Located[Measurement], report: DocumentReport) -> None:
+def _check_step(measurement: LocatedPart[Measurement], report: DocumentReport) -> None:
     """Check that a length has one step, and that ``per_counts`` belongs to a step in nanometres."""
     has_step_nm = measurement.part.step_nm is not None
     if measurement.part.step_um is not None and has_step_nm:

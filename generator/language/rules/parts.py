@@ -19,7 +19,7 @@ from ...model.measurement import Measurement
 from ..document import LEFT_OUT, Document
 from ..problems import DocumentReport, Path
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_codes import WrittenParameter, WrittenRegister
 from ..written_interfaces import WrittenBiss, WrittenControlData, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_layouts import WrittenField, WrittenFieldGroup, WrittenLayout
@@ -82,9 +82,9 @@ def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
     return named_parts
 
 
-def by_part_name(parts: Iterable[Located[_NamedModelPart]]) -> dict[str, Located[_NamedModelPart]]:
+def by_part_name(parts: Iterable[LocatedPart[_NamedModelPart]]) -> dict[str, LocatedPart[_NamedModelPart]]:
     """Return parts of the model by name, as ``by_name`` does."""
-    named_parts: dict[str, Located[_NamedModelPart]] = {}
+    named_parts: dict[str, LocatedPart[_NamedModelPart]] = {}
     for located_part in parts:
         if located_part.is_valid("name"):
             named_parts.setdefault(located_part.part.name, located_part)
@@ -231,7 +231,7 @@ def origins_of(parameter: WrittenParameter) -> list[str]:
     return [key for key, origin in origins.items() if origin not in (None, "")]
 
 
-def clocks_of(interface: WrittenInterface) -> tuple[Located[Clock], ...]:
+def clocks_of(interface: WrittenInterface) -> tuple[LocatedPart[Clock], ...]:
     """Return the clocks of an interface, several if they depend on the order code. Over RS-485 there is none."""
     return () if isinstance(interface, WrittenRs485) else interface.clock
 
@@ -248,14 +248,14 @@ def share_codes(first: RestrictedPart, second: RestrictedPart) -> bool:
     return not first.only or not second.only or first.only == second.only
 
 
-def timings(spec: WrittenSpec) -> Iterator[Located[Timing]]:
+def timings(spec: WrittenSpec) -> Iterator[LocatedPart[Timing]]:
     """Yield the timings of the interfaces and of the device."""
     for _, interface in interfaces(spec):
         yield from interface.timings
     yield from spec.timings
 
 
-def measurements(spec: WrittenSpec) -> Iterator[Located[Measurement]]:
+def measurements(spec: WrittenSpec) -> Iterator[LocatedPart[Measurement]]:
     """Yield the measurements of the device and its interfaces."""
     if spec.measurement is not None and spec.measurement.is_given:
         yield spec.measurement
@@ -264,7 +264,7 @@ def measurements(spec: WrittenSpec) -> Iterator[Located[Measurement]]:
             yield interface.measurement
 
 
-def measurement_of(spec: WrittenSpec, interface: str) -> Located[Measurement] | None:
+def measurement_of(spec: WrittenSpec, interface: str) -> LocatedPart[Measurement] | None:
     """Return the measurement of an interface or, if it has none, of the device. None if there is neither."""
     own_measurement = dict(interfaces(spec))[interface].measurement if interface in spec.interfaces.data else None
     return own_measurement if own_measurement is not None and own_measurement.is_given else spec.measurement
@@ -306,7 +306,7 @@ def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
     return [register.name]
 
 
-def owner_of_alarm(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenFieldGroup | WrittenRegister | None:
+def owner_of_alarm(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenFieldGroup | WrittenRegister | None:
     """Return the group of an alarm's flag or, if it names none, the register. Return None if there is no such owner."""
     if alarm.part.group:
         return by_name(spec.field_groups).get(alarm.part.group)

@@ -12,7 +12,7 @@ from ...model import Alarm, Quantity
 from ...say.text import counted, nanoseconds
 from ..document import ErratumTargets
 from ..problems import DocumentReport, Path, listed, quoted
-from ..written import Located
+from ..written import LocatedPart
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
 from .code_meanings import supply_named
@@ -176,7 +176,7 @@ def _compare_supply(
         report.add("quantity-repeated", path, message)
 
 
-def _check_threshold(spec: WrittenSpec, alarm: Located[Alarm], report: DocumentReport) -> None:
+def _check_threshold(spec: WrittenSpec, alarm: LocatedPart[Alarm], report: DocumentReport) -> None:
     """Check that the texts of an alarm, and of its flag, have no other voltage than the threshold of the alarm."""
     threshold_mv = alarm.part.below_mv
     if threshold_mv is None:

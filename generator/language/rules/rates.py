@@ -11,7 +11,7 @@ from ...model import Timing
 from ...model.clocks import CableLength, Clock, Timeout
 from ..problems import DocumentReport, Path
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec
 from .parts import WrittenInterface, as_affected_name, has_erratum_at, interfaces, share_codes
@@ -111,7 +111,7 @@ def check_monoflop(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
             _check_monoflop(timing, ssi, report)
 
 
-def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentReport) -> None:
+def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: DocumentReport) -> None:
     """Check a monoflop time against the clocks and pauses of the same order codes."""
     time_us, key = _find_shortest(timing)
     # Errata give an item of a list by its name: interfaces.ssi.monoflop.at_least_us.
@@ -142,7 +142,7 @@ def _check_monoflop(timing: Located[Timing], ssi: WrittenSsi, report: DocumentRe
             report.add("monoflop", (*pause.path, "at_least_us"), f"{message}. {remedy}")
 
 
-def _find_shortest(timing: Located[Timing]) -> tuple[int | None, str]:
+def _find_shortest(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
     """Return the shortest guaranteed or else the typical time of a timing, with its key, or ``(None, "")``."""
     part = timing.part
     for key, time_us in (("at_least_us", part.at_least_us), ("typical_us", part.typical_us)):
@@ -162,7 +162,7 @@ def check_cable_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: Document
                 _check_cable_clock(row, clock.part, report)
 
 
-def _check_cable_clock(row: Located[CableLength], clock: Clock, report: DocumentReport) -> None:
+def _check_cable_clock(row: LocatedPart[CableLength], clock: Clock, report: DocumentReport) -> None:
     """Report a clock limit for cables that is outside the limits of a clock."""
     below_hz = row.part.below_hz
     lowest_hz = clock.min_hz or 0
@@ -200,7 +200,7 @@ def check_timeouts_and_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: D
             _check_half_periods(timeout, remedy, report)
 
 
-def _check_half_periods(timeout: Located[Timeout], remedy: str, report: DocumentReport) -> None:
+def _check_half_periods(timeout: LocatedPart[Timeout], remedy: str, report: DocumentReport) -> None:
     """Report printed time-outs that are not a whole number of half clock periods."""
     for index, printed in enumerate(timeout.part.printed):
         half_periods = 2 * printed.clock_hz * printed.timeout_ns / _NS_PER_S
@@ -215,7 +215,9 @@ def _check_half_periods(timeout: Located[Timeout], remedy: str, report: Document
             report.add("timeout-mismatch", (*timeout.path, "printed", index, "timeout_ns"), message)
 
 
-def _check_longest_timeout(biss: WrittenBiss, timeout: Located[Timeout], remedy: str, report: DocumentReport) -> None:
+def _check_longest_timeout(
+    biss: WrittenBiss, timeout: LocatedPart[Timeout], remedy: str, report: DocumentReport
+) -> None:
     """Report a longest time-out that is shorter than half a period of the slowest clock of the same order codes."""
     longest_ns = timeout.part.at_most_ns
     for clock in biss.clock:
@@ -248,7 +250,7 @@ def check_timeout_mismatch(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
             _check_calculated_timeouts(timeout, timeout.part.half_clock_periods, report)
 
 
-def _check_clocks_of_timeouts(timeout: Located[Timeout], clock: Clock, report: DocumentReport) -> None:
+def _check_clocks_of_timeouts(timeout: LocatedPart[Timeout], clock: Clock, report: DocumentReport) -> None:
     """Report printed time-outs at clocks that an encoder does not support."""
     if clock.max_hz is None or has_erratum_at(report.document, *_TIMEOUT):
         return
@@ -262,7 +264,7 @@ def _check_clocks_of_timeouts(timeout: Located[Timeout], clock: Clock, report: D
             report.add("timeout-mismatch", path, f"{problem}; {remedy}")
 
 
-def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> None:
+def _check_timeout_rule(timeout: LocatedPart[Timeout], report: DocumentReport) -> None:
     """Check that a time-out has the numbers for its rule: a fixed time, or half clock periods.
 
     Without half clock periods, a time-out that follows the clock needs a time or printed examples.
@@ -285,7 +287,7 @@ def _check_timeout_rule(timeout: Located[Timeout], report: DocumentReport) -> No
         report.add("timeout-mismatch", timeout.path, message, at_key=True)
 
 
-def _check_calculated_timeouts(timeout: Located[Timeout], half_periods: int, report: DocumentReport) -> None:
+def _check_calculated_timeouts(timeout: LocatedPart[Timeout], half_periods: int, report: DocumentReport) -> None:
     """Check that each printed time-out is the given number of half clock periods, to the nearest nanosecond."""
     for index, printed in enumerate(timeout.part.printed):
         clock_hz = printed.clock_hz

@@ -10,7 +10,7 @@ from ...model.steps import has_steps
 from ..document import Path
 from ..hints import expression_hint, number_hint, product_hint
 from ..problems import DocumentReport, quoted
-from ..written import Located
+from ..written import LocatedPart
 from ..written_codes import WrittenOpenedBy, WrittenRegister, WrittenRegisterMeaning
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import KIND_KEYS, WrittenField
@@ -163,7 +163,7 @@ def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 
 def _check_measured_field(
-    measurement: Located[Measurement], as_read: WrittenSpec, resolver: NameResolver, report: DocumentReport
+    measurement: LocatedPart[Measurement], as_read: WrittenSpec, resolver: NameResolver, report: DocumentReport
 ) -> None:
     """Check that a field with the measured position is a number in at least one frame of the encoder.
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ...model import Evidence
 from ..document import Path, is_placeholder, value_at
 from ..problems import DocumentReport, listed, quoted, suggestion
-from ..written import Located
+from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenSsi
 from ..written_parts import WrittenExample, WrittenSection, WrittenSpec
 from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, has_erratum_at, interfaces
@@ -374,7 +374,7 @@ def _yield_limited(spec: WrittenSpec) -> Iterator[_Limited]:
             yield _Limited(part, _source_of_part(part) or interface.source, kind)
 
 
-def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[object], _LimitKeys]]:
+def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[LocatedPart[object], _LimitKeys]]:
     """Yield the parts of an interface that can have limits, each with the keys for them."""
     for clock in clocks_of(interface):
         yield clock, _CLOCK
@@ -386,7 +386,7 @@ def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[Located[object
         yield cable_length, _CABLE
 
 
-def _source_of_part(located_part: Located[object]) -> str:
+def _source_of_part(located_part: LocatedPart[object]) -> str:
     """Return the source of a part, or an empty string if it has none."""
     return str(located_part.source or "")
 

@@ -10,7 +10,7 @@ from ...model import Characteristic, Timing
 from ..document import ErratumTargets
 from ..problems import DocumentReport, listed, quoted, suggestion
 from ..schema_files import PROSE
-from ..written import Located, located
+from ..written import LocatedPart, located
 from ..written_codes import WrittenRegister
 from ..written_parts import WrittenSpec
 from .parts import by_name, interfaces
@@ -116,7 +116,7 @@ def check_repeated_waits(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
             _check_wait(timing, waiting_registers, report)
 
 
-def _check_wait(timing: Located[Timing], registers: Mapping[str, WrittenRegister], report: DocumentReport) -> None:
+def _check_wait(timing: LocatedPart[Timing], registers: Mapping[str, WrittenRegister], report: DocumentReport) -> None:
     """Check that a timing about writes to a register has its wait.
 
     ``registers`` contains the registers with a wait, by printed name.

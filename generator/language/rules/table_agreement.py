@@ -8,7 +8,7 @@ from decimal import Decimal
 
 from ...model import Table
 from ..problems import DocumentReport, quoted
-from ..written import Located
+from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
@@ -85,7 +85,7 @@ def check_order_codes_in_rows(spec: WrittenSpec, as_read: WrittenSpec, report: D
                 _compare_rows(table, column, meanings, report)
 
 
-def _compare_rows(table: Located[Table], column: int, meanings: dict[str, str], report: DocumentReport) -> None:
+def _compare_rows(table: LocatedPart[Table], column: int, meanings: dict[str, str], report: DocumentReport) -> None:
     """Report each row whose quantity is not the meaning of the only label of ``meanings`` in its other cells."""
     unit = table.part.units[column]
     for index, row in enumerate(table.part.rows):

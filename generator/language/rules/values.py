@@ -12,7 +12,7 @@ from ...say.plain_text import counted
 from ..document import Path, is_placeholder
 from ..problems import DocumentReport, missing, quoted, suggestion
 from ..schema_files import is_second
-from ..written import Located
+from ..written import LocatedPart
 from ..written_interfaces import WrittenRs485, WrittenSsi
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenManual, WrittenSpec
@@ -150,7 +150,7 @@ def check_clock_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                     _report_missing_limit(clock, raw_clocks_by_path.get(clock.path), report)
 
 
-def _check_clock(clock: Located[Clock], report: DocumentReport) -> None:
+def _check_clock(clock: LocatedPart[Clock], report: DocumentReport) -> None:
     """Check the limits of a clock and the clocks in use."""
     used_clocks = [*clock.part.used_hz]
     if used_clocks != sorted(set(used_clocks)):
@@ -168,7 +168,9 @@ def _check_clock(clock: Located[Clock], report: DocumentReport) -> None:
             report.add("clock-range", (*clock.path, low_key), problem)
 
 
-def _report_missing_limit(clock: Located[Clock], raw_clock: Located[Clock] | None, report: DocumentReport) -> None:
+def _report_missing_limit(
+    clock: LocatedPart[Clock], raw_clock: LocatedPart[Clock] | None, report: DocumentReport
+) -> None:
     """Report that a clock has no highest frequency, which a clock without frequencies in use needs.
 
     ``raw_clock`` is the clock as read. A key rejected by the schema was removed. Such a key must not be reported as
@@ -199,7 +201,7 @@ def check_cable_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _check_cable_order(
-    shorter: CableLength, row: Located[CableLength], affected_path: str, report: DocumentReport
+    shorter: CableLength, row: LocatedPart[CableLength], affected_path: str, report: DocumentReport
 ) -> None:
     """Report the row of a longer cable whose clock is not slower than the clock of a shorter cable."""
     longer = row.part
@@ -232,7 +234,7 @@ def _check_that_dates_exist(manual: WrittenManual, report: DocumentReport) -> No
             report.add("date", (*path, "date"), f"{quoted(date)} is not a valid date")
 
 
-def _check_order_of_revisions(dated_history: Sequence[Located[Revision]], report: DocumentReport) -> None:
+def _check_order_of_revisions(dated_history: Sequence[LocatedPart[Revision]], report: DocumentReport) -> None:
     """Check that no revision of the history has an earlier date than the one before it."""
     for earlier, later in pairwise(dated_history):
         if later.part.date < earlier.part.date:
@@ -242,7 +244,7 @@ def _check_order_of_revisions(dated_history: Sequence[Located[Revision]], report
 
 
 def _check_date_in_history(
-    manual: WrittenManual, dated_history: Sequence[Located[Revision]], report: DocumentReport
+    manual: WrittenManual, dated_history: Sequence[LocatedPart[Revision]], report: DocumentReport
 ) -> None:
     """Check that the history gives the revision of the manual the date of the manual, if it has both."""
     date_by_revision = {release.part.revision: release.part.date for release in dated_history}
@@ -264,7 +266,7 @@ def _parse_date(date_text: str) -> datetime.date | None:
 
 def check_supply_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that only the device or only order code values have a supply, and that the voltages are in order."""
-    supplies: list[Located[Supply]] = []
+    supplies: list[LocatedPart[Supply]] = []
     if spec.supply is not None and spec.supply.is_given:
         supplies.append(spec.supply)
     has_supply_of_device = bool(supplies)
