@@ -44,7 +44,7 @@ from .editions import editions
 from .evidence import with_placeholders
 from .examples import build_examples, check_examples
 from .facts_by_code import check_facts_by_code
-from .fields import Context, Site
+from .fields import LayoutContext, Site
 from .frame_kinds import check_errata, check_frame_kinds
 from .from_mapping import (
     Raw,
@@ -124,14 +124,14 @@ def _build_context(
     definitions: Mapping[str, Expression],
     variants: Sequence[Variant],
     alternatives: Sequence[Alternative],
-) -> Context:
+) -> LayoutContext:
     """Return the definitions that layouts may refer to, such as groups with their paths in the spec."""
     groups = {}
     for index, group in enumerate(raw_spec.get("field_groups", ())):
         groups[group["name"]] = (group, ("field_groups", index))
     crcs = {crc["name"]: record(Crc, crc) for crc in raw_spec.get("crcs", ())}
     data_ids = {kind: records(DataId, interface, "data_ids") for kind, interface in raw_spec["interfaces"].items()}
-    return Context(
+    return LayoutContext(
         report=report,
         groups=MappingProxyType(groups),
         definitions=definitions,
@@ -148,7 +148,7 @@ def _build_device_without_procedures(
     order_code: OrderCode,
     variants: tuple[Variant, ...],
     alternatives: tuple[Alternative, ...],
-    context: Context,
+    context: LayoutContext,
 ) -> Device:
     """Return the family without its procedures, which need the built device."""
     # Interfaces come before registers, which determines the order of the reported problems.
@@ -256,7 +256,7 @@ def _list_variants(
     return tuple(variants)
 
 
-def _build_parameter(name: str, raw_parameter: Raw, context: Context) -> Parameter:
+def _build_parameter(name: str, raw_parameter: Raw, context: LayoutContext) -> Parameter:
     """Return a parameter with its limits, from its codes if it has any, and its largest value over all order codes."""
     codes = coded_values(raw_parameter)
     if codes:
@@ -269,14 +269,14 @@ def _build_parameter(name: str, raw_parameter: Raw, context: Context) -> Paramet
     return record(Parameter, raw_parameter, name=name, equals=equals, largest=max(all_values, default=0), by_code=codes)
 
 
-def _build_registers(raw_spec: Raw, context: Context) -> tuple[Register, ...]:
+def _build_registers(raw_spec: Raw, context: LayoutContext) -> tuple[Register, ...]:
     """Return the registers whose layouts are valid."""
     definitions = enumerate(raw_spec.get("registers", ()))
     registers = (_build_register(definition, ("registers", index), context) for index, definition in definitions)
     return tuple(register for register in registers if register is not None)
 
 
-def _build_register(raw_register: Raw, path: Path, context: Context) -> Register | None:
+def _build_register(raw_register: Raw, path: Path, context: LayoutContext) -> Register | None:
     """Return a register, or None if its layout is not valid. A register without fields is one number."""
     interface = raw_register.get("interface", Biss.name)
     register_bits = 8 * raw_register["length"]
@@ -303,13 +303,13 @@ def _build_register(raw_register: Raw, path: Path, context: Context) -> Register
     return register
 
 
-def _build_register_meaning(raw_meaning: Raw, context: Context) -> RegisterMeaning:
+def _build_register_meaning(raw_meaning: Raw, context: LayoutContext) -> RegisterMeaning:
     return record(
         RegisterMeaning, raw_meaning, value=raw_meaning["is"], **context.expressions(raw_meaning, ("min", "max"))
     )
 
 
-def _check_limits(register: Register, path: Path, context: Context) -> None:
+def _check_limits(register: Register, path: Path, context: LayoutContext) -> None:
     """Check that the limits fit their field, and that the default fits the limits and the named values.
 
     Only the first problem is reported, for the first order code that has it.

@@ -35,7 +35,7 @@ from .from_mapping import Raw, record
 
 
 @dataclass(frozen=True)
-class Context:
+class LayoutContext:
     """Definitions that a layout may refer to.
 
     ``groups`` has, by name, each group of fields and its path in the spec. ``definitions`` contains the expressions of
@@ -89,7 +89,7 @@ class Site:
     """The site of a layout: its place in the spec, and the interface whose order codes it must support."""
 
     path: Path
-    context: Context
+    context: LayoutContext
     interface: str
 
     @property
@@ -119,7 +119,7 @@ def bit_range(bits_text: int | str) -> tuple[int, int] | None:
     return (high, low) if high >= low else None
 
 
-def expected_value(raw_field: Raw, context: Context) -> Expression | int | str | None:
+def expected_value(raw_field: Raw, context: LayoutContext) -> Expression | int | str | None:
     """Return the value of ``equals``: a text, a number, or an expression, which may depend on the order code.
 
     Return None if there is none, or an expression that is not valid.
@@ -144,7 +144,7 @@ def zero_field(name: str, constant: Constant, low: Expression, width: Expression
     )
 
 
-def kind_of(raw_field: Raw, context: Context, interface: str, width: Expression) -> Kind:
+def kind_of(raw_field: Raw, context: LayoutContext, interface: str, width: Expression) -> Kind:
     """Return the kind of a field by its key. A field without such a key is a number."""
     if "constant" in raw_field:
         return Constant(raw_field["constant"])
@@ -179,7 +179,7 @@ def _named_values(raw_field: Raw, width: Expression) -> tuple[Value, ...]:
     return values
 
 
-def _build_flag(raw_field: Raw, context: Context, interface: str) -> Flag:
+def _build_flag(raw_field: Raw, context: LayoutContext, interface: str) -> Flag:
     """Return a flag. ``makes_position_if`` has one entry, such as ``{encoder_follows_edition_2: not_usable}``.
 
     Its key is the parameter that decides, and its value the verdict if this is 1. ``only`` becomes the parameter that

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..model import Constant, Field
 from ..model.expressions import Expression
-from .fields import Context, Site, zero_field
+from .fields import LayoutContext, Site, zero_field
 from .from_mapping import Raw
 
 ZERO = Expression(0)
@@ -39,7 +39,7 @@ def with_places(fields: Sequence[Field], site: Site) -> list[Field]:
     return sorted(fields, key=place_over_all_codes)
 
 
-def content_of_gaps(raw_layout: Raw, context: Context) -> str:
+def content_of_gaps(raw_layout: Raw, context: LayoutContext) -> str:
     """Return the content of bits without a field: ``zero``, ``unspecified``, or an empty string if undefined.
 
     It is the content in the layout, or else in the first group in it that defines one. In a frame, only a group can

@@ -29,17 +29,17 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..say.plain_text import counted
-from .fields import Context, Site, build_values
+from .fields import LayoutContext, Site, build_values
 from .from_mapping import Raw, record, sources
 from .layouts import build_layout
 from .valid_parts import valid_parts_so_far
 
 
-def build_interfaces(raw_spec: Raw, context: Context) -> tuple[Interface, ...]:
+def build_interfaces(raw_spec: Raw, context: LayoutContext) -> tuple[Interface, ...]:
     return tuple(_build_interface(name, definition, context) for name, definition in raw_spec["interfaces"].items())
 
 
-def _build_interface(name: str, raw_interface: Raw, context: Context) -> Interface:
+def _build_interface(name: str, raw_interface: Raw, context: LayoutContext) -> Interface:
     """Return an interface with its valid layouts. Others have been reported."""
     layouts: list[Layout] = []
     for index, definition in enumerate(raw_interface["layouts"]):
@@ -129,7 +129,7 @@ def _checked_word_bits(raw: Raw, site: Site, *below: str | int) -> Expression | 
     return bits
 
 
-def build_measurement(raw_owner: Raw, context: Context) -> Measurement | None:
+def build_measurement(raw_owner: Raw, context: LayoutContext) -> Measurement | None:
     """Return the measurement of a device or of one of its interfaces."""
     if "measurement" not in raw_owner:
         return None
@@ -155,7 +155,7 @@ def _one_or_more(raw_or_list: Raw | Sequence[Raw]) -> Sequence[Raw]:
     return [raw_or_list] if isinstance(raw_or_list, Mapping) else raw_or_list
 
 
-def _members_of_ssi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_ssi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of an SSI interface that differ from the spec, by name. Its source is their default."""
     source = sources(raw_interface)
     output_code = None
@@ -173,7 +173,7 @@ def _members_of_ssi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
     }
 
 
-def _members_of_biss(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_biss(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of a BiSS interface that differ from the spec, by name."""
     control = raw_interface.get("control_data", {})
     timeouts = _one_or_more(raw_interface.get("timeout", ()))
@@ -188,7 +188,7 @@ def _members_of_biss(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
     }
 
 
-def _build_channels(raw_interface: Raw, context: Context) -> DataChannels | None:
+def _build_channels(raw_interface: Raw, context: LayoutContext) -> DataChannels | None:
     """Return the data channels that one frame carries, or None if the spec does not list them."""
     if "channels" not in raw_interface:
         return None
@@ -198,7 +198,7 @@ def _build_channels(raw_interface: Raw, context: Context) -> DataChannels | None
     return record(DataChannels, {"order": (), **raw_channels}, source=source, **bits)
 
 
-def _members_of_rs485(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_rs485(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of an RS-485 interface that differ from the spec, by name."""
     return {
         "port": record(Port, {**_PORT, **raw_interface.get("port", {})}),
@@ -206,7 +206,7 @@ def _members_of_rs485(raw_interface: Raw, context: Context) -> Mapping[str, Any]
     }
 
 
-def _members_of_spi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
+def _members_of_spi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of an SPI interface that differ from the spec, by name."""
     bits = context.expression(raw_interface.get("word_bits", _WORD[0]))
     return {
@@ -216,14 +216,14 @@ def _members_of_spi(raw_interface: Raw, context: Context) -> Mapping[str, Any]:
     }
 
 
-def _build_exchanges(raw_interface: Raw, context: Context) -> tuple[Exchange, ...]:
+def _build_exchanges(raw_interface: Raw, context: LayoutContext) -> tuple[Exchange, ...]:
     return tuple(
         _build_exchange(exchange, raw_interface.get("source", ""), context)
         for exchange in raw_interface.get("exchanges", ())
     )
 
 
-def _build_exchange(raw_exchange: Raw, source: str, context: Context) -> Exchange:
+def _build_exchange(raw_exchange: Raw, source: str, context: LayoutContext) -> Exchange:
     """Return an exchange. ``source`` is the source of the interface, for an exchange without its own."""
     word_bits = context.expression(raw_exchange["word_bits"]) if "word_bits" in raw_exchange else None
     return record(Exchange, {"source": source, **raw_exchange}, word_bits=word_bits)
@@ -235,7 +235,7 @@ _PORT = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_control": "none
 _INTERFACES = {"ssi": _members_of_ssi, "biss": _members_of_biss, "rs485": _members_of_rs485, "spi": _members_of_spi}
 
 
-def _build_control_field(raw_field: Raw, parent: Raw, context: Context) -> ControlField:
+def _build_control_field(raw_field: Raw, parent: Raw, context: LayoutContext) -> ControlField:
     """Return a field of the control frame. Without ``bits``, a CRC has its own width, and another field one bit."""
     is_known_crc = raw_field.get("crc") in context.crcs
     default_bits = context.crcs[raw_field["crc"]].width if is_known_crc else 1

@@ -16,7 +16,7 @@ from ..model.expressions import Expression
 from ..model.kinds import WIDEST
 from ..model.record import dataclass
 from .fields import (
-    Context,
+    LayoutContext,
     Site,
     bit_range,
     build_combinations,
@@ -138,7 +138,7 @@ def _joins_of_fields(raw_layout: Raw, fields: Sequence[Field]) -> Iterator[Join]
             yield Join(name, tuple(members))
 
 
-def _build_position_range(raw_layout: Raw, context: Context) -> LayoutRange | None:
+def _build_position_range(raw_layout: Raw, context: LayoutContext) -> LayoutRange | None:
     """Return the range of the position in frames of this layout, or None if the range of the interface applies."""
     if "position_range" not in raw_layout:
         return None
@@ -190,14 +190,14 @@ def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: S
     return with_zeros(fields, bits, site) if gaps == "zero" else fields
 
 
-def _build_items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
+def _build_items(raw_fields: Sequence[Raw], path: Path, context: LayoutContext, low_first: bool) -> list[Item] | None:
     """Return the fields and groups as items, or None if a field or group is not valid, which is reported elsewhere."""
     items = [_build_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
     valid_items = [field_item for field_item in items if field_item is not None]
     return valid_items if len(valid_items) == len(items) else None
 
 
-def _build_item(raw_field: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
+def _build_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: bool) -> Item | None:
     """Return a field or group as an item, or None if it is not valid.
 
     If the field gives its own place, the item has it. Otherwise its place is 0 until ``_place_in_sequence`` sets it.
@@ -215,7 +215,7 @@ def _build_item(raw_field: Raw, path: Path, context: Context, low_first: bool) -
     return Item(raw_field, path, group="", width=width, span=span, low=low)
 
 
-def _build_group_item(raw_field: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
+def _build_group_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: bool) -> Item | None:
     """Return the item for the use of a group, or None if there is no such group or the group is not valid."""
     if raw_field["use"] not in context.groups:
         return None
@@ -227,7 +227,7 @@ def _build_group_item(raw_field: Raw, path: Path, context: Context, low_first: b
     return Item({"group": group_items}, path, group=raw_field["use"], width=width, span=width)
 
 
-def _build_items_of_group(group: Raw, path: Path, context: Context, low_first: bool) -> list[Item] | None:
+def _build_items_of_group(group: Raw, path: Path, context: LayoutContext, low_first: bool) -> list[Item] | None:
     """Return the fields of a group as items, placed from bit 0 of the group, or None if they are not valid.
 
     Fields in sending order must have the number of bits that the group gives.
@@ -254,7 +254,7 @@ def _is_placed(raw_field: Raw) -> bool:
     return any(key in raw_field for key in PLACES)
 
 
-def _width_of_field(raw_field: Raw, context: Context) -> Expression | None:
+def _width_of_field(raw_field: Raw, context: LayoutContext) -> Expression | None:
     """Return the width of a field: ``bits``, the range in ``at``, the width of its CRC, or 1 for flags and parity bits.
 
     Return None if it has none of these, or no valid one.
@@ -270,7 +270,7 @@ def _width_of_field(raw_field: Raw, context: Context) -> Expression | None:
     return Expression(1) if "active" in raw_field or "parity_of" in raw_field else None
 
 
-def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context: Context) -> Expression | None:
+def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context: LayoutContext) -> Expression | None:
     """Return the lowest bit of a field from ``low_bit``, ``top_bit`` or ``at``, or None if it is not valid."""
     if "low_bit" in raw_field:
         return context.expression(raw_field["low_bit"])

@@ -16,7 +16,7 @@ from ..language.written_parts import WrittenSpec
 from ..model import Alternative, CodedValue, Device, Interface, Layout, Parameter, Variant
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
 from ..order_codes.parameters import State, coded_states, extreme_combinations
-from .fields import Context, bit_range
+from .fields import LayoutContext, bit_range
 from .from_mapping import Raw
 
 _ENDING = "_bits"
@@ -78,7 +78,7 @@ def _describe_difference(device: Device, parameter: Parameter, interface: Interf
     return ""
 
 
-def check_reach(raw_spec: Raw, context: Context, variants: Sequence[Variant]) -> bool:
+def check_reach(raw_spec: Raw, context: LayoutContext, variants: Sequence[Variant]) -> bool:
     """Return True if every expression has a value. Report expressions without a value.
 
     An expression needs a value for each order code of the interface that uses it. A parameter with ``equals`` needs one
@@ -359,7 +359,7 @@ def _without_definitions(
     yield from ((interface, base) for (interface, _), base in base_by_values.items())
 
 
-def too_much_work(raw_spec: Raw, context: Context) -> bool:
+def too_much_work(raw_spec: Raw, context: LayoutContext) -> bool:
     """Report a spec for which each field would be placed too often, and return True. Otherwise, return False.
 
     Each field is placed once for each set of parameters.
