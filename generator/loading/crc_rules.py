@@ -9,11 +9,11 @@ from itertools import chain, pairwise
 from ..language.problems import DocumentReport, listed
 from ..model import INTERFACES, Constant, Crc, CrcValue, Device, Field, Layout, Unused
 from ..model.expressions import Expression
-from .fields import Site
+from .fields import LayoutSite
 from .gaps import values_text
 
 
-def check_one_crc(layout: Layout, site: Site) -> None:
+def check_one_crc(layout: Layout, site: LayoutSite) -> None:
     """Report a layout with several CRCs for the same order code. A CRC without bits is not sent."""
     for parameters in site.sets:
         sent_fields = [field for field in layout.crc_fields if field.width.value(parameters)]
@@ -42,7 +42,7 @@ def check_settings_of_crcs(device: Device, report: DocumentReport) -> None:
                 report.add("width-mismatch", path, f"{problem}; {remedy}")
 
 
-def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: Site) -> None:
+def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: LayoutSite) -> None:
     """Check the width of a CRC, that it ends the frame, and the fields that it covers.
 
     Only other CRCs may follow it, because each order code has at most one. A frame of bits in bytes may have zeros
@@ -76,7 +76,7 @@ def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: Site) -> 
         site.report("width-mismatch", f"{problem}, without 'refin' and 'refout'")
 
 
-def _check_width(field: Field, crc: Crc, site: Site) -> None:
+def _check_width(field: Field, crc: Crc, site: LayoutSite) -> None:
     """Check that a CRC has its width, or no bits for order codes without it.
 
     In a register, it must always have its width.
@@ -124,7 +124,7 @@ def _yield_fields_left_out(layout: Layout, crc: Field, crc_value: CrcValue) -> I
         yield f"'{crc.name}' does not cover {names_left_out}; {remedy}"
 
 
-def _yield_gap_in_fields(layout: Layout, crc_value: CrcValue, site: Site) -> Iterator[str]:
+def _yield_gap_in_fields(layout: Layout, crc_value: CrcValue, site: LayoutSite) -> Iterator[str]:
     """Yield at most one problem: the reason why the fields in ``crc_of`` are not adjacent bits at a fixed place."""
     if crc_value.of and layout.in_bytes:
         interface = INTERFACES[site.interface]

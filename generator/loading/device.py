@@ -44,7 +44,7 @@ from .editions import editions
 from .evidence import with_placeholders
 from .examples import build_examples, check_examples
 from .facts_by_code import check_facts_by_code
-from .fields import LayoutContext, Site
+from .fields import LayoutContext, LayoutSite
 from .frame_kinds import check_errata, check_frame_kinds
 from .from_mapping import (
     Raw,
@@ -282,7 +282,7 @@ def _build_register(raw_register: Raw, path: Path, context: LayoutContext) -> Re
     register_bits = 8 * raw_register["length"]
     only_field = {"name": raw_register["name"], "bits": register_bits}
     raw_with_fields = {"fields": [only_field], **raw_register}  # Fields of the register take precedence.
-    layout = build_layout(raw_with_fields, Site(path, context, interface), register_bits)
+    layout = build_layout(raw_with_fields, LayoutSite(path, context, interface), register_bits)
     if layout is None:
         return None
     opener = raw_register.get("opened_by", {})  # The register that must have a value before this one is written.

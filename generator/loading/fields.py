@@ -85,7 +85,7 @@ def _verdict_while_active(raw_field: Raw, interface: str) -> Verdict | None:
 
 
 @dataclass(frozen=True)
-class Site:
+class LayoutSite:
     """The site of a layout: its place in the spec, and the interface whose order codes it must support."""
 
     path: Path
@@ -131,7 +131,9 @@ def expected_value(raw_field: Raw, context: LayoutContext) -> Expression | int |
     return expected if isinstance(expected, (int, str)) else None
 
 
-def zero_field(name: str, constant: Constant, low: Expression, width: Expression, site: Site, source: Sources) -> Field:
+def zero_field(
+    name: str, constant: Constant, low: Expression, width: Expression, site: LayoutSite, source: Sources
+) -> Field:
     """Return a field whose bits are always 0, such as padding or a gap. ``constant`` says which."""
     return Field(
         name=name,
@@ -294,7 +296,7 @@ def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
     return tuple(pieces)
 
 
-def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: Site) -> list[Field]:
+def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: LayoutSite) -> list[Field]:
     """Return the fields. In parity bits that cover a join, the fields of the join replace it."""
     joins = {name: tuple(members) for name, members in raw_layout.get("join", {}).items()}
     constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
@@ -302,7 +304,7 @@ def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: Site) -> 
 
 
 def _resolve_parity(
-    field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site
+    field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: LayoutSite
 ) -> Field:
     """Return the field. If it is a parity bit, joins in it are replaced by their fields, and constants are counted.
 

@@ -25,7 +25,7 @@ from ..model import (
     Verdict,
 )
 from .channel_rules import check_channels
-from .fields import Site
+from .fields import LayoutSite
 from .from_mapping import Raw
 from .valid_parts import valid_parts_so_far
 
@@ -38,7 +38,7 @@ _IN_WORDS = (
 )
 
 
-def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Site) -> Layout:
+def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: LayoutSite) -> Layout:
     """Return the layout with UNKNOWN as the verdict of reserved bits, if no flag says whether the position is usable.
 
     A warning cannot improve an unknown verdict, so ``raw_fields`` must not state that verdict.
@@ -49,7 +49,7 @@ def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Site)
     return layout.with_unknown_verdicts()
 
 
-def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: Site) -> None:
+def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: LayoutSite) -> None:
     """Report reserved bits whose stated verdict is a warning."""
     for index, field in enumerate(raw_fields):
         is_reserved = "unused" in field

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..model import Constant, Field
 from ..model.expressions import Expression
-from .fields import LayoutContext, Site, zero_field
+from .fields import LayoutContext, LayoutSite, zero_field
 from .from_mapping import Raw
 
 ZERO = Expression(0)
@@ -24,7 +24,7 @@ def values_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
     return f" with {values}" if values else ""
 
 
-def with_places(fields: Sequence[Field], site: Site) -> list[Field]:
+def with_places(fields: Sequence[Field], site: LayoutSite) -> list[Field]:
     """Return the fields sorted by place, lowest first.
 
     The place is the sum of the lowest bits over all order codes, because widths differ between them. Of fields at the
@@ -88,7 +88,7 @@ def _find_gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
         yield _Gap(below=last_field, above=None, low=end_of_last, width=width_above)
 
 
-def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:
+def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str, site: LayoutSite) -> bool:
     """Return True if every bit has a field, or if ``gaps`` defines the remaining bits.
 
     Report the first gap otherwise.
@@ -144,7 +144,7 @@ def _name_of_zeros(below: Field | None, above: Field | None) -> str:
     return f"zero_above_{below.name}" if below is not None else "zero"
 
 
-def with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Field] | None:
+def with_zeros(fields: Sequence[Field], bits: Expression, site: LayoutSite) -> list[Field] | None:
     """Return the fields with a constant zero field in every gap, or None if the order of fields changes."""
     zero = Constant(fills_gap=True)
     zero_fields = []

@@ -29,7 +29,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..say.plain_text import counted
-from .fields import LayoutContext, Site, build_values
+from .fields import LayoutContext, LayoutSite, build_values
 from .from_mapping import Raw, record, sources
 from .layouts import build_layout
 from .valid_parts import valid_parts_so_far
@@ -43,11 +43,11 @@ def _build_interface(name: str, raw_interface: Raw, context: LayoutContext) -> I
     """Return an interface with its valid layouts. Others have been reported."""
     layouts: list[Layout] = []
     for index, definition in enumerate(raw_interface["layouts"]):
-        layout = build_layout(definition, Site(("interfaces", name, "layouts", index), context, name))
+        layout = build_layout(definition, LayoutSite(("interfaces", name, "layouts", index), context, name))
         if layout is not None:
             layouts.append(layout)
     if "word_bits" in raw_interface:
-        _check_words(raw_interface, layouts, Site(("interfaces", name), context, name))
+        _check_words(raw_interface, layouts, LayoutSite(("interfaces", name), context, name))
     kind: Callable[..., Interface] = INTERFACES[name]
     members_of_kind = _INTERFACES[name](raw_interface, context)
     measurement = build_measurement(raw_interface, context)
@@ -68,7 +68,7 @@ class _Word(NamedTuple):
     bits: Expression | None
 
 
-def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: Site) -> None:
+def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: LayoutSite) -> None:
     """Check that words have a possible number of bits for every order code, and that their layouts have as many.
 
     ``word_bits`` of an exchange replaces ``word_bits`` of the interface. If several layouts agree on another number
@@ -95,7 +95,7 @@ def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: Site) -> N
         _check_word_bits(layout, words_of_layout or [_Word({}, default_bits)], site)
 
 
-def _check_word_bits(layout: Layout, words: Sequence[_Word], site: Site) -> None:
+def _check_word_bits(layout: Layout, words: Sequence[_Word], site: LayoutSite) -> None:
     """Report the first exchange whose word does not have as many bits as a layout that it uses."""
     mismatches = [word for word in words if word.bits is not None and word.bits != layout.bits]
     if not mismatches:
@@ -112,7 +112,7 @@ def _check_word_bits(layout: Layout, words: Sequence[_Word], site: Site) -> None
     site.report("width-mismatch", f"{message}; {remedy}", "layouts", layout.name)
 
 
-def _checked_word_bits(raw: Raw, site: Site, *below: str | int) -> Expression | None:
+def _checked_word_bits(raw: Raw, site: LayoutSite, *below: str | int) -> Expression | None:
     """Return ``word_bits`` of an interface or exchange, and check its range for every order code.
 
     Return None for an invalid expression. ``below`` is the path of the exchange in the interface.

@@ -26,11 +26,11 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from .crc_rules import check_crc, check_one_crc
-from .fields import Site
+from .fields import LayoutSite
 from .gaps import values_text
 
 
-def check_joined(layout: Layout, site: Site, low_byte_first: bool) -> None:
+def check_joined(layout: Layout, site: LayoutSite, low_byte_first: bool) -> None:
     """Check the joined numbers, parity bits and Gray code of a layout. Each number is reported once.
 
     If a layout that is carried as bits sends the low byte first, joins put its bytes in order.
@@ -44,7 +44,7 @@ def check_joined(layout: Layout, site: Site, low_byte_first: bool) -> None:
         _check_gray(layout, site)
 
 
-def _check_joins(layout: Layout, site: Site, low_first: bool) -> set[str]:
+def _check_joins(layout: Layout, site: LayoutSite, low_first: bool) -> set[str]:
     """Check that joined numbers contain plain bits, no field twice and, in a word, fields in sending order.
 
     With ``low_first``, that order is reversed. Return the names of the joins with a problem.
@@ -62,7 +62,7 @@ def _check_joins(layout: Layout, site: Site, low_first: bool) -> set[str]:
     return faulty
 
 
-def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) -> None:
+def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: LayoutSite) -> None:
     """Check that a joined number contains plain bits, and no field twice."""
     for index, name in enumerate(join.fields):
         if name in join.fields[:index]:
@@ -76,7 +76,9 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) ->
             site.report("join-of", f"'{join.name}' contains '{name}', {reason}{remedy}", "join", join.name, index)
 
 
-def _check_order_of_join(join: Join, fields: Mapping[str, Field], layout: Layout, site: Site, low_first: bool) -> None:
+def _check_order_of_join(
+    join: Join, fields: Mapping[str, Field], layout: Layout, site: LayoutSite, low_first: bool
+) -> None:
     """Check that each field of a joined number is sent before the next one, or after it with ``low_first``.
 
     A field sent earlier has higher bits in the layout.
@@ -93,7 +95,7 @@ def _check_order_of_join(join: Join, fields: Mapping[str, Field], layout: Layout
             site.report("join-order", problem + remedy, "join", join.name, index)
 
 
-def _remedy_for_order(low_first: bool, site: Site) -> str:
+def _remedy_for_order(low_first: bool, site: LayoutSite) -> str:
     """Return the end of the message about joined fields in the wrong order."""
     if low_first:
         return ", and the low byte of each number comes first"
@@ -102,7 +104,7 @@ def _remedy_for_order(low_first: bool, site: Site) -> str:
     return ", with the more significant bits"
 
 
-def _check_bytes(layout: Layout, site: Site) -> None:
+def _check_bytes(layout: Layout, site: LayoutSite) -> None:
     """Check that no number in a word has more than 8 bits, because then the low byte of each number comes first."""
     for field in layout.fields:
         # Byte order has no effect on unused bits and zeros.
@@ -117,7 +119,7 @@ def _is_zeros(kind: Kind) -> bool:
     return isinstance(kind, Constant) and kind.value == 0
 
 
-def _check_parities(layout: Layout, site: Site) -> None:
+def _check_parities(layout: Layout, site: LayoutSite) -> None:
     """Check that parity bits cover data fields, each at most once.
 
     Fields without data are allowed too, except those that are computed: CRCs and parity bits.
@@ -158,7 +160,7 @@ def _obstacle_to_join(kind: Kind) -> str:
     return "which is signed; remove 'signed'" if kind.signed else "which has 'zero_means'; remove 'zero_means'"
 
 
-def _check_gray(layout: Layout, site: Site) -> None:
+def _check_gray(layout: Layout, site: LayoutSite) -> None:
     """Check that a number in Gray code has several bits, contiguous while it is in this code.
 
     The bits of the number can include a flag.
@@ -198,7 +200,7 @@ def _are_adjacent(above: Field, below: Field, parameter_sets: Iterable[Mapping[s
     return all(end_below.value(parameters) == above.low.value(parameters) for parameters in parameter_sets)
 
 
-def _is_above(upper: Field, lower: Field, site: Site) -> bool:
+def _is_above(upper: Field, lower: Field, site: LayoutSite) -> bool:
     """Return True if ``upper`` is above ``lower`` for an order code that has both fields."""
     for parameters in site.sets:
         has_both = upper.width.value(parameters) and lower.width.value(parameters)
@@ -213,7 +215,7 @@ LARGEST_NUMBER = 64
 LARGEST_BYTES = 128
 
 
-def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
+def check_layout(layout: Layout, site: LayoutSite, low_byte_first: bool) -> bool:
     """Return True if a layout is valid with the parameters of every order code, otherwise report why.
 
     ``low_byte_first`` is true if the spec says so, also for a layout that is carried as bits.
@@ -264,7 +266,7 @@ def _remedy_for_long_frames(layout: Layout) -> str:
     return f", or {LARGEST_BYTES} with 'carried_as: bytes' {condition}; {remedy}"
 
 
-def _check_field(layout: Layout, field: Field, site: Site) -> None:
+def _check_field(layout: Layout, field: Field, site: LayoutSite) -> None:
     """Check a field by its kind. Only texts and zeros that fill bits without content can have more than 64 bits."""
     kind = field.kind
     bits = field.widest
@@ -292,26 +294,26 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
             assert_never(kind)
 
 
-def _check_number(field: Field, number: Number, site: Site) -> None:
+def _check_number(field: Field, number: Number, site: LayoutSite) -> None:
     """Check that a power of two has bits for every order code: without bits, it would be 0."""
     if number.power_of_two:
         _check_absent(field, "0 is not a power of two; remove 'power_of_two'", site)
 
 
-def _check_decimal(field: Field, decimal: Decimal, site: Site) -> None:
+def _check_decimal(field: Field, decimal: Decimal, site: LayoutSite) -> None:
     """Check that all decimal numbers with these digits fit into the bits of the field."""
     if decimal.limit > 1 << field.widest:
         site.report("value-too-wide", f"{decimal.digits} decimal digits do not fit into {field.widest} bits")
 
 
-def _check_text(field: Field, site: Site) -> None:
+def _check_text(field: Field, site: LayoutSite) -> None:
     """Check that a text fills its bits: whole bytes, and as many as ``equals`` has characters if it is given."""
     fills_bits = not isinstance(field.equals, str) or 8 * len(field.equals) == field.widest
     if field.widest % 8 or not fills_bits:
         site.report("width-mismatch", f"the text of '{field.name}' does not fill its {field.widest} bits")
 
 
-def _check_one_bit(field: Field, kind_text: str, site: Site) -> None:
+def _check_one_bit(field: Field, kind_text: str, site: LayoutSite) -> None:
     """Check that a flag or parity bit has one bit. In a frame, it can have none for some order codes."""
     subject = f"'{field.name}' is a {kind_text}"
     if field.width.is_constant:
@@ -336,7 +338,7 @@ def _check_one_bit(field: Field, kind_text: str, site: Site) -> None:
         site.report("width-mismatch", f"{message}; {remedy}")
 
 
-def _check_choice(field: Field, choice: Choice, site: Site) -> None:
+def _check_choice(field: Field, choice: Choice, site: LayoutSite) -> None:
     """Check that all named values fit into the field, and that one of them is 0 if an order code lacks the field."""
     # If the width is constant, the rules on the text have already checked it.
     if not field.width.is_constant:
@@ -350,7 +352,7 @@ def _check_choice(field: Field, choice: Choice, site: Site) -> None:
         _check_absent(field, "none of its values is 0; add one", site)
 
 
-def _check_fixed(field: Field, fixed: Constant | Unused, site: Site) -> None:
+def _check_fixed(field: Field, fixed: Constant | Unused, site: LayoutSite) -> None:
     """Check that a constant, or the value of unused bits, fits into the field for all order codes that have it.
 
     If an order code lacks the field, a constant must be 0.
@@ -367,7 +369,7 @@ def _check_fixed(field: Field, fixed: Constant | Unused, site: Site) -> None:
         _check_absent(field, f"'constant' is {fixed.value:#x}; use 0, or a constant width", site)
 
 
-def _check_absent(field: Field, reason: str, site: Site) -> None:
+def _check_absent(field: Field, reason: str, site: LayoutSite) -> None:
     """Report a field that has no bits for some order code, unless there is none.
 
     Such a field reads as 0. If the kind does not allow 0, all frames of this order code would be rejected. ``reason``

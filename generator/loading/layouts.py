@@ -17,7 +17,7 @@ from ..model.kinds import WIDEST
 from ..model.record import dataclass
 from .fields import (
     LayoutContext,
-    Site,
+    LayoutSite,
     bit_range,
     build_combinations,
     expected_value,
@@ -61,7 +61,7 @@ class Item:
     low: Expression = ZERO
 
 
-def build_layout(raw_layout: Raw, site: Site, total: int | None = None) -> Layout | None:
+def build_layout(raw_layout: Raw, site: LayoutSite, total: int | None = None) -> Layout | None:
     """Build the layout described by ``raw_layout``, or report why it is not valid and return None.
 
     Args:
@@ -96,7 +96,7 @@ def build_layout(raw_layout: Raw, site: Site, total: int | None = None) -> Layou
 
 
 def _build_layout(
-    raw_layout: Raw, site: Site, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str
+    raw_layout: Raw, site: LayoutSite, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str
 ) -> Layout:
     """Return the layout with these fields, in sending order.
 
@@ -158,7 +158,7 @@ def _byte_order(raw_layout: Raw, carried_as: str) -> str:
 
 
 def _place_items(
-    raw_layout: Raw, site: Site, total: int | None, low_first: bool
+    raw_layout: Raw, site: LayoutSite, total: int | None, low_first: bool
 ) -> tuple[list[Item], Expression] | None:
     """Return the items with their places and the width of the layout, or None if they do not fit, which is reported.
 
@@ -177,7 +177,7 @@ def _place_items(
     return (items, bits) if _check_items_fit(items, bits, site) else None
 
 
-def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: Site) -> list[Field] | None:
+def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: LayoutSite) -> list[Field] | None:
     """Return the fields from the lowest up, or None after a report.
 
     If ``gaps`` is ``zero``, each gap has a field of zeros, and no order code may change the order of fields. If
@@ -313,12 +313,12 @@ def _expand_groups(items: Iterable[Item]) -> Iterable[Item]:
             yield replace(group_field, low=field_item.low + group_field.low)
 
 
-def _highest_used_bit(items: Sequence[Item], site: Site) -> int:
+def _highest_used_bit(items: Sequence[Item], site: LayoutSite) -> int:
     """Return the highest bit that an item uses with any parameters."""
     return max(site.widest(field_item.low + field_item.span) for field_item in _expand_groups(items)) - 1
 
 
-def _check_total_width(bits: Expression, total: int, site: Site) -> bool:
+def _check_total_width(bits: Expression, total: int, site: LayoutSite) -> bool:
     """Return True if the fields of a register have ``total`` bits together for every order code, otherwise report."""
     for parameters in site.sets:
         field_bits = bits.value(parameters)
@@ -329,7 +329,7 @@ def _check_total_width(bits: Expression, total: int, site: Site) -> bool:
     return True
 
 
-def _check_items_fit(items: Sequence[Item], bits: Expression, site: Site) -> bool:
+def _check_items_fit(items: Sequence[Item], bits: Expression, site: LayoutSite) -> bool:
     """Return True if every field has a valid width, is inside the layout and overlaps no other field.
 
     Report the problems of the first parameters for which this is not true. ``bits`` is the width of the layout.
@@ -347,7 +347,7 @@ def _check_items_fit(items: Sequence[Item], bits: Expression, site: Site) -> boo
     return True
 
 
-def _check_fit(flat: Sequence[Item], total: int, parameters: Mapping[str, int], site: Site) -> bool:
+def _check_fit(flat: Sequence[Item], total: int, parameters: Mapping[str, int], site: LayoutSite) -> bool:
     """Return True if the fields fit into ``total`` bits with these parameters, otherwise report why not.
 
     Each overlap of two fields is reported, but only the first field with an invalid width or place.
@@ -396,7 +396,7 @@ def _range_problem(field_item: Item, width: int, bits: range, total: int, condit
     return None
 
 
-def _build_fields(field_item: Item, site: Site) -> Iterable[Field]:
+def _build_fields(field_item: Item, site: LayoutSite) -> Iterable[Field]:
     """Yield the fields of an item: the field, also its padding if it has one, or all fields of a group."""
     for expanded_item in _expand_groups([field_item]):
         raw = expanded_item.raw
