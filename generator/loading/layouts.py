@@ -45,7 +45,7 @@ _MOST_BITS = 100_000
 
 
 @dataclass(frozen=True)
-class Item:
+class UnplacedItem:
     """A field or a group of a layout in progress: its data and path in the spec, and its place.
 
     ``group`` is the name of the group that the field comes from, or an empty string. ``span`` is the width with
@@ -159,7 +159,7 @@ def _byte_order(raw_layout: Raw, carried_as: str) -> str:
 
 def _place_items(
     raw_layout: Raw, site: LayoutSite, total: int | None, low_first: bool
-) -> tuple[list[Item], Expression] | None:
+) -> tuple[list[UnplacedItem], Expression] | None:
     """Return the items with their places and the width of the layout, or None if they do not fit, which is reported.
 
     If one item gives its place, all are placed by bit number, otherwise in sending order. Then the fields of a register
@@ -177,7 +177,9 @@ def _place_items(
     return (items, bits) if _check_items_fit(items, bits, site) else None
 
 
-def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: LayoutSite) -> list[Field] | None:
+def _with_gap_fields(
+    items: Sequence[UnplacedItem], bits: Expression, gaps: str, site: LayoutSite
+) -> list[Field] | None:
     """Return the fields from the lowest up, or None after a report.
 
     If ``gaps`` is ``zero``, each gap has a field of zeros, and no order code may change the order of fields. If
@@ -190,14 +192,16 @@ def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: L
     return with_zeros(fields, bits, site) if gaps == "zero" else fields
 
 
-def _build_items(raw_fields: Sequence[Raw], path: Path, context: LayoutContext, low_first: bool) -> list[Item] | None:
+def _build_items(
+    raw_fields: Sequence[Raw], path: Path, context: LayoutContext, low_first: bool
+) -> list[UnplacedItem] | None:
     """Return the fields and groups as items, or None if a field or group is not valid, which is reported elsewhere."""
     items = [_build_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
     valid_items = [field_item for field_item in items if field_item is not None]
     return valid_items if len(valid_items) == len(items) else None
 
 
-def _build_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: bool) -> Item | None:
+def _build_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: bool) -> UnplacedItem | None:
     """Return a field or group as an item, or None if it is not valid.
 
     If the field gives its own place, the item has it. Otherwise its place is 0 until ``_place_in_sequence`` sets it.
@@ -212,10 +216,10 @@ def _build_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: b
     if low is None:
         return None
     span = Expression(raw_field["padded_to"]) if "padded_to" in raw_field else width
-    return Item(raw_field, path, group="", width=width, span=span, low=low)
+    return UnplacedItem(raw_field, path, group="", width=width, span=span, low=low)
 
 
-def _build_group_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: bool) -> Item | None:
+def _build_group_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: bool) -> UnplacedItem | None:
     """Return the item for the use of a group, or None if there is no such group or the group is not valid."""
     if raw_field["use"] not in context.groups:
         return None
@@ -224,10 +228,10 @@ def _build_group_item(raw_field: Raw, path: Path, context: LayoutContext, low_fi
     if group_items is None:
         return None
     width = Expression(group["bits"])
-    return Item({"group": group_items}, path, group=raw_field["use"], width=width, span=width)
+    return UnplacedItem({"group": group_items}, path, group=raw_field["use"], width=width, span=width)
 
 
-def _build_items_of_group(group: Raw, path: Path, context: LayoutContext, low_first: bool) -> list[Item] | None:
+def _build_items_of_group(group: Raw, path: Path, context: LayoutContext, low_first: bool) -> list[UnplacedItem] | None:
     """Return the fields of a group as items, placed from bit 0 of the group, or None if they are not valid.
 
     Fields in sending order must have the number of bits that the group gives.
@@ -288,7 +292,7 @@ def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context:
     return Expression(low)
 
 
-def _place_in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Expression]:
+def _place_in_sequence(items: Sequence[UnplacedItem], low_first: bool) -> tuple[list[UnplacedItem], Expression]:
     """Return the items placed one after the other, in sending order as before, and their total width.
 
     The item sent last begins at bit 0, or the item sent first with ``low_first``.
@@ -303,7 +307,7 @@ def _place_in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Ite
     return in_sending_order, next_low
 
 
-def _expand_groups(items: Iterable[Item]) -> Iterable[Item]:
+def _expand_groups(items: Iterable[UnplacedItem]) -> Iterable[UnplacedItem]:
     """Yield the items with groups expanded, each at its place in the layout."""
     for field_item in items:
         if "group" not in field_item.raw:
@@ -313,7 +317,7 @@ def _expand_groups(items: Iterable[Item]) -> Iterable[Item]:
             yield replace(group_field, low=field_item.low + group_field.low)
 
 
-def _highest_used_bit(items: Sequence[Item], site: LayoutSite) -> int:
+def _highest_used_bit(items: Sequence[UnplacedItem], site: LayoutSite) -> int:
     """Return the highest bit that an item uses with any parameters."""
     return max(site.widest(field_item.low + field_item.span) for field_item in _expand_groups(items)) - 1
 
@@ -329,7 +333,7 @@ def _check_total_width(bits: Expression, total: int, site: LayoutSite) -> bool:
     return True
 
 
-def _check_items_fit(items: Sequence[Item], bits: Expression, site: LayoutSite) -> bool:
+def _check_items_fit(items: Sequence[UnplacedItem], bits: Expression, site: LayoutSite) -> bool:
     """Return True if every field has a valid width, is inside the layout and overlaps no other field.
 
     Report the problems of the first parameters for which this is not true. ``bits`` is the width of the layout.
@@ -347,13 +351,13 @@ def _check_items_fit(items: Sequence[Item], bits: Expression, site: LayoutSite) 
     return True
 
 
-def _check_fit(flat: Sequence[Item], total: int, parameters: Mapping[str, int], site: LayoutSite) -> bool:
+def _check_fit(flat: Sequence[UnplacedItem], total: int, parameters: Mapping[str, int], site: LayoutSite) -> bool:
     """Return True if the fields fit into ``total`` bits with these parameters, otherwise report why not.
 
     Each overlap of two fields is reported, but only the first field with an invalid width or place.
     """
     has_overlap = False
-    occupied: list[tuple[range, Item]] = []
+    occupied: list[tuple[range, UnplacedItem]] = []
     for field_item in flat:
         width = field_item.width.value(parameters)
         low = field_item.low.value(parameters)
@@ -379,7 +383,9 @@ def _check_fit(flat: Sequence[Item], total: int, parameters: Mapping[str, int], 
     return not has_overlap
 
 
-def _range_problem(field_item: Item, width: int, bits: range, total: int, condition: str) -> tuple[str, str] | None:
+def _range_problem(
+    field_item: UnplacedItem, width: int, bits: range, total: int, condition: str
+) -> tuple[str, str] | None:
     """Return the rule and the message if a field has an invalid width or is outside the layout, otherwise None.
 
     ``bits`` are the bits of the field with its padding. ``condition`` is the text about the parameters, such as `` with
@@ -396,7 +402,7 @@ def _range_problem(field_item: Item, width: int, bits: range, total: int, condit
     return None
 
 
-def _build_fields(field_item: Item, site: LayoutSite) -> Iterable[Field]:
+def _build_fields(field_item: UnplacedItem, site: LayoutSite) -> Iterable[Field]:
     """Yield the fields of an item: the field, also its padding if it has one, or all fields of a group."""
     for expanded_item in _expand_groups([field_item]):
         raw = expanded_item.raw
