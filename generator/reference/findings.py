@@ -34,7 +34,7 @@ from .codec import decode as decode_word
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class FrameReport:
     """An active flag, or unused bits that differ from the manual. ``makes_position`` is None without a position."""
 
     field: str
@@ -60,7 +60,7 @@ class Difference:
 class Findings:
     """Findings in a frame or register. ``verdict`` is None without a position or for an invalid frame."""
 
-    reports: tuple[Report, ...] = ()
+    reports: tuple[FrameReport, ...] = ()
     verdict: Verdict | None = None
     differences: tuple[Difference, ...] = ()
 
@@ -103,7 +103,7 @@ def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedFie
     return active_fields
 
 
-def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[Field]) -> Iterator[Report]:
+def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[Field]) -> Iterator[FrameReport]:
     """Yield a report for each active field, except fields with which the position stays usable without a warning."""
     for field in active_fields:
         if field.kind.makes_position is not Verdict.USABLE:
@@ -112,7 +112,7 @@ def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[
 
 def _reports_of_register(
     device: Device, variant: Variant, active_fields: Sequence[Field], register: str
-) -> Iterator[Report]:
+) -> Iterator[FrameReport]:
     """Yield a report for each active field that is an alarm of the manual. Other flags may mean "ready" or the like."""
     for field in active_fields:
         alarm = _alarm_for(device, variant, field, register)
@@ -159,9 +159,9 @@ def _decoded_value(field: Field, number: int) -> str | bool:
     return field.value_of(number).name
 
 
-def _build_report(field: Field, alarm: Alarm | None) -> Report:
+def _build_report(field: Field, alarm: Alarm | None) -> FrameReport:
     """Return the report of an active field, with the texts of its alarm, if any."""
-    return Report(
+    return FrameReport(
         field=field.name,
         printed_name=field.printed_name,
         meaning=meaning(field, alarm),

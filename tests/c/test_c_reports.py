@@ -15,7 +15,7 @@ from codewheel.model import Device, Flag, PlacedLayout, Variant, Verdict
 from codewheel.plan.verdicts import ReportCause, reportings, reports_of
 from codewheel.reference.bits import unused_bits
 from codewheel.reference.codec import decode, encode
-from codewheel.reference.findings import Report, findings
+from codewheel.reference.findings import FrameReport, findings
 from codewheel.say.report import alarm_of, meaning
 from codewheel.targets.c.device import views_of
 from test_c_codec import Table, check, encoded_sample, on_the_wire, samples
@@ -70,7 +70,7 @@ class ExpectedReports:
     def has_reports(self, layout: str) -> bool:
         return bool(self._bits[layout])
 
-    def mask(self, reports: Iterable[Report], layout: str) -> int:
+    def mask(self, reports: Iterable[FrameReport], layout: str) -> int:
         return sum(self._bits[layout][report.field, report.meaning] for report in reports)
 
     def verdict_and_mask(self, variant: Variant, placed: PlacedLayout, number: int) -> tuple[int | None, int]:

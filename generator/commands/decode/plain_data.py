@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...model import Device, PlacedLayout, Scale, Variant
 from ...reference import codec
-from ...reference.findings import Difference, Findings, Report
+from ...reference.findings import Difference, Findings, FrameReport
 from .channel_frames import ChannelResult
 from .frames import Line
 from .text import NO_ANSWERS, NO_LINE
@@ -116,7 +116,7 @@ def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
     }
 
 
-def _report_data(report: Report) -> dict[str, Any]:
+def _report_data(report: FrameReport) -> dict[str, Any]:
     """Return a report of the encoder, for JSON."""
     return {
         "field": report.field,

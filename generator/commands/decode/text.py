@@ -12,7 +12,7 @@ from ...model.expressions import Expression
 from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of
 from ...reference import codec
-from ...reference.findings import Findings, Report
+from ...reference.findings import Findings, FrameReport
 from ...say import report as say_report
 from ...say.evidence import origin, placeholders
 from ...say.names_and_places import words
@@ -259,7 +259,7 @@ def _no_crc_text(decoded: codec.Decoded) -> str:
     return "this frame has no CRC, only parity" if has_parity else "this frame has no CRC"
 
 
-def _report_text(report: Report) -> str:
+def _report_text(report: FrameReport) -> str:
     name = f"{report.field} ({report.printed_name})" if report.printed_name else report.field
     if not report.remedy:
         return f"{name}: {report.meaning}"
