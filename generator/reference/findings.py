@@ -46,7 +46,7 @@ class FrameReport:
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class ValueDifference:
     """A value that differs from the manual. ``is_register`` is true if it is in a register."""
 
     field: str
@@ -62,7 +62,7 @@ class Findings:
 
     reports: tuple[FrameReport, ...] = ()
     verdict: Verdict | None = None
-    differences: tuple[Difference, ...] = ()
+    differences: tuple[ValueDifference, ...] = ()
 
 
 def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
@@ -190,7 +190,7 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
 
 def _yield_differences(
     variant: Variant, decoded: Decoded, decoded_fields: Mapping[str, DecodedField], is_register: bool
-) -> Iterator[Difference]:
+) -> Iterator[ValueDifference]:
     """Yield the fields whose documented value for this order code differs from the actual value.
 
     ``is_register`` is true for the fields of a register, for which the message has other words.
@@ -204,7 +204,7 @@ def _yield_differences(
         # A documented string is a text or the name of a value. A number equals the number formed by the bits.
         actual = decoded_field.value if isinstance(documented, str) else decoded_field.raw
         if actual != documented:
-            yield Difference(
+            yield ValueDifference(
                 field=placed_field.name,
                 actual=actual,
                 documented=documented,
@@ -246,12 +246,12 @@ def _list_addresses(register: Register) -> range:
     return range(register.address, register.last_address + 1)
 
 
-def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[Difference, ...]:
+def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[ValueDifference, ...]:
     """Return the fields of identifying registers whose contents contradict this order code.
 
     Bytes at addresses that ``bytes_by_address`` does not contain are unknown, and contradict nothing.
     """
-    differences: list[Difference] = []
+    differences: list[ValueDifference] = []
     for register in _identity_registers(device, variant):
         differences += _compare_register(variant, register, bytes_by_address)
     return tuple(differences)
@@ -259,7 +259,7 @@ def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int
 
 def _compare_register(
     variant: Variant, register: Register, bytes_by_address: Mapping[int, int]
-) -> Iterator[Difference]:
+) -> Iterator[ValueDifference]:
     """Yield the fields of a register whose known bytes differ from the order code's bytes.
 
     The message shows the whole field in hexadecimal, or dots for digits that are unknown.
@@ -288,7 +288,7 @@ def _compare_register(
             actual_digits = _known_digits(actual_bits, known_bits, placed_field.width)
             documented_digits = _known_digits(documented_bits, known_bits, placed_field.width)
             message = f"{path}: the given part is {actual_digits}, {variant.code} has {documented_digits}"
-        yield Difference(path, actual=actual_bits, documented=documented_bits, message=message, is_register=True)
+        yield ValueDifference(path, actual=actual_bits, documented=documented_bits, message=message, is_register=True)
 
 
 def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
@@ -305,7 +305,7 @@ def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
     return digits + "h"
 
 
-def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
+def strange_values(device: Device, decoded: Decoded) -> Iterator[ValueDifference]:
     """Yield register values that are impossible in this edition and therefore show that an older edition applies.
 
     A value is impossible if it fails the test of an edition: the field ``run`` is not from ``min`` to ``max``.
@@ -321,7 +321,7 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
             bounds = f"{test.min} to {test.max}"
             older_edition = edition_before(device, revision)
             message = of_older_edition(test.run, f"{raw}", bounds, revision, register, older_edition)
-            yield Difference(test.run, actual=raw, documented=bounds, message=message, is_register=True)
+            yield ValueDifference(test.run, actual=raw, documented=bounds, message=message, is_register=True)
 
 
 def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping[int, int]) -> str:

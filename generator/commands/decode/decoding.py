@@ -14,7 +14,7 @@ from ...model import Device, Flag, PlacedLayout, Verdict
 from ...order_codes.labels import Match
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
-from ...reference.findings import Difference, Findings, findings, strange_values
+from ...reference.findings import Findings, ValueDifference, findings, strange_values
 from ...why import MOST_FRAMES
 from ..open_questions import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels
@@ -57,7 +57,7 @@ class Request:
     register: str | None
     as_json: bool
     #: Values of ``--register`` that contradict the order code in registers that identify the encoder.
-    register_differences: tuple[Difference, ...]
+    register_differences: tuple[ValueDifference, ...]
     #: The user's answers to questions that the manual leaves open, by the names of the alternatives.
     answers: Mapping[str, str]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...model import Device, PlacedLayout, Scale, Variant
 from ...reference import codec
-from ...reference.findings import Difference, Findings, FrameReport
+from ...reference.findings import Findings, FrameReport, ValueDifference
 from .channel_frames import ChannelResult
 from .frames import Line
 from .text import NO_ANSWERS, NO_LINE
@@ -79,7 +79,7 @@ def _problem_data(problem: codec.Problem) -> dict[str, Any]:
     return {"kind": problem.fault.value, "field": problem.field or None, "message": problem.message}
 
 
-def _difference_data(difference: Difference) -> dict[str, Any]:
+def _difference_data(difference: ValueDifference) -> dict[str, Any]:
     """Return a value that differs from the manual, for JSON."""
     return {
         "field": difference.field,
