@@ -38,7 +38,7 @@ UNUSED = "unused"
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class FrameProblem:
     """An error in a frame, with the field in error."""
 
     fault: Fault
@@ -80,7 +80,7 @@ class Decoded:
     number: int
     fields: tuple[DecodedField, ...]
     crc: CrcResult | None
-    problems: tuple[Problem, ...]
+    problems: tuple[FrameProblem, ...]
 
     @property
     def values(self) -> dict[str, int | str | bool]:
@@ -89,7 +89,7 @@ class Decoded:
 
 def select_layout(
     device: Device, variant: Variant, sender: str, data: bytes
-) -> tuple[PlacedLayout | None, tuple[Problem, ...]]:
+) -> tuple[PlacedLayout | None, tuple[FrameProblem, ...]]:
     """Return the layout of ``data`` and no problems, or None and the reason why there is none.
 
     It is the first layout of the sender with the selector value in ``data``. A layout without a selector accepts any
@@ -97,7 +97,7 @@ def select_layout(
     """
     layouts = [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
     if not layouts:
-        return None, (Problem(Fault.RANGE, field="", message=f"the {sender} sends no frames on this interface"),)
+        return None, (FrameProblem(Fault.RANGE, field="", message=f"the {sender} sends no frames on this interface"),)
     valid_selector_values: list[int] = []
     for layout in layouts:
         placed = layout.place(variant.parameters)
@@ -110,10 +110,10 @@ def select_layout(
     selector_value = _selector_value(first_layout.place(variant.parameters), data)
     if selector_value is None:
         message = report.too_few_bytes(counted(len(data), "byte"))
-        return None, (Problem(Fault.LENGTH, field="", message=message),)
+        return None, (FrameProblem(Fault.LENGTH, field="", message=message),)
     choices = ", ".join(f"{value:X}" for value in sorted(valid_selector_values))
     message = report.no_frame(first_layout.selector, f"{selector_value:X}", choices)
-    return None, (Problem(Fault.RANGE, field=first_layout.selector, message=message),)
+    return None, (FrameProblem(Fault.RANGE, field=first_layout.selector, message=message),)
 
 
 def _selector_value(placed: PlacedLayout, data: bytes) -> int | None:
@@ -164,7 +164,7 @@ def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) ->
 def _result_of_wrong_length(placed: PlacedLayout, frame: int, needed_length: str, actual_length: int) -> Decoded:
     """Return the result for a frame of the wrong length: one problem and no fields."""
     message = report.length(placed.name, needed_length, f"{actual_length}")
-    problem = Problem(Fault.LENGTH, field="", message=message)
+    problem = FrameProblem(Fault.LENGTH, field="", message=message)
     return Decoded(layout=placed, number=frame, fields=(), crc=None, problems=(problem,))
 
 
@@ -175,7 +175,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     """
     if number >> placed.bits:  # Bits above the highest one of the frame.
         return _result_of_wrong_length(placed, number, f"{placed.bits} bits", number.bit_length())
-    problems: list[Problem] = []
+    problems: list[FrameProblem] = []
     fields: list[DecodedField] = []
     binary_number = from_gray(placed, number)
     for placed_field in placed.fields:
@@ -188,7 +188,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     crc = _decode_crc(device, placed, number)
     if crc is not None and not crc.ok:
         message = report.crc(f"{crc.received:#04x}", f"{crc.computed:#04x}")
-        problems.append(Problem(Fault.CRC, _name_of_crc_field(placed), message))
+        problems.append(FrameProblem(Fault.CRC, _name_of_crc_field(placed), message))
     fields += [_decode_join(placed, join, number, binary_number) for join in placed.layout.joins]
     if placed.layout.has_unused:
         differing_bits = unused_bits(placed, number)
@@ -201,7 +201,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
 
 def _problems_with_other_fields(
     placed: PlacedLayout, placed_field: PlacedField, sent_value: int, frame: int
-) -> Iterator[Problem]:
+) -> Iterator[FrameProblem]:
     """Yield the problem of a parity bit that is wrong in the frame ``frame``, or of a selector of another layout.
 
     The parity bit covers the bits as they are sent, so ``sent_value`` may be in Gray code.
@@ -213,12 +213,12 @@ def _problems_with_other_fields(
         if sent_value != correct_bit:
             covered_names = ", ".join(field.name for field in placed.find_fields(kind.of))
             message = report.parity(name, f"{sent_value}", covered_names, f"{correct_bit}")
-            yield Problem(Fault.CONSTANT, name, message)
+            yield FrameProblem(Fault.CONSTANT, name, message)
     elif name == placed.layout.selector and sent_value not in placed.layout.selects:
-        yield Problem(Fault.RANGE, name, report.of_other_frame(name, f"{sent_value:X}"))
+        yield FrameProblem(Fault.RANGE, name, report.of_other_frame(name, f"{sent_value:X}"))
 
 
-def _problems_of_position(device: Device, placed: PlacedLayout, binary_number: int) -> Iterator[Problem]:
+def _problems_of_position(device: Device, placed: PlacedLayout, binary_number: int) -> Iterator[FrameProblem]:
     """Yield the problem if the frame contains a position that this encoder does not have.
 
     ``binary_number`` is the frame with its Gray code converted to binary.
@@ -232,7 +232,7 @@ def _problems_of_position(device: Device, placed: PlacedLayout, binary_number: i
     raw = (binary_number >> position_field.low) & position_field.mask
     message = _range_message(position_range, position_field, raw, placed)
     if message:
-        yield Problem(Fault.RANGE, position_field.name, message)
+        yield FrameProblem(Fault.RANGE, position_field.name, message)
 
 
 def _range_message(position_range: PositionRange, placed_field: PlacedField, raw: int, placed: PlacedLayout) -> str:
@@ -297,19 +297,19 @@ def _decode_field(placed_field: PlacedField, sent_value: int, binary_value: int)
         yield DecodedField(run.name, raw=digits, value=digits, unit="", meaning=run.meaning, high=high, low=low)
 
 
-def _problems_of_value(field: Field, raw: int) -> Iterator[Problem]:
+def _problems_of_value(field: Field, raw: int) -> Iterator[FrameProblem]:
     """Yield the error if a number is not valid in a field, whatever the other fields contain."""
     name = field.name
     match field.kind:
         case Choice(named_values):
             if all(named_value.value != raw for named_value in named_values):
-                yield Problem(Fault.RANGE, name, report.no_value(name, f"{raw:#x}"))
+                yield FrameProblem(Fault.RANGE, name, report.no_value(name, f"{raw:#x}"))
         case Constant(constant):
             if raw != constant:
-                yield Problem(Fault.CONSTANT, name, report.constant(name, f"{raw:#x}", f"{constant:#x}"))
+                yield FrameProblem(Fault.CONSTANT, name, report.constant(name, f"{raw:#x}", f"{constant:#x}"))
         case Decimal() as decimal:
             if raw >= decimal.limit:
-                yield Problem(Fault.RANGE, name, report.digits(name, f"{raw}", f"{decimal.digits}"))
+                yield FrameProblem(Fault.RANGE, name, report.digits(name, f"{raw}", f"{decimal.digits}"))
 
 
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:

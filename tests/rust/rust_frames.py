@@ -11,7 +11,7 @@ from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Va
 from codewheel.model.registers import bounds, name_with_limits
 from codewheel.order_codes.parameters import with_answers
 from codewheel.reference.bits import join_value
-from codewheel.reference.codec import UNUSED, Decoded, DecodedField, EncodeError, Problem, decode, encode
+from codewheel.reference.codec import UNUSED, Decoded, DecodedField, EncodeError, FrameProblem, decode, encode
 from codewheel_rust.family import Struct
 from rust_harness import Program
 from test_c_codec import encoded_sample, run_time_variants, samples, with_crc
@@ -120,7 +120,7 @@ def _member_text(field: Field, fields: Mapping[str, DecodedField], mark: str) ->
     return str(int(decoded.value))
 
 
-def first_fault(problems: Sequence[Problem]) -> str:
+def first_fault(problems: Sequence[FrameProblem]) -> str:
     """Return the first error, and its field if it is reported."""
     fault, field = problems[0].fault, problems[0].field
     return f"{fault.value} {field}" if fault in (Fault.CONSTANT, Fault.RANGE) else fault.value

@@ -32,7 +32,7 @@ class ChannelResult:
     channels: tuple[codec.Decoded, ...]
     findings: ChannelFindings
     whys: tuple[Diagnosis | None, ...]
-    problems: tuple[codec.Problem, ...]
+    problems: tuple[codec.FrameProblem, ...]
     readings: tuple[str, ...]
 
     @property
@@ -41,7 +41,7 @@ class ChannelResult:
         return bool(self.problems) or any(decoded.problems for decoded in self.channels)
 
     @property
-    def all_problems(self) -> Iterator[codec.Problem]:
+    def all_problems(self) -> Iterator[codec.FrameProblem]:
         """The problem with the length, or the channels' problems, each with the name of its channel in the message."""
         yield from self.problems
         for decoded in self.channels:
@@ -94,7 +94,7 @@ class ChannelDecoder:
         frame = self.frame
         number = typed_frame.number
         bits = typed_frame.bits if typed_frame.exact else max(frame.bits, typed_frame.bits)
-        problems: tuple[codec.Problem, ...] = ()
+        problems: tuple[codec.FrameProblem, ...] = ()
         decoded_channels: tuple[codec.Decoded, ...] = ()
         findings = ChannelFindings(channels=(), agree=None, verdict=None)
         if bits == frame.bits:
@@ -102,7 +102,7 @@ class ChannelDecoder:
             findings = channel_findings(device, self._variant, frame, decoded_channels)
         else:
             message = report_of_length(frame, bits)
-            problems = (codec.Problem(Fault.LENGTH, field="", message=message),)
+            problems = (codec.FrameProblem(Fault.LENGTH, field="", message=message),)
         result = ChannelResult(
             channels=decoded_channels,
             findings=findings,

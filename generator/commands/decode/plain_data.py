@@ -75,7 +75,7 @@ def _crc_data(crc: codec.CrcResult) -> dict[str, Any]:
     return {"received": crc.received, "computed": crc.computed, "ok": crc.ok}
 
 
-def _problem_data(problem: codec.Problem) -> dict[str, Any]:
+def _problem_data(problem: codec.FrameProblem) -> dict[str, Any]:
     return {"kind": problem.fault.value, "field": problem.field or None, "message": problem.message}
 
 
