@@ -25,7 +25,7 @@ from ..model import (
 from ..order_codes.labels import UnknownOrderCode, find_code
 from ..order_codes.parameters import with_answers
 from ..reference.bits import bits_in_crc_order, compute_bytes, covered_bits, init_for_result
-from ..reference.codec import Decoded, EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
+from ..reference.codec import DecodedFrame, EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
 from ..reference.registers import register_writes
 from .from_mapping import Raw, record
 from .valid_parts import valid_parts_so_far
@@ -170,7 +170,7 @@ def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]
     yield from differences or _check_identity(register, decoded, variant)
 
 
-def _check_identity(register: Register, decoded: Decoded, variant: Variant) -> Iterator[Wrong]:
+def _check_identity(register: Register, decoded: DecodedFrame, variant: Variant) -> Iterator[Wrong]:
     """Yield the fields that differ from their ``equals``, the value by which a master identifies the encoder."""
     for field in register.layout.fields:
         expected = field.documented(variant.parameters)
@@ -200,7 +200,7 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
         yield from _check_decoded(device, decoded, example)
 
 
-def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+def _check_decoded(device: Device, decoded: DecodedFrame, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
     """Yield errors of the decoder, otherwise differences from printed values, otherwise from re-encoded values."""
     problems = decoded.problems
     # Errors after a wrong length or CRC may only follow from it.
@@ -262,7 +262,7 @@ def _data_path(example: Example) -> Path:
     return ("bytes",)
 
 
-def decode_example(device: Device, example: FrameExample, variant: Variant) -> Decoded:
+def decode_example(device: Device, example: FrameExample, variant: Variant) -> DecodedFrame:
     """Decode the frame of an example with the layout that its bytes select, or else with the example's layout."""
     if example.bits:
         placed = device.layout(example.layout).place(variant.parameters)
@@ -282,7 +282,7 @@ def _selected_layouts(device: Device, sender: str) -> set[str]:
     return layout_names
 
 
-def _compare_values(decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+def _compare_values(decoded: DecodedFrame, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
     """Yield each printed value that the decoded frame lacks or contradicts."""
     decoded_values = decoded.values
     for name, value in example.values.items():
@@ -292,7 +292,7 @@ def _compare_values(decoded: Decoded, example: FrameExample | RegisterExample) -
             yield ("values", name), f"{name} is {decoded_values[name]}, not {value}"
 
 
-def _check_encoding(device: Device, decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+def _check_encoding(device: Device, decoded: DecodedFrame, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
     """Yield an error if encoding the decoded values again gives other bits. Unspecified bits may be any."""
     if decoded.layout is None:
         return

@@ -23,7 +23,7 @@ class ChannelFindings:
     verdict: Verdict | None
 
 
-def decode_channels(device: Device, frame: PlacedChannels, number: int) -> tuple[codec.Decoded, ...]:
+def decode_channels(device: Device, frame: PlacedChannels, number: int) -> tuple[codec.DecodedFrame, ...]:
     """Return the channels of a frame, each decoded by itself. ``number`` has at most as many bits as the frame."""
     decoded_channels = []
     for placed, bits in zip(frame.channels, frame.split(number), strict=True):
@@ -32,7 +32,7 @@ def decode_channels(device: Device, frame: PlacedChannels, number: int) -> tuple
 
 
 def channel_findings(
-    device: Device, variant: Variant, frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded]
+    device: Device, variant: Variant, frame: PlacedChannels, decoded_channels: Sequence[codec.DecodedFrame]
 ) -> ChannelFindings:
     """Return the findings in each channel, and the worst verdict of all, which also depends on the compared fields.
 

@@ -75,7 +75,7 @@ class CrcResult:
 
 
 @dataclass(frozen=True, slots=True)
-class Decoded:
+class DecodedFrame:
     layout: PlacedLayout | None
     number: int
     fields: tuple[DecodedField, ...]
@@ -138,15 +138,15 @@ def _selector_value(placed: PlacedLayout, data: bytes) -> int | None:
     return (number >> low_in_number) & selector.mask
 
 
-def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> Decoded:
+def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> DecodedFrame:
     """Decode a frame of whole bytes whose selector field identifies the layout."""
     placed, problems = select_layout(device, variant, sender, data)
     if placed is None:
-        return Decoded(layout=None, number=0, fields=(), crc=None, problems=problems)
+        return DecodedFrame(layout=None, number=0, fields=(), crc=None, problems=problems)
     return decode_placed(device, placed, data)
 
 
-def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> Decoded:
+def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> DecodedFrame:
     """Decode a frame of whole bytes with a known layout."""
     number = number_from_bytes(placed.layout, data)
     if 8 * len(data) != placed.bits:
@@ -154,21 +154,21 @@ def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> Decoded:
     return decode(device, placed, number)
 
 
-def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) -> Decoded:
+def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) -> DecodedFrame:
     """Decode a frame of this many bits with a known layout."""
     if bits != placed.bits:
         return _result_of_wrong_length(placed, number, f"{placed.bits} bits", bits)
     return decode(device, placed, number)
 
 
-def _result_of_wrong_length(placed: PlacedLayout, frame: int, needed_length: str, actual_length: int) -> Decoded:
+def _result_of_wrong_length(placed: PlacedLayout, frame: int, needed_length: str, actual_length: int) -> DecodedFrame:
     """Return the result for a frame of the wrong length: one problem and no fields."""
     message = report.length(placed.name, needed_length, f"{actual_length}")
     problem = FrameProblem(Fault.LENGTH, field="", message=message)
-    return Decoded(layout=placed, number=frame, fields=(), crc=None, problems=(problem,))
+    return DecodedFrame(layout=placed, number=frame, fields=(), crc=None, problems=(problem,))
 
 
-def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
+def decode(device: Device, placed: PlacedLayout, number: int) -> DecodedFrame:
     """Decode ``number``, the frame as it is sent, into all fields and the CRC, and find all errors.
 
     Errors are in the order of ``Fault``. A number with more bits than the frame has the wrong length.
@@ -196,7 +196,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
             _computed_field(UNUSED, differing_bits, differing_bits, "unused bits that differ from the manual")
         )
     problems.sort(key=lambda problem: list(Fault).index(problem.fault))
-    return Decoded(layout=placed, number=number, fields=tuple(fields), crc=crc, problems=tuple(problems))
+    return DecodedFrame(layout=placed, number=number, fields=tuple(fields), crc=crc, problems=tuple(problems))
 
 
 def _problems_with_other_fields(

@@ -29,7 +29,7 @@ from ..model.record import dataclass
 from ..order_codes.labels import Match, edition_before, tests_of
 from ..say import report
 from ..say.report import alarm_of, meaning, of_older_edition, remedy, source
-from .codec import Decoded, DecodedField, number_of_text
+from .codec import DecodedField, DecodedFrame, number_of_text
 from .codec import decode as decode_word
 
 
@@ -65,7 +65,7 @@ class Findings:
     differences: tuple[ValueDifference, ...] = ()
 
 
-def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
+def findings(device: Device, variant: Variant, decoded: DecodedFrame) -> Findings:
     """Return the findings in ``decoded``, a frame of the encoder or a register.
 
     An invalid frame has no findings, since none of its bits can be trusted. A frame of the master has no findings
@@ -189,7 +189,7 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
 
 
 def _yield_differences(
-    variant: Variant, decoded: Decoded, decoded_fields: Mapping[str, DecodedField], is_register: bool
+    variant: Variant, decoded: DecodedFrame, decoded_fields: Mapping[str, DecodedField], is_register: bool
 ) -> Iterator[ValueDifference]:
     """Yield the fields whose documented value for this order code differs from the actual value.
 
@@ -305,7 +305,7 @@ def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
     return digits + "h"
 
 
-def strange_values(device: Device, decoded: Decoded) -> Iterator[ValueDifference]:
+def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDifference]:
     """Yield register values that are impossible in this edition and therefore show that an older edition applies.
 
     A value is impossible if it fails the test of an edition: the field ``run`` is not from ``min`` to ``max``.

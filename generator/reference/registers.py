@@ -29,7 +29,7 @@ from ..say.report import register_length
 from . import codec
 
 
-def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.Decoded:
+def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.DecodedFrame:
     """Decode a register from its bytes in ascending order of address. Capitals in ``name`` do not matter.
 
     Raises:

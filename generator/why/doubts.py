@@ -33,7 +33,7 @@ def position_name(device: Device, variant: Variant) -> str:
 
 
 def other_positions(
-    device: Device, variant: Variant, decoded: codec.Decoded, typed_frame: TypedFrame | None = None
+    device: Device, variant: Variant, decoded: codec.DecodedFrame, typed_frame: TypedFrame | None = None
 ) -> list[tuple[str, int]]:
     """Return other readings of the position, each with its text: ``[("if it is sent in Gray code", 4711)]``.
 

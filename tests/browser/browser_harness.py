@@ -68,7 +68,7 @@ class Case:
         data = (data + bytes(8))[: bits // 8]
         return data.hex(" ") if number % 2 else data.hex().upper()
 
-    def decoded(self, number: int, other_bits: int = 0) -> codec.Decoded:
+    def decoded(self, number: int, other_bits: int = 0) -> codec.DecodedFrame:
         """Return the result of the reference for that text."""
         if not self.layout.in_bytes:
             bits = self.placed.bits + other_bits
@@ -88,7 +88,7 @@ class Case:
         """Return True if a word that is too long is written without its leading zeros."""
         return other_bits > 0 and number % 3 == 0
 
-    def result_text(self, decoded: codec.Decoded) -> str:
+    def result_text(self, decoded: codec.DecodedFrame) -> str:
         """Return the whole result as one text."""
         report = findings(self.device, self.variant, decoded)
         strange = strange_values(self.device, decoded) if not decoded.problems else ()

@@ -92,7 +92,7 @@ def test_every_page_of_a_source_is_in_the_contents() -> None:
         assert pages[section] == page, piece
 
 
-def frame(device: Device, code: str, layout: str, bits: str) -> codec.Decoded:
+def frame(device: Device, code: str, layout: str, bits: str) -> codec.DecodedFrame:
     return codec.decode(
         device, device.layout(layout).place(device.variant(code).parameters), int(bits.replace(" ", ""), 2)
     )

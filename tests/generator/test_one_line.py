@@ -41,7 +41,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
     return run
 
 
-def decoded(line: str, text: str) -> codec.Decoded:
+def decoded(line: str, text: str) -> codec.DecodedFrame:
     device, match = device_of_line(line)
     return decode_text(device, match.variant, "encoder", text)
 

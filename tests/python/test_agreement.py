@@ -35,7 +35,7 @@ from codewheel.model import (
 from codewheel.model.registers import bounds, name_with_limits
 from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.reference.bits import compute, join_value
-from codewheel.reference.codec import Decoded, EncodeError, decode, decode_bytes, encode
+from codewheel.reference.codec import DecodedFrame, EncodeError, decode, decode_bytes, encode
 from codewheel.reference.findings import findings
 from codewheel.reference.registers import register_writes
 from codewheel.targets import Library
@@ -324,7 +324,7 @@ def report_facts(report: Any) -> tuple[str, str, str]:
     return report.meaning, report.remedy, report.makes_position.value if report.makes_position is not None else ""
 
 
-def compare_reports(family: Family, variant: Variant, expected: Decoded, decoded: Any) -> None:
+def compare_reports(family: Family, variant: Variant, expected: DecodedFrame, decoded: Any) -> None:
     """Compare the reports and the verdict of both."""
     assert expected.layout is not None
     layout, expected_findings = expected.layout.layout, findings(family.device, variant, expected)
@@ -340,7 +340,7 @@ def compare_reports(family: Family, variant: Variant, expected: Decoded, decoded
         assert decoded._replace(unused=0).is_as_documented == (not expected_findings.differences), decoded
 
 
-def compare_values(expected: Decoded, decoded: Any, layout: Layout) -> None:
+def compare_values(expected: DecodedFrame, decoded: Any, layout: Layout) -> None:
     """Compare the values that both read."""
     if not hasattr(decoded, "_fields"):
         assert decoded.name.lower() == expected.fields[0].value

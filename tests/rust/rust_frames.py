@@ -11,7 +11,7 @@ from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Va
 from codewheel.model.registers import bounds, name_with_limits
 from codewheel.order_codes.parameters import with_answers
 from codewheel.reference.bits import join_value
-from codewheel.reference.codec import UNUSED, Decoded, DecodedField, EncodeError, FrameProblem, decode, encode
+from codewheel.reference.codec import UNUSED, DecodedField, DecodedFrame, EncodeError, FrameProblem, decode, encode
 from codewheel_rust.family import Struct
 from rust_harness import Program
 from test_c_codec import encoded_sample, run_time_variants, samples, with_crc
@@ -91,7 +91,7 @@ class Case:
                 return f"range {name or register.name}"
         return self.wire(number).removeprefix("x")
 
-    def _row(self, decoded: Decoded, changed_values: Mapping[str, int], mark: str = "") -> str:
+    def _row(self, decoded: DecodedFrame, changed_values: Mapping[str, int], mark: str = "") -> str:
         """Return the members. In an answer, also return the runs of digits and the joins."""
         fields = {decoded_field.name: decoded_field for decoded_field in decoded.fields}
         members = [part.field for part in self.struct.codec.parts]

@@ -43,7 +43,7 @@ def frames_of_case(case: Case, count: int, random_: random.Random, encoder: Any,
     return {**case.data, "frames": texts, "expected": expected}
 
 
-def same_in_python(case: Case, encoder: Any, text: str, decoded: codec.Decoded) -> None:
+def same_in_python(case: Case, encoder: Any, text: str, decoded: codec.DecodedFrame) -> None:
     if decoded.layout is not None and case.device.alternatives_of(decoded.layout.layout):
         return  # Python requires an answer. Frames with one are compared with the reference elsewhere.
     try:

@@ -29,7 +29,7 @@ class ChannelResult:
     ``readings`` are the readings of the whole frame with which all CRCs are correct.
     """
 
-    channels: tuple[codec.Decoded, ...]
+    channels: tuple[codec.DecodedFrame, ...]
     findings: ChannelFindings
     whys: tuple[Diagnosis | None, ...]
     problems: tuple[codec.FrameProblem, ...]
@@ -95,7 +95,7 @@ class ChannelDecoder:
         number = typed_frame.number
         bits = typed_frame.bits if typed_frame.exact else max(frame.bits, typed_frame.bits)
         problems: tuple[codec.FrameProblem, ...] = ()
-        decoded_channels: tuple[codec.Decoded, ...] = ()
+        decoded_channels: tuple[codec.DecodedFrame, ...] = ()
         findings = ChannelFindings(channels=(), agree=None, verdict=None)
         if bits == frame.bits:
             decoded_channels = decode_channels(device, frame, number)
@@ -114,7 +114,7 @@ class ChannelDecoder:
             return result
         return replace(result, readings=self._possible_readings(number, bits))
 
-    def _explain_channel(self, decoded: codec.Decoded) -> Diagnosis | None:
+    def _explain_channel(self, decoded: codec.DecodedFrame) -> Diagnosis | None:
         """Return the explanations of a channel with an error, or None."""
         assert decoded.layout is not None
         text = f"0b{decoded.number:0{decoded.layout.bits}b}"
@@ -169,7 +169,7 @@ def _summary_lines(frame: PlacedChannels, result: ChannelResult) -> Iterator[str
         yield f"all channels together: {VERDICT_CLAUSES[result.findings.verdict]}"
 
 
-def comparison_sentence(frame: PlacedChannels, decoded_channels: Sequence[codec.Decoded], *, agree: bool) -> str:
+def comparison_sentence(frame: PlacedChannels, decoded_channels: Sequence[codec.DecodedFrame], *, agree: bool) -> str:
     """Return a sentence with the compared bits of each channel, and whether they agree."""
     numbers = frame.compared_numbers([decoded.values for decoded in decoded_channels])
     compared_channels = [channel for channel in frame.channels if channel.name in frame.compared]

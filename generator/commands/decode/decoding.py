@@ -116,7 +116,7 @@ class Decoding:
         self._codes = {FAULT} if request.register_differences else set()
         self._is_first = True
         #: The last frames with an error: the text, the decoded frame and its explanations.
-        self._failed_frames: deque[tuple[str, codec.Decoded, Diagnosis]] = deque(maxlen=MOST_FRAMES)
+        self._failed_frames: deque[tuple[str, codec.DecodedFrame, Diagnosis]] = deque(maxlen=MOST_FRAMES)
 
     @property
     def code(self) -> int:
@@ -209,7 +209,7 @@ class Decoding:
         whys = [why_text(device, variant, sender, text, decoded, with_pairs=True) for text, decoded, _ in failed_frames]
         return judge_together([why for why in whys if why is not None])
 
-    def _decode_text(self, frame_text: str) -> tuple[codec.Decoded, Diagnosis | None]:
+    def _decode_text(self, frame_text: str) -> tuple[codec.DecodedFrame, Diagnosis | None]:
         """Return a decoded frame with its explanations (None if it needs none), or a decoded register value with None.
 
         Raises:
@@ -227,7 +227,7 @@ class Decoding:
         self._refuse_undecided(decoded)
         return decoded, why_text(device, variant, self._request.sender, frame_text, decoded)
 
-    def _refuse_undecided(self, decoded: codec.Decoded) -> None:
+    def _refuse_undecided(self, decoded: codec.DecodedFrame) -> None:
         """Raise ``UndecidedError`` if the layout needs an answer that the user has not given.
 
         A layout that needs no further answer is not checked again for later frames.
@@ -241,7 +241,7 @@ class Decoding:
             refuse_undecided(self._request.device, placed.layout, self._request.answers)
             self._decided_layouts.add(placed.name)
 
-    def _findings_of_frame(self, decoded: codec.Decoded) -> Findings:
+    def _findings_of_frame(self, decoded: codec.DecodedFrame) -> Findings:
         """Return the verdict and the reports on a decoded frame, with all values that differ from the manual.
 
         These are, in this order, values of ``--register`` that contradict the order code, values in the frame that the
@@ -255,11 +255,11 @@ class Decoding:
         differences = (*request.register_differences, *frame_findings.differences, *edition_differences)
         return replace(frame_findings, differences=differences)
 
-    def _other_layouts(self, frame_text: str, decoded: codec.Decoded) -> Sequence[PlacedLayout]:
+    def _other_layouts(self, frame_text: str, decoded: codec.DecodedFrame) -> Sequence[PlacedLayout]:
         """Return the other layouts with which the text is a valid frame, unless the user named the layout."""
         return self._other_frames.layouts_of(frame_text, decoded) if self._other_frames is not None else ()
 
-    def _answers_used(self, decoded: codec.Decoded) -> dict[str, str]:
+    def _answers_used(self, decoded: codec.DecodedFrame) -> dict[str, str]:
         """Return the answers that the result for a frame depends on, as ``{question: answer}``.
 
         These are the answers that place its fields, and those that decide its verdict, with their defaults.
@@ -283,7 +283,7 @@ class Decoding:
             }
         return self._needed_answers[placed_layout.name]
 
-    def _decisive_answers(self, decoded: codec.Decoded) -> dict[str, str]:
+    def _decisive_answers(self, decoded: codec.DecodedFrame) -> dict[str, str]:
         """Return the answers, or their defaults, that decide the verdict of an active flag of the frame.
 
         The result is empty for a frame with an error, which has no verdict.
@@ -305,7 +305,7 @@ class Decoding:
     def _frame_output(
         self,
         line: Line,
-        decoded: codec.Decoded,
+        decoded: codec.DecodedFrame,
         frame_findings: Findings,
         diagnosis: Diagnosis | None,
         other_layouts: Sequence[PlacedLayout],
@@ -343,7 +343,7 @@ class Decoding:
         return separator + text
 
 
-def _exit_code(decoded: codec.Decoded, frame_findings: Findings) -> int:
+def _exit_code(decoded: codec.DecodedFrame, frame_findings: Findings) -> int:
     """Return the exit code for one frame: 1 for errors, 3 if the position is not usable, else 0.
 
     A register that contradicts the order code counts as an error.

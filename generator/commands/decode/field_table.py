@@ -28,7 +28,7 @@ class _FieldRow(NamedTuple):
 _WIDEST_HEAD = 56
 
 
-def field_table(decoded: codec.Decoded) -> list[str]:
+def field_table(decoded: codec.DecodedFrame) -> list[str]:
     """Return a line per field with its cells in columns: ``bit 3  error  1  yes  The supply is too low``.
 
     The meaning is next to the columns, or below them if they are wide.

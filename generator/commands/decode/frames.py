@@ -206,7 +206,9 @@ def _refuse_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
 # -- decoding
 
 
-def decode_text(device: Device, variant: Variant, sender: str, text: str, layout: str | None = None) -> codec.Decoded:
+def decode_text(
+    device: Device, variant: Variant, sender: str, text: str, layout: str | None = None
+) -> codec.DecodedFrame:
     """Decode a frame given as text.
 
     Args:
@@ -224,7 +226,9 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
     return text_decoder(device, variant, sender, layout)(text)
 
 
-def text_decoder(device: Device, variant: Variant, sender: str, layout: str | None) -> Callable[[str], codec.Decoded]:
+def text_decoder(
+    device: Device, variant: Variant, sender: str, layout: str | None
+) -> Callable[[str], codec.DecodedFrame]:
     """Return a function that decodes the text of one frame, with the layout that ``decode_text`` would choose.
 
     ``layout`` is the name of the layout, or None to let each frame identify its own. If the layout does not exist, the
@@ -236,7 +240,7 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
     # If layouts differ in length, the number of bits identifies the layout.
     is_exact = have_lengths(layouts, sender)
 
-    def decode(text: str) -> codec.Decoded:
+    def decode(text: str) -> codec.DecodedFrame:
         """Return the frame decoded with the named layout or, without a name, with the layout that it identifies."""
         frame_text = undecorated(text)
         if first_placed is None:
@@ -273,7 +277,7 @@ def _no_layout_message(device: Device, variant: Variant, sender: str, name: str 
     return f"{variant.code} has no layout '{name}' from the {sender}{hint}; it has: {known_names}"
 
 
-def decode_register_text(device: Device, variant: Variant, name: str, frame_text: str) -> codec.Decoded:
+def decode_register_text(device: Device, variant: Variant, name: str, frame_text: str) -> codec.DecodedFrame:
     """Decode the value of the register ``name`` from hex bytes in ascending order of address.
 
     Raises:
@@ -314,7 +318,7 @@ def _has_length(placed_layout: PlacedLayout, frame_text: str) -> bool:
 
 def decode_as(
     device: Device, variant: Variant, placed_layout: PlacedLayout, frame_text: str, *, exact: bool
-) -> codec.Decoded:
+) -> codec.DecodedFrame:
     """Decode text that ``undecorated`` returned, with a known layout.
 
     ``exact`` means that frames of the sender have different lengths, so that hex bytes have no additional leading
@@ -332,7 +336,13 @@ def decode_as(
 
 
 def why_text(
-    device: Device, variant: Variant, sender: str, frame_text: str, decoded: codec.Decoded, *, with_pairs: bool = False
+    device: Device,
+    variant: Variant,
+    sender: str,
+    frame_text: str,
+    decoded: codec.DecodedFrame,
+    *,
+    with_pairs: bool = False,
 ) -> Diagnosis | None:
     """Return explanations of a frame whose CRC, length or constant is wrong, or None if nothing explains it.
 
@@ -362,7 +372,7 @@ def _why_bits(
     sender: str,
     frame_text: str,
     placed_layout: PlacedLayout,
-    decoded: codec.Decoded,
+    decoded: codec.DecodedFrame,
     *,
     with_pairs: bool,
 ) -> Diagnosis | None:
@@ -404,14 +414,14 @@ class OtherFrames:
         if len(layouts) > 1 and not has_selector:
             self._candidates = [layout.place(variant.parameters) for layout in layouts]
 
-    def layouts_of(self, frame_text: str, decoded: codec.Decoded) -> tuple[PlacedLayout, ...]:
+    def layouts_of(self, frame_text: str, decoded: codec.DecodedFrame) -> tuple[PlacedLayout, ...]:
         """Return the other layouts with which the text is a valid frame.
 
         ``decoded`` is the result of ``decode_text`` for the text, with one of the layouts.
         """
         return tuple(candidate for candidate in self._candidates if self._is_valid_as(candidate, frame_text, decoded))
 
-    def _is_valid_as(self, candidate: PlacedLayout, text: str, decoded: codec.Decoded) -> bool:
+    def _is_valid_as(self, candidate: PlacedLayout, text: str, decoded: codec.DecodedFrame) -> bool:
         """Return whether the text, which was decoded with another layout, is a valid frame of the candidate.
 
         A frame of the right length is not tried as a layout with another number of bits.
@@ -432,7 +442,7 @@ class OtherFrames:
         return not candidate_decoded.problems
 
 
-def is_frame_of_other_kind(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayout]) -> bool:
+def is_frame_of_other_kind(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout]) -> bool:
     """Return whether a frame with errors is really a valid frame of the only layout in ``other_layouts``.
 
     That layout must have a constant, a CRC or a parity, because any bits are valid in a layout without them.

@@ -22,7 +22,7 @@ def decoded_data(
     device: Device,
     variant: Variant,
     sender: str,
-    decoded: codec.Decoded,
+    decoded: codec.DecodedFrame,
     frame_findings: Findings,
     diagnosis: Diagnosis | None = None,
     line: Line = NO_LINE,
@@ -59,7 +59,7 @@ def channel_data(device: Device, variant: Variant, sender: str, result: ChannelR
 
     Each channel also has the errors and reports of its frame, and its fields. ``agree`` is null if nothing is compared.
     """
-    whole_frame = codec.Decoded(layout=None, number=0, fields=(), crc=None, problems=tuple(result.all_problems))
+    whole_frame = codec.DecodedFrame(layout=None, number=0, fields=(), crc=None, problems=tuple(result.all_problems))
     data = decoded_data(device, variant, sender, whole_frame, result.all_findings, line=line)
     channels = zip(result.channels, result.findings.channels, result.whys, strict=True)
     data["channels"] = [

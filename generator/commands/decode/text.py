@@ -36,7 +36,7 @@ def explain(
     device: Device,
     code_match: Match,
     sender: str,
-    decoded: codec.Decoded,
+    decoded: codec.DecodedFrame,
     findings: Findings = _NO_FINDINGS,
     diagnosis: Diagnosis | None = None,
     line: Line = NO_LINE,
@@ -57,7 +57,7 @@ def explain(
 def described_frame(
     device: Device,
     variant: Variant,
-    decoded: codec.Decoded,
+    decoded: codec.DecodedFrame,
     findings: Findings,
     diagnosis: Diagnosis | None = None,
     answers: Mapping[str, str] = NO_ANSWERS,
@@ -87,7 +87,7 @@ def described_frame(
         yield from ("", sentence(say_report.NO_EXPLANATION))
 
 
-def _is_corrupted(decoded: codec.Decoded) -> bool:
+def _is_corrupted(decoded: codec.DecodedFrame) -> bool:
     """Return whether a frame is corrupted: its CRC or length is wrong or, without a right CRC, a constant."""
     faults = {problem.fault for problem in decoded.problems}
     has_right_crc = decoded.crc is not None and decoded.crc.ok
@@ -101,7 +101,9 @@ def evidence_lines(device: Device) -> Iterator[str]:
         yield wrapped(placeholders(device), WIDTH, prefix="  ", first="")
 
 
-def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decoded, frame_text: str) -> Iterator[str]:
+def _other_position_lines(
+    device: Device, variant: Variant, decoded: codec.DecodedFrame, frame_text: str
+) -> Iterator[str]:
     """Yield lines about a frame without errors that may still be wrong: other readings, and an own request over SPI.
 
     ``frame_text`` is the frame as typed.
@@ -213,7 +215,7 @@ def _crc_line(crc: Crc, crc_result: codec.CrcResult) -> str:
     return wrapped(f"CRC {crc_result.received:#04x}: {verdict} ({computation})", WIDTH, prefix="  ", first="")
 
 
-def _problem_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
+def _problem_lines(decoded: codec.DecodedFrame, findings: Findings) -> Iterator[str]:
     """Yield the errors of a frame and its differences from the manual. Without errors, the encoder's reports follow."""
     for problem in decoded.problems:
         yield wrapped(f"{problem.fault.value} error: {problem.message}", WIDTH, prefix="  ", first="")
@@ -223,7 +225,7 @@ def _problem_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
         yield from _report_lines(decoded, findings)
 
 
-def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
+def _report_lines(decoded: codec.DecodedFrame, findings: Findings) -> Iterator[str]:
     """Yield the encoder's reports and the verdict that follows from them.
 
     Without reports, yield one line: ``no frame error; this frame has no CRC; …`` with the verdict, if there is one.
@@ -243,18 +245,18 @@ def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
     yield wrapped("; ".join(statements), WIDTH, prefix="  ", first="")
 
 
-def _is_known_frame(decoded: codec.Decoded) -> bool:
+def _is_known_frame(decoded: codec.DecodedFrame) -> bool:
     """Return whether a frame with a known layout was decoded, not a register."""
     return decoded.layout is not None and decoded.layout.layout.sender != ""
 
 
-def _no_error_text(decoded: codec.Decoded, findings: Findings) -> str:
+def _no_error_text(decoded: codec.DecodedFrame, findings: Findings) -> str:
     if findings.differences:
         return "no other error"
     return "no frame error" if _is_known_frame(decoded) else "the value is valid"
 
 
-def _no_crc_text(decoded: codec.Decoded) -> str:
+def _no_crc_text(decoded: codec.DecodedFrame) -> str:
     has_parity = decoded.layout is not None and decoded.layout.has_parity
     return "this frame has no CRC, only parity" if has_parity else "this frame has no CRC"
 
@@ -266,7 +268,7 @@ def _report_text(report: FrameReport) -> str:
     return f"{name}: {sentence(report.meaning)} {sentence(report.remedy)}"
 
 
-def _position_text(device: Device, variant: Variant, decoded: codec.Decoded, verdict: Verdict | None) -> str:
+def _position_text(device: Device, variant: Variant, decoded: codec.DecodedFrame, verdict: Verdict | None) -> str:
     """Return the position in µm or degrees, such as ``position: 90.0°``, or nothing for one that is not usable.
 
     If the frame has only a part of the position, show the part with the lowest bits.
@@ -435,7 +437,7 @@ def _frequency_text(frames_per_match: int) -> str:
     return f"1 of {frames_per_match:,}" if frames_per_match < 1_000_000 else "fewer than 1 of a million"
 
 
-def other_frames_line(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayout]) -> str:
+def other_frames_line(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout]) -> str:
     """Return a sentence with the other layouts that the frame matches, and how to choose one, or an empty string."""
     if not other_layouts:
         return ""
