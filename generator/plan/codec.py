@@ -36,7 +36,7 @@ from .operations import (
 
 
 @dataclass(frozen=True)
-class Codec:
+class LayoutPlan:
     """The plan of a layout.
 
     ``by_word`` is true if the frame is processed as one number, because it is sent as bits, the order code moves its
@@ -119,12 +119,12 @@ class Codec:
         return bits_of(self.layout, self.layout.field(name))
 
 
-def codec_of(device: Device, layout: Layout) -> Codec:
-    """Return the plan for a layout of a frame or of a register's bytes, see ``Codec``."""
+def codec_of(device: Device, layout: Layout) -> LayoutPlan:
+    """Return the plan for a layout of a frame or of a register's bytes, see ``LayoutPlan``."""
     # The bytes of a field are unknown if the order code moves its bits.
     all_have_bytes = all(field.pieces or field.padding_of for field in layout.fields)
     by_word = not layout.in_bytes or not all_have_bytes or bool(layout.gray_of)
-    return Codec(
+    return LayoutPlan(
         layout=layout,
         by_word=by_word,
         length=layout.widest // 8,
@@ -419,7 +419,7 @@ class ShiftedBits:
     value: int
 
 
-def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
+def moved_bits(codec: LayoutPlan) -> tuple[ShiftedBits, ...]:
     """Return the unused bits whose position is fixed. Fields of a byte or word with the same shift are combined."""
     bits_by_shift: dict[tuple[int | None, int], ShiftedBits] = {}
     for reserved in codec.reserved:

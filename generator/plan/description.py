@@ -17,7 +17,7 @@ from ..model.lookup import assert_never
 from ..model.record import dataclass
 from . import verdicts
 from . import verdicts as reports
-from .codec import Codec
+from .codec import LayoutPlan
 from .limits import powers_of_two
 from .operations import (
     AlwaysIs,
@@ -185,7 +185,7 @@ def _describe_unused(reserved: Reserved) -> Unused:
     return Unused(reserved.field.low, reserved.field.width, reserved.value, reserved.place)
 
 
-def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Description:
+def describe(codec: LayoutPlan, reporting: reports.Reporting | None = None) -> Description:
     """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame.
 
     Without a judgement, there are no causes. In a frame without the position, there are only causes of reports.
@@ -225,21 +225,21 @@ def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Descri
     )
 
 
-def _byte_order(codec: Codec) -> str:
+def _byte_order(codec: LayoutPlan) -> str:
     """Return Python's name of the byte order, or an empty string if the layout is not sent as bytes."""
     if not codec.in_bytes:
         return ""
     return "little" if codec.layout.byte_order == "low_byte_first" else "big"
 
 
-def _computed_parities(codec: Codec) -> Iterator[Check]:
+def _computed_parities(codec: LayoutPlan) -> Iterator[Check]:
     """Yield the parity bits that an encoder of frames computes. A parity bit that never changes is a constant."""
     for term in codec.terms:
         if isinstance(term.value, ParityOf):
             yield _describe_parity(term.field, term.value)
 
 
-def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
+def _constant_ones(codec: LayoutPlan) -> Iterator[tuple[Place, int]]:
     """Yield the constants that are not all 0. An encoder of frames starts from 0, so it need not set constants of 0."""
     for term in codec.terms:
         if isinstance(term.value, Fixed) and term.value.number:

@@ -10,7 +10,7 @@ from ..model.expressions import Expression
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
 from ..model.lookup import assert_never
 from ..model.record import dataclass
-from .codec import Codec, allowed_values
+from .codec import LayoutPlan, allowed_values
 from .operations import IsBetween, JoinedNumber, NotAbove
 
 
@@ -233,7 +233,7 @@ Refusal = (
 )
 
 
-def refusals(codec: Codec) -> Iterator[Refusal]:
+def refusals(codec: LayoutPlan) -> Iterator[Refusal]:
     """Yield the checks before encoding this layout, in the order of its fields, without the limits of a register.
 
     The range of a position replaces the other checks of its field.
@@ -250,12 +250,12 @@ def refusals(codec: Codec) -> Iterator[Refusal]:
     yield from (JoinDisagrees(whole) for whole in codec.joined_numbers)
 
 
-def powers_of_two(codec: Codec) -> frozenset[str]:
+def powers_of_two(codec: LayoutPlan) -> frozenset[str]:
     """Return the names of the fields whose numbers must be powers of two."""
     return frozenset(refusal.field.name for refusal in refusals(codec) if isinstance(refusal, NoPowerOfTwo))
 
 
-def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
+def outside(codec: LayoutPlan, limits: Limits) -> OutsideLimits | None:
     """Return the check of a register's limits if they apply to a member and a value that fits can be outside, or None.
 
     A minimum of 1 is omitted if 0 is already rejected: a field in which 0 encodes a number, or with powers of two.

@@ -15,7 +15,7 @@ from ..model import Device, Field, Flag, Interface, Layout, Verdict
 from ..model.expressions import Expression
 from ..model.kinds import Unused
 from ..model.record import dataclass
-from .codec import Codec, codec_of
+from .codec import LayoutPlan, codec_of
 from .operations import Part, Reserved
 
 
@@ -128,7 +128,7 @@ def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
     return all(bits.width.value(parameters) > 0 for bits in bits_of_cause)
 
 
-def judgement_of(codec: Codec) -> Judgement:
+def judgement_of(codec: LayoutPlan) -> Judgement:
     """Return the verdict on the position of a frame, with everything that it depends on.
 
     If no order code has bits that judge the position, the verdict without an active cause is UNKNOWN. Causes of
@@ -226,7 +226,7 @@ def verdict_of(field: Field) -> Verdict | None:
     return field.kind.makes_position
 
 
-def verdict_causes(codec: Codec) -> Iterator[Cause]:
+def verdict_causes(codec: LayoutPlan) -> Iterator[Cause]:
     """Yield the flags and the reserved bits of a frame, and the values that decide its verdict like a flag.
 
     Flags without a verdict are included.
@@ -302,7 +302,7 @@ class Reporting:
     """Reports and verdict of one layout. ``judgement`` is None if the layout does not contain the position."""
 
     interface: Interface
-    codec: Codec
+    codec: LayoutPlan
     causes: tuple[ReportCause, ...]
     judgement: Judgement | None
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Fault, Piece, Rs485
-from codewheel.plan.codec import Codec, ShiftedBits, codec_of, moved_bits
+from codewheel.plan.codec import LayoutPlan, ShiftedBits, codec_of, moved_bits
 from codewheel.plan.frames import (
     Reply,
     dispatches,
@@ -53,7 +53,7 @@ def by_hand() -> Device:
     return load(TESTS / "reference" / "specs")
 
 
-def plan(device: Device, layout: str) -> Codec:
+def plan(device: Device, layout: str) -> LayoutPlan:
     return codec_of(device, device.layout(layout))
 
 

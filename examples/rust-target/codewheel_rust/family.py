@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from codewheel.model import Answer, Device, Field, Interface, Layout, Register, Value
-from codewheel.plan.codec import Codec, characters, codec_of
+from codewheel.plan.codec import LayoutPlan, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches, held_parameters
 from codewheel.plan.limits import Limits, limits_of
@@ -39,7 +39,7 @@ class Struct:
 
     layout: Layout
     code: str
-    codec: Codec
+    codec: LayoutPlan
     crc: CrcFunction | None
     enums: Mapping[str, Enum]
     register: Register | None = None

@@ -26,7 +26,7 @@ from ...model.expressions import Expression, Factor, Term
 from ...model.key_types import LARGEST
 from ...model.lookup import assert_never
 from ...order_codes.labels import edition_before, tests_of
-from ...plan.codec import Codec, codec_of
+from ...plan.codec import LayoutPlan, codec_of
 from ...plan.description import DescribedReportCause, Description, Name, describe
 from ...plan.limits import Limits, limits_of
 from ...plan.operations import (
@@ -230,7 +230,7 @@ def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
     return data | _report_texts(field, alarm)
 
 
-def _layout_data(device: Device, codec: Codec, description: Description) -> Data:
+def _layout_data(device: Device, codec: LayoutPlan, description: Description) -> Data:
     """Return the description of a frame or register with the texts about its parts.
 
     ``asks`` are the open questions that a decoder needs answers to, and ``offers`` those that only affect the verdict.
@@ -264,7 +264,7 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
     )
 
 
-def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> list[str]:
+def _parameters_in_registers(device: Device, layout: Layout, codec: LayoutPlan) -> list[str]:
     """Return the names of those parameters that registers hold and that the layout needs.
 
     It needs them for its length, for the places and widths of fields, or for its Gray code.
@@ -280,7 +280,7 @@ def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> li
     return [parameter.name for parameter in device.run_time_parameters if parameter.name in needed_names]
 
 
-def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
+def _field_data(codec: LayoutPlan, description: Description) -> Iterator[Data]:
     """Yield the data of each field: its bits, the texts about it, and its encoding if it has a value of its own.
 
     A constant, a parity and a CRC have a value of their own. Users provide the values of other fields.

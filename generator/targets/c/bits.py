@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from ...model import Digits, Field, Piece, first_of
 from ...model.record import dataclass
-from ...plan.codec import Codec, ShiftedBits, moved_bits
+from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
 from ...plan.operations import Bits, JoinedNumber, Reserved
 from .names import (
     Call,
@@ -65,7 +65,7 @@ def _bits_of_piece(piece: Piece) -> Expr:
 class Reader:
     """Expressions that extract the fields of a layout: from the word if there is one, otherwise from the bytes."""
 
-    plan: Codec
+    plan: LayoutPlan
     scope: Scope
     #: Number of bits in the type of the word that a decoder takes.
     word_size: int = 64

@@ -18,7 +18,7 @@ from ...model import (
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.parameters import parameters_at_run_time
-from ...plan.codec import Codec
+from ...plan.codec import LayoutPlan
 from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
@@ -368,7 +368,7 @@ class RegisterCode:
         return number_function(self.scope, name=name, expression=limit, largest=max(unsigned_limits), about=about)
 
 
-def _is_byte(plan: Codec) -> bool:
+def _is_byte(plan: LayoutPlan) -> bool:
     """Return True if the first field is a whole byte, as a number or as a named value.
 
     A field that only allows powers of two does not count, since the byte needs a check.

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 from ...model import Field, Layout, Register, Spi
-from ...plan.codec import Codec, characters, codec_of
+from ...plan.codec import LayoutPlan, characters, codec_of
 from ...plan.operations import FrameCrc
 from ...plan.values import (
     Active,
@@ -55,7 +55,7 @@ class Struct:
         self.type = f"{name}_frame" if name == context.prefix else name
         self.length_macro = length_macro
         self.register = register
-        self.plan: Codec = codec_of(context.device, layout)
+        self.plan: LayoutPlan = codec_of(context.device, layout)
         self.reader = Reader(self.plan, context.scope, word_size(context, layout))
         #: The numbers of the scales of its fields.
         self.scales: tuple[Macro, ...] = tuple(scale_macros(layout, name))

@@ -11,7 +11,7 @@ from enum import Enum
 
 from ...model import Biss, Device, Interface, Rs485, SendStep, Spi, Ssi, assert_never
 from ...model.record import dataclass
-from ...plan.codec import Codec, codec_of
+from ...plan.codec import LayoutPlan, codec_of
 from ...plan.values import Active, meaning_of
 from ...say.evidence import Subject, document, place_of_mention
 from ...say.layout import DATA, box_colour
@@ -215,7 +215,7 @@ def _words_without_timeout(device: Device, interface: Biss) -> str:
     return f"see the {place}" if place else f"not in the {document(device)}"
 
 
-def _data_boxes(codec: Codec, position_names: Container[str]) -> Iterator[tuple[str, str]]:
+def _data_boxes(codec: LayoutPlan, position_names: Container[str]) -> Iterator[tuple[str, str]]:
     """Yield the name and colour class of each field of the single cycle data, with the position as one field.
 
     Constants are left out.

@@ -8,7 +8,7 @@ from itertools import pairwise
 from ...model import Field, Piece
 from ...model.expressions import Expression
 from ...model.lookup import assert_never
-from ...plan.codec import Codec, ShiftedBits, moved_bits
+from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
 from ...plan.operations import Bits, JoinedNumber, Reserved
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.plain_text import plain
@@ -22,7 +22,7 @@ _LONG_COMMENT = 60
 class BitsEncoder:
     """Expressions of joined numbers. They use the attributes of a class."""
 
-    def __init__(self, scope: Scope, codec: Codec, class_names: ClassNames) -> None:
+    def __init__(self, scope: Scope, codec: LayoutPlan, class_names: ClassNames) -> None:
         self.scope = scope
         self.codec = codec
         self.names = class_names
@@ -127,7 +127,7 @@ def _has_width_check(field: Field) -> bool:
 class Reader:
     """Expressions for bits in ``decode``, read from ``number`` or ``word``, or from single bytes of ``data``."""
 
-    def __init__(self, scope: Scope, codec: Codec, byte: str = "data[{}]") -> None:
+    def __init__(self, scope: Scope, codec: LayoutPlan, byte: str = "data[{}]") -> None:
         self.scope = scope
         self.codec = codec
         self._byte = byte
@@ -299,7 +299,7 @@ def bit_numbers(low: int, width: int) -> str:
     return f"bit {low}" if width == 1 else f"bits {low + width - 1}:{low}"
 
 
-def mask_without_field(scope: Scope, codec: Codec) -> Expr:
+def mask_without_field(scope: Scope, codec: LayoutPlan) -> Expr:
     """Return a mask of the bits without a field, such as ``0xF0 & ~(variant.mask << 4)``.
 
     Fields whose place is fixed are cleared in the first mask, and the others are masked at run time.

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from ...model import Digits, Field
 from ...model.expressions import Expression
 from ...model.lookup import assert_never
-from ...plan.codec import Codec
+from ...plan.codec import LayoutPlan
 from ...plan.operations import AlwaysIs, Check, FrameCrc, ParityIs, Part, ZerosAbove
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from .bits import Reader
@@ -28,7 +28,7 @@ class Decoder:
     A frame has one decoder for each encoder, which computes the values in a NamedValues scope only once.
     """
 
-    def __init__(self, scope: Scope, codec: Codec, class_names: ClassNames, enum: Callable[[Field], str]) -> None:
+    def __init__(self, scope: Scope, codec: LayoutPlan, class_names: ClassNames, enum: Callable[[Field], str]) -> None:
         self.scope = scope
         self.codec = codec
         self.names = class_names

@@ -23,7 +23,7 @@ from ...model import (
     cite,
 )
 from ...model.record import dataclass
-from ...plan.codec import Codec, codec_of
+from ...plan.codec import LayoutPlan, codec_of
 from ...plan.limits import powers_of_two
 from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
@@ -182,7 +182,7 @@ def _clock_members(interface: Clocked) -> Mapping[str, Literal]:
 # -- fields and registers
 
 
-def _field_record(codec: Codec, field: Field) -> Call:
+def _field_record(codec: LayoutPlan, field: Field) -> Call:
     """Return the record ``FieldFacts`` of a field.
 
     ``constant`` and ``unused`` are the manual's values for a constant or for unused bits.
@@ -201,7 +201,7 @@ def _field_record(codec: Codec, field: Field) -> Call:
     )
 
 
-def _field_records(codec: Codec) -> tuple[Call, ...]:
+def _field_records(codec: LayoutPlan) -> tuple[Call, ...]:
     """Return the facts of each field."""
     return tuple(_field_record(codec, field) for field in codec.layout.fields)
 

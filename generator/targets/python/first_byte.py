@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 
 from ...model import Field, Piece
-from ...plan.codec import Codec
+from ...plan.codec import LayoutPlan
 from ...plan.operations import AlwaysIs, Check, IsOneOf, ParityIs
 from ...plan.values import Named, meaning_of
 from .literals import coded
@@ -20,7 +20,7 @@ class FirstByte:
     ``enum`` returns the name of a field's IntEnum.
     """
 
-    def __init__(self, codec: Codec, enum: Callable[[Field], str]) -> None:
+    def __init__(self, codec: LayoutPlan, enum: Callable[[Field], str]) -> None:
         self.codec = codec
         self.enum = enum
 

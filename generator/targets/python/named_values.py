@@ -6,7 +6,7 @@ from dataclasses import field as dataclass_field
 
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...plan.codec import Codec
+from ...plan.codec import LayoutPlan
 from ...plan.operations import IsBetween, NotAbove
 from .literals import Atom, Expr, Scope
 from .names import ClassNames
@@ -64,7 +64,7 @@ class NamedValues(Scope):
             self.comments[name] = comment
 
 
-def prefer_names_of_fields(scope: NamedValues, codec: Codec, class_names: ClassNames) -> None:
+def prefer_names_of_fields(scope: NamedValues, codec: LayoutPlan, class_names: ClassNames) -> None:
     """Name the positions, widths, masks and limits that depend on the order code by their fields."""
     unused_name = _LocalNames(codec, class_names).unused_name
     scope.prefer("frame_bits", "size", codec.layout.bits, comment_on_constant(codec, codec.layout.bits))
@@ -87,7 +87,7 @@ def prefer_names_of_fields(scope: NamedValues, codec: Codec, class_names: ClassN
 class _LocalNames:
     """Names of the variables of a decoder, beginning with the names of its fields and their runs of digits."""
 
-    def __init__(self, codec: Codec, class_names: ClassNames) -> None:
+    def __init__(self, codec: LayoutPlan, class_names: ClassNames) -> None:
         self._names = class_names
         self._used_names: set[str] = set()
         for field in codec.layout.fields:
@@ -103,7 +103,7 @@ class _LocalNames:
         return name
 
 
-def comment_on_constant(codec: Codec, expression: Expression) -> str:
+def comment_on_constant(codec: LayoutPlan, expression: Expression) -> str:
     """Return a comment on the constant of a sum of widths, such as ``8 = crc (6) + warning (1) + error (1)``.
 
     It lists the fields of fixed width at the low end of the word. A single field is alone, as in ``crc (6)``. It is

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from ...model import Field, Flag, Verdict, first_of
 from ...model.expressions import Expression
-from ...plan.codec import Codec
+from ...plan.codec import LayoutPlan
 from ...plan.operations import Part, Reserved
 from ...plan.verdicts import Match, Only, ReportCause, Reporting, VerdictCause
 from .literals import Atom, Expr, Not, Operation, Scope, coded, join_operands, mask
@@ -23,7 +23,7 @@ class FrameReports:
     def __init__(
         self,
         reporting: Reporting | None,
-        codec: Codec,
+        codec: LayoutPlan,
         class_names: ClassNames,
         parameters: Mapping[str, str],
         attribute_of: Callable[[str], str] = "self.{}".format,
