@@ -16,6 +16,7 @@ from .operations import (
     AlwaysIs,
     Bits,
     Check,
+    FieldToDecode,
     Fixed,
     FrameCrc,
     Gray,
@@ -25,7 +26,6 @@ from .operations import (
     NotAbove,
     ParityIs,
     ParityOf,
-    Part,
     Reserved,
     ReservedBits,
     Term,
@@ -50,7 +50,7 @@ class LayoutPlan:
     selector: Field | None
     crcs: tuple[FrameCrc, ...]
     gray: Gray | None
-    parts: tuple[Part, ...]
+    parts: tuple[FieldToDecode, ...]
     joined_numbers: tuple[JoinedNumber, ...]
     alternatives: tuple[Alternative, ...]
     reserved: tuple[Reserved, ...]
@@ -144,7 +144,7 @@ def codec_of(device: Device, layout: Layout) -> LayoutPlan:
     )
 
 
-def _yield_parts(layout: Layout) -> Iterator[Part]:
+def _yield_parts(layout: Layout) -> Iterator[FieldToDecode]:
     """Yield the fields with data, except a fixed selector. Parts that a join or a parity bit also uses are shared."""
     shared_names = {name for join in layout.joins for name in join.fields}
     for field in layout.fields:
@@ -153,7 +153,7 @@ def _yield_parts(layout: Layout) -> Iterator[Part]:
     selector = fixed_selector(layout)
     for field in layout.fields:
         if field.carries_data and field is not selector:
-            yield Part(field, bits_of(layout, field), shared=field.name in shared_names)
+            yield FieldToDecode(field, bits_of(layout, field), shared=field.name in shared_names)
 
 
 def _yield_reserved(layout: Layout) -> Iterator[Reserved]:
@@ -401,7 +401,7 @@ def characters(field: Field) -> tuple[tuple[int, int], ...]:
     return tuple(indices)
 
 
-def is_plain_flag(part: Part) -> bool:
+def is_plain_flag(part: FieldToDecode) -> bool:
     """Return whether a part is a flag whose bit no join and no parity bit uses."""
     return isinstance(part.field.kind, Flag) and not part.shared
 

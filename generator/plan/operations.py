@@ -217,7 +217,7 @@ class Gray:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class FieldToDecode:
     """A field of a decoded frame. ``shared`` is true if a join or a parity bit also uses its bits."""
 
     field: Field

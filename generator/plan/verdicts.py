@@ -16,7 +16,7 @@ from ..model.expressions import Expression
 from ..model.kinds import Unused
 from ..model.record import dataclass
 from .codec import LayoutPlan, codec_of
-from .operations import Part, Reserved
+from .operations import FieldToDecode, Reserved
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +43,11 @@ class Match:
     """
 
     field: Field
-    conditions: tuple[tuple[Part, int], ...]
+    conditions: tuple[tuple[FieldToDecode, int], ...]
 
 
 #: Cause of a verdict or a report: a flag, reserved bits, or values.
-Cause = Part | Reserved | Match
+Cause = FieldToDecode | Reserved | Match
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class VerdictCause:
     """
 
     by: Cause
-    unless: tuple[Part, ...]
+    unless: tuple[FieldToDecode, ...]
     only: Only | None = None
     chosen: Only | None = None
 
@@ -157,7 +157,7 @@ def judgement_of(codec: LayoutPlan) -> Judgement:
     )
 
 
-def _verdicts_of_flag(cause: Cause, parts: Mapping[str, Part]) -> Iterator[tuple[Verdict, VerdictCause]]:
+def _verdicts_of_flag(cause: Cause, parts: Mapping[str, FieldToDecode]) -> Iterator[tuple[Verdict, VerdictCause]]:
     """Yield the verdicts to which a flag leads, each with its conditions on the order code and the user's answer.
 
     A flag that combines others does not count while one of these is active (``unless``), because the active flag
@@ -203,7 +203,7 @@ def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
     yield flag.verdict_if_set, Only(flag.verdict_parameter, holds=True)
 
 
-def _always_leads_to(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
+def _always_leads_to(part: FieldToDecode, verdict: Verdict, parts: Mapping[str, FieldToDecode]) -> bool:
     """Return whether a flag leads to ``verdict`` or a worse one, whatever the order code and the answers are.
 
     Return false if the flag combines others of the frame, since it then has no verdict while one of them is active.

@@ -7,7 +7,7 @@ from functools import reduce
 from operator import or_
 
 from codewheel.model import Verdict, assert_never
-from codewheel.plan.operations import Part, Reserved
+from codewheel.plan.operations import FieldToDecode, Reserved
 from codewheel.plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from codewheel.plan.verdicts import Match, Only, VerdictCause
 
@@ -46,7 +46,7 @@ def _selects(condition: Only, scope: Scope) -> str:
     return f"{scope.parameter(condition.parameter)} {'!=' if condition.holds else '=='} 0"
 
 
-def _terms(struct: Struct, cause: Part | Match) -> Iterator[str]:
+def _terms(struct: Struct, cause: FieldToDecode | Match) -> Iterator[str]:
     """Yield the conditions that a flag is active, or that fields have their values."""
     parts = cause.conditions if isinstance(cause, Match) else ((cause, 1),)
     for part, value in parts:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from ...model import Field, assert_never
 from ...model.record import dataclass
 from ...plan.codec import ShiftedBits, characters, is_plain_flag
-from ...plan.operations import AlwaysIs, Bits, Check, JoinedNumber, ParityIs, Part, ZerosAbove
+from ...plan.operations import AlwaysIs, Bits, Check, FieldToDecode, JoinedNumber, ParityIs, ZerosAbove
 from ...plan.values import (
     Active,
     Characters,
@@ -262,7 +262,7 @@ class Decoder:
     # -- members
 
     @property
-    def fill_operations(self) -> Iterator[FlagsIn | Part | JoinedNumber | UnusedIn | UnusedAre]:
+    def fill_operations(self) -> Iterator[FlagsIn | FieldToDecode | JoinedNumber | UnusedIn | UnusedAre]:
         """The operations that fill the members, in order. Unused bits are taken from a byte together with its flags."""
         unused = self.struct.unused
         # The unused bits of each byte that no operation has taken yet. It shrinks in the calls below.
@@ -295,7 +295,7 @@ class Decoder:
         if not ungathered:
             yield UnusedAre(unused.member_from(Name("unused")))
 
-    def _parts_and_wholes(self) -> Iterator[FlagsIn | Part | JoinedNumber]:
+    def _parts_and_wholes(self) -> Iterator[FlagsIn | FieldToDecode | JoinedNumber]:
         """Yield all parts and joins. The byte of adjacent flags comes before the first of them."""
         flags_in = self._first_flags_of_bytes()
         for part in self.plan.parts:
@@ -324,7 +324,7 @@ class Decoder:
             flags_in[name] = FlagsIn(byte, is_first=is_first, is_only=is_only)
         return flags_in
 
-    def members(self, part: Part) -> Iterator[tuple[str, Expr]]:
+    def members(self, part: FieldToDecode) -> Iterator[tuple[str, Expr]]:
         """Yield the members that a part fills, each with its value, such as ``error`` and ``(flags & 0x80U) != 0U``."""
         name = c_name(part.field.name)
         bits = self.local(part.field)
@@ -354,7 +354,7 @@ class Decoder:
             case never:
                 assert_never(never)
 
-    def _is_active(self, part: Part, bit: Expr, *, low_is_active: bool) -> Expr:
+    def _is_active(self, part: FieldToDecode, bit: Expr, *, low_is_active: bool) -> Expr:
         """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
         An active-low flag of which only some order codes have the bit is compared with its width, which is 1 or 0.
@@ -364,7 +364,7 @@ class Decoder:
         operator = "==" if low_is_active else "!="
         return Operation(operator, (bit, Number(0)))
 
-    def _bits_as(self, type_: str, part: Part) -> Expr:
+    def _bits_as(self, type_: str, part: FieldToDecode) -> Expr:
         """Return the bits of a part, with a cast if the member has another type."""
         bits = self.local(part.field)
         type_of_local, _ = self.raw(part.field)

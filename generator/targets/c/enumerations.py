@@ -10,7 +10,7 @@ from ...language.document import Path
 from ...model import Alternative, Answer, Device, Field, Layout, Parameter, Value, Verdict, cite, first_of
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...plan.operations import Part, Reserved
+from ...plan.operations import FieldToDecode, Reserved
 from ...plan.values import Active, Named, meaning_of
 from ...plan.verdicts import Cause, Match, Only, Report, Reporting, VerdictCause, reportings, reports_of
 from ...say.errata import errata, erratum
@@ -300,9 +300,9 @@ class FrameReports:
             return self._differs_in([cause])
         return join_operands("&&", tuple(self._conditions_of(cause)))
 
-    def _conditions_of(self, flag_or_match: Part | Match) -> Iterator[Expr]:
+    def _conditions_of(self, flag_or_match: FieldToDecode | Match) -> Iterator[Expr]:
         """Yield the condition of a flag, ``frame->error``, or of a match: ``!frame->ok``, ``frame->mode == A``."""
-        if isinstance(flag_or_match, Part):
+        if isinstance(flag_or_match, FieldToDecode):
             yield Name(_struct_member(flag_or_match))
             return
         for part, value in flag_or_match.conditions:
@@ -445,6 +445,6 @@ def _express_condition(scope: Scope, parameter_condition: Only) -> Expr:
     return Operation(operator, (scope.member(parameter_condition.parameter), Number(0)))
 
 
-def _struct_member(part: Part) -> str:
+def _struct_member(part: FieldToDecode) -> str:
     """Return the member of a flag or field in the struct of a frame."""
     return f"frame->{c_name(part.field.name)}"

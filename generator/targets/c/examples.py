@@ -24,7 +24,7 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
-from ...plan.operations import Part
+from ...plan.operations import FieldToDecode
 from ...plan.steps import Sends
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, meaning_of
 from ...say.names_and_places import title, words
@@ -402,7 +402,7 @@ class ExampleCode:
             else:
                 yield Memory(register.address, example.bytes, title(register))
 
-    def printed(self, part: Part, variable: str) -> Iterator[PrintedMember]:
+    def printed(self, part: FieldToDecode, variable: str) -> Iterator[PrintedMember]:
         """Yield the members of a part of the struct ``variable`` as ``printf`` shows them. Runs of digits are extra."""
         member = f"{variable}.{c_name(part.field.name)}"
         match part.meaning:

@@ -26,7 +26,7 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...plan.crcs import CONTROL_FIELDS, vectors_of
-from ...plan.operations import Part
+from ...plan.operations import FieldToDecode
 from ...plan.values import Active, Characters, Named, Raw, TwosComplement
 from .. import manufacturers
 from .codec import StructCodec
@@ -315,7 +315,7 @@ class SelfTest:
             if name in member_names:
                 yield self._expected_member(key, name, value, part_by_field.get(name))
 
-    def _expected_member(self, key: str, name: str, value: int | str | bool, part: Part | None) -> Expected:
+    def _expected_member(self, key: str, name: str, value: int | str | bool, part: FieldToDecode | None) -> Expected:
         """Return the expected value of a member, as C. ``part`` is None for a join or a run of digits: a plain number.
 
         A named value has its constant, if C has one.

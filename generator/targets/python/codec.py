@@ -13,7 +13,7 @@ from ...model.record import dataclass
 from ...plan.codec import codec_of
 from ...plan.crcs import carrier_of
 from ...plan.limits import Limits, limits_of, powers_of_two
-from ...plan.operations import FrameCrc, JoinedNumber, Part
+from ...plan.operations import FieldToDecode, FrameCrc, JoinedNumber
 from ...plan.values import (
     Active,
     Characters,
@@ -120,7 +120,7 @@ class Coder:
         return has_named_values or Fault.RANGE in self.plan.faults()
 
     @property
-    def named_value_parts(self) -> list[Part]:
+    def named_value_parts(self) -> list[FieldToDecode]:
         """Parts with named values, except the selector. ``decode`` looks up their members after all checks."""
         parts = self.plan.parts
         return [part for part in parts if is_named(part.meaning) and not self.selects(part.field)]

@@ -8,7 +8,7 @@ from ...model import Digits, Field
 from ...model.expressions import Expression
 from ...model.lookup import assert_never
 from ...plan.codec import LayoutPlan
-from ...plan.operations import AlwaysIs, Check, FrameCrc, ParityIs, Part, ZerosAbove
+from ...plan.operations import AlwaysIs, Check, FieldToDecode, FrameCrc, ParityIs, ZerosAbove
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from .bits import Reader
 from .first_byte import FirstByte
@@ -221,12 +221,12 @@ class Decoder:
 
     # -- values
 
-    def bits(self, part: Part) -> Expr:
+    def bits(self, part: FieldToDecode) -> Expr:
         """Return the bits of a field after all checks: its variable, if it has one, or else the expression."""
         has_variable = part.field.name in self.assigned
         return Atom(self.local(part.field)) if has_variable else self.read.bits(part.bits)
 
-    def values(self, part: Part) -> list[Expr]:
+    def values(self, part: FieldToDecode) -> list[Expr]:
         """Return the values of a field: one, or one per run of digits.
 
         ``valid_first_bytes`` maps the first byte to the selector. A variable holds the member of a named value.
@@ -256,14 +256,14 @@ class Decoder:
             case meaning:
                 assert_never(meaning)
 
-    def _decode_text(self, part: Part) -> Expr:
+    def _decode_text(self, part: FieldToDecode) -> Expr:
         """Return the characters of a field, such as ``data[2:6].decode("latin-1")``."""
         adjacent_bytes = self.read.characters(part.bits)
         if adjacent_bytes:
             return Atom(f'{adjacent_bytes}.decode("latin-1")')
         return _text_of_number(part.field, self.bits(part))
 
-    def _is_active(self, part: Part, *, low_is_active: bool) -> Expr:
+    def _is_active(self, part: FieldToDecode, *, low_is_active: bool) -> Expr:
         """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
         Such a flag has a width of 0 or 1, and its bits are 0 without it.
@@ -275,7 +275,7 @@ class Decoder:
             return Atom(f"{self.bits(part).operand} != {inactive.operand}")
         return _is_flag_active(self.read.bit(part.bits, self._shorter_number(part)), low_is_active=low_is_active)
 
-    def _shorter_number(self, part: Part) -> str:
+    def _shorter_number(self, part: FieldToDecode) -> str:
         """Return ``low``, the lowest bits of a word, if a CRC table needs it and it has the flag. Otherwise ""."""
         low_bit = part.bits.low
         is_in_low_table = low_bit.is_constant and low_bit.constant < TABLE_BITS
@@ -298,7 +298,7 @@ class Decoder:
             decoded.values.append((other_bits, "unused, all other bits"))
         return decoded
 
-    def _add_values(self, part: Part, decoded: DecodedValues) -> None:
+    def _add_values(self, part: FieldToDecode, decoded: DecodedValues) -> None:
         """Add the values of a field, and the statement for the number that several values are parts of.
 
         Each value has a comment, unless it is the variable with the name of the attribute.
@@ -312,7 +312,7 @@ class Decoder:
             shows_its_name = code == self.local(attribute)
             decoded.values.append((code, "" if shows_its_name else self._place_comment(part, attribute)))
 
-    def _place_comment(self, part: Part, attribute: Field | Digits) -> str:
+    def _place_comment(self, part: FieldToDecode, attribute: Field | Digits) -> str:
         """Return the name of an attribute, with the place of its bits if its expression reads them.
 
         An example is ``warning, bit 6, active low``.

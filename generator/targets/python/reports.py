@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from ...model import Field, Flag, Verdict, first_of
 from ...model.expressions import Expression
 from ...plan.codec import LayoutPlan
-from ...plan.operations import Part, Reserved
+from ...plan.operations import FieldToDecode, Reserved
 from ...plan.verdicts import Match, Only, ReportCause, Reporting, VerdictCause
 from .literals import Atom, Expr, Not, Operation, Scope, coded, join_operands, mask
 from .names import ClassNames
@@ -122,7 +122,7 @@ class FrameReports:
             conditions.append(str(self._differs_in(reserved_causes)))
         return conditions
 
-    def _condition_of_cause(self, cause: VerdictCause, flag_or_match: Part | Match) -> str:
+    def _condition_of_cause(self, cause: VerdictCause, flag_or_match: FieldToDecode | Match) -> str:
         """Return the condition for a cause, such as ``(self.error and not self.warning)``.
 
         A cause is ignored while one of the flags that it combines is active, and for other order codes.
@@ -169,7 +169,7 @@ class FrameReports:
         are_all = mask_of_these == mask_of_all
         return differing_bits if are_all else Operation(differing_bits, "&", mask(mask_of_these))
 
-    def _read_attribute(self, part: Part) -> Expr:
+    def _read_attribute(self, part: FieldToDecode) -> Expr:
         return Atom(self._attribute_of(self._names.attribute(part.field.name)))
 
 
