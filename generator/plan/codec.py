@@ -17,6 +17,7 @@ from .operations import (
     Bits,
     Check,
     FieldToDecode,
+    FieldToEncode,
     Fixed,
     FrameCrc,
     Gray,
@@ -28,7 +29,6 @@ from .operations import (
     ParityOf,
     Reserved,
     ReservedBits,
-    Term,
     ValueOfField,
     ZerosAbove,
     checks_of_meaning,
@@ -55,7 +55,7 @@ class LayoutPlan:
     alternatives: tuple[Alternative, ...]
     reserved: tuple[Reserved, ...]
     checks: tuple[Check, ...]
-    terms: tuple[Term, ...]
+    terms: tuple[FieldToEncode, ...]
 
     @property
     def keeps_others(self) -> bool:
@@ -353,7 +353,7 @@ def parity(number: int, odd: bool) -> int:
     return (number.bit_count() & 1) ^ odd
 
 
-def _yield_terms(layout: Layout) -> Iterator[Term]:
+def _yield_terms(layout: Layout) -> Iterator[FieldToEncode]:
     """Yield each field of an encoded frame with the source of its bits. The CRC is computed from all of them later."""
     bit_in_unused_by_name = {field.name: bit_in_unused for field, bit_in_unused in layout.unused}
     for field in layout.fields:
@@ -367,7 +367,7 @@ def _yield_terms(layout: Layout) -> Iterator[Term]:
                 sent_value = ReservedBits(documented_value, bit_in_unused_by_name[field.name])
             case _:
                 sent_value = _sent_number(layout, field)
-        yield Term(field, bits_of(layout, field), sent_value)
+        yield FieldToEncode(field, bits_of(layout, field), sent_value)
 
 
 def _sent_parity(layout: Layout, parity_bit: Field, parity_kind: Parity) -> Fixed | ParityOf:

@@ -322,7 +322,7 @@ class ReservedBits:
 
 
 @dataclass(frozen=True, slots=True)
-class Term:
+class FieldToEncode:
     """One field of an encoded frame, other than the CRC."""
 
     field: Field

@@ -7,7 +7,16 @@ from collections.abc import Iterable, Iterator, Sequence
 from ...model import Field, Piece, assert_never
 from ...plan.codec import characters
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
-from ...plan.operations import Fixed, JoinedNumber, ParityIs, ParityOf, ReservedBits, Term, ValueOfField, ZerosAbove
+from ...plan.operations import (
+    FieldToEncode,
+    Fixed,
+    JoinedNumber,
+    ParityIs,
+    ParityOf,
+    ReservedBits,
+    ValueOfField,
+    ZerosAbove,
+)
 from ...plan.values import (
     Active,
     Characters,
@@ -119,7 +128,7 @@ class Encoder:
             return ()
         return tuple(self._term_in_word(term) for term in self.plan.terms if isinstance(term.value, ParityOf))
 
-    def _term_in_word(self, term: Term) -> Expr:
+    def _term_in_word(self, term: FieldToEncode) -> Expr:
         """Return a term shifted to its place in the word, such as ``(uint64_t)in->position << 8``."""
         value = self._express_value(term)
         low = term.field.low
@@ -130,14 +139,14 @@ class Encoder:
             return Cast(self.word_type, value) if is_member else value
         return shifted_left(Cast(self.word_type, value), self.struct.scope.expression_of(low))
 
-    def _is_always_zero(self, term: Term) -> bool:
+    def _is_always_zero(self, term: FieldToEncode) -> bool:
         """Return True if a term is a constant field or a parity bit that is always 0."""
         is_derived = term.field.name in self.plan.constants or term.field.name in self._parity_names
         return is_derived and term.value == Fixed(0)
 
     # -- values of terms, with their lowest bit at bit 0
 
-    def _express_value(self, term: Term) -> Expr:
+    def _express_value(self, term: FieldToEncode) -> Expr:
         """Return the value of a term, with its lowest bit at bit 0: a literal, a parity, or the bits of a member."""
         match term.value:
             case Fixed(number):
@@ -150,7 +159,7 @@ class Encoder:
             case ReservedBits():
                 return self.struct.unused.bits_of(term.field)
 
-    def _parity_bit(self, term: Term, parity: ParityOf) -> Expr:
+    def _parity_bit(self, term: FieldToEncode, parity: ParityOf) -> Expr:
         """Return the parity bit of several fields, 0 for an order code without this bit."""
         if self.plan.parity_covers_gray:
             even_parity = self.reader.parity_as_sent(parity.of, parity.mask)
@@ -262,7 +271,7 @@ class Encoder:
                 expressions.setdefault(byte, []).append(bits)
         return expressions
 
-    def _variable_bits(self, term: Term) -> Iterator[tuple[int, Expr]]:
+    def _variable_bits(self, term: FieldToEncode) -> Iterator[tuple[int, Expr]]:
         """Yield the index of each byte of a term, with the bits at their places in it. Constant terms have none.
 
         Reserved bits have none either, because ``unused.in_bytes`` contains them.
@@ -279,7 +288,7 @@ class Encoder:
             case _:
                 assert_never(term.value)
 
-    def _bits_in_bytes(self, term: Term, field: Field) -> Iterator[tuple[int, Expr]]:
+    def _bits_in_bytes(self, term: FieldToEncode, field: Field) -> Iterator[tuple[int, Expr]]:
         """Yield the index of each byte of a member, with the bits at their places in it."""
         member = self.member_of(field)
         match meaning_of(field):
