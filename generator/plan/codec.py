@@ -16,9 +16,9 @@ from .operations import (
     AlwaysIs,
     Bits,
     Check,
+    ConstantNumber,
     FieldToDecode,
     FieldToEncode,
-    Fixed,
     FrameCrc,
     Gray,
     IsBetween,
@@ -357,7 +357,7 @@ def _yield_terms(layout: Layout) -> Iterator[FieldToEncode]:
     """Yield each field of an encoded frame with the source of its bits. The CRC is computed from all of them later."""
     bit_in_unused_by_name = {field.name: bit_in_unused for field, bit_in_unused in layout.unused}
     for field in layout.fields:
-        sent_value: Fixed | ValueOfField | ParityOf | ReservedBits
+        sent_value: ConstantNumber | ValueOfField | ParityOf | ReservedBits
         match field.kind:
             case CrcValue():
                 continue
@@ -370,19 +370,19 @@ def _yield_terms(layout: Layout) -> Iterator[FieldToEncode]:
         yield FieldToEncode(field, bits_of(layout, field), sent_value)
 
 
-def _sent_parity(layout: Layout, parity_bit: Field, parity_kind: Parity) -> Fixed | ParityOf:
+def _sent_parity(layout: Layout, parity_bit: Field, parity_kind: Parity) -> ConstantNumber | ParityOf:
     """Return the computation of a parity bit, or its value if that never changes."""
     covered_fields = tuple(layout.field(name) for name in parity_kind.of)
     known_bit = _known_parity(layout, parity_bit, covered_fields, parity_kind)
     if known_bit is not None:
-        return Fixed(known_bit)
+        return ConstantNumber(known_bit)
     return ParityOf(covered_fields, parity_kind.odd, _parity_mask(parity_kind, covered_fields))
 
 
-def _sent_number(layout: Layout, field: Field) -> Fixed | ValueOfField:
+def _sent_number(layout: Layout, field: Field) -> ConstantNumber | ValueOfField:
     """Return the only value that a field can have, or the field itself if the caller supplies its value."""
     constant = only_value(layout, field)
-    return ValueOfField(field) if constant is None else Fixed(constant)
+    return ValueOfField(field) if constant is None else ConstantNumber(constant)
 
 
 def characters(field: Field) -> tuple[tuple[int, int], ...]:

@@ -22,7 +22,7 @@ from .limits import powers_of_two
 from .operations import (
     AlwaysIs,
     AtMost,
-    Fixed,
+    ConstantNumber,
     FrameCrc,
     Gray,
     IsBetween,
@@ -242,7 +242,7 @@ def _computed_parities(codec: LayoutPlan) -> Iterator[Check]:
 def _constant_ones(codec: LayoutPlan) -> Iterator[tuple[Place, int]]:
     """Yield the constants that are not all 0. An encoder of frames starts from 0, so it need not set constants of 0."""
     for term in codec.terms:
-        if isinstance(term.value, Fixed) and term.value.number:
+        if isinstance(term.value, ConstantNumber) and term.value.number:
             yield Place(term.field.low, term.field.width), term.value.number
 
 

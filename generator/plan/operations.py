@@ -286,7 +286,7 @@ class Reserved:
 
 
 @dataclass(frozen=True, slots=True)
-class Fixed:
+class ConstantNumber:
     """A number that is the same in every frame of this layout."""
 
     number: int
@@ -327,7 +327,7 @@ class FieldToEncode:
 
     field: Field
     bits: Bits
-    value: Fixed | ValueOfField | ParityOf | ReservedBits
+    value: ConstantNumber | ValueOfField | ParityOf | ReservedBits
 
     @property
     def depends(self) -> bool:

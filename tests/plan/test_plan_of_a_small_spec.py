@@ -24,7 +24,7 @@ from codewheel.plan.limits import limits_of, outside, powers_of_two, refusals
 from codewheel.plan.operations import (
     AlwaysIs,
     AtMost,
-    Fixed,
+    ConstantNumber,
     IsOneOf,
     ParityIs,
     ParityOf,
@@ -353,14 +353,14 @@ def test_terms_of_an_encoder(by_hand: Device) -> None:
 
     low, high, mode, mark = values("flag_word")
     assert [type(value) for value in (low, high, mode)] == [ValueOfField] * 3
-    assert mark == Fixed(9)
+    assert mark == ConstantNumber(9)
     first_spare, _, second_spare = values("spare_word")
     assert (first_spare, second_spare) == (ReservedBits(2, 3), ReservedBits(1, 0))
     a, b = by_hand.layout("parity_word").fields[:2]
     assert values("parity_word")[2:] == [ParityOf((a, b), False, 0), ParityOf((b,), True, 0)]
     # The first byte identifies the frame, and the CRC is not a term.
     identity, count = values("low_reply")
-    assert identity == Fixed(1)
+    assert identity == ConstantNumber(1)
     assert isinstance(count, ValueOfField)
 
 

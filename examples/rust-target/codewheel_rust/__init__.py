@@ -10,7 +10,7 @@ from codewheel.model import Device, Manufacturer, assert_never
 from codewheel.plan.codec import characters
 from codewheel.plan.description import describe
 from codewheel.plan.limits import Refusal, refusals
-from codewheel.plan.operations import Check, Fixed, ParityOf, ReservedBits, ValueOfField
+from codewheel.plan.operations import Check, ConstantNumber, ParityOf, ReservedBits, ValueOfField
 from codewheel.render import Templates, tests_for
 from codewheel.say.layout import crc
 from codewheel.say.order_code import order_code, parameter
@@ -59,7 +59,7 @@ TEMPLATES = Templates(
     filters={item.__name__: item for item in (*_WORDS, *spelling.PIECES, *spelling.NUMBERS)},
     functions={"never": assert_never}
     | {item.__name__: item for item in (*_TEXTS, describe, refusals, verdicts.conditions)},
-    tests=tests_for(Check, Refusal, Fixed, ValueOfField, ParityOf, ReservedBits),
+    tests=tests_for(Check, Refusal, ConstantNumber, ValueOfField, ParityOf, ReservedBits),
 )
 TARGET = Target(
     name="rust",

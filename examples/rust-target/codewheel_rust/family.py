@@ -10,7 +10,7 @@ from codewheel.plan.codec import LayoutPlan, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches, held_parameters
 from codewheel.plan.limits import Limits, limits_of
-from codewheel.plan.operations import AlwaysIs, Bits, FieldToEncode, Fixed, ParityIs, ParityOf
+from codewheel.plan.operations import AlwaysIs, Bits, ConstantNumber, FieldToEncode, ParityIs, ParityOf
 from codewheel.plan.values import Characters, meaning_of
 from codewheel.plan.verdicts import Judgement, reportings
 from codewheel.targets import TargetProblem
@@ -62,7 +62,7 @@ class Struct:
     @property
     def encoded_terms(self) -> list[FieldToEncode]:
         """Return the fields encoded as numbers, without zeros, the CRC and copied texts. Parity bits are last."""
-        terms = [term for term in self.codec.terms if term.value != Fixed(0) and not characters(term.field)]
+        terms = [term for term in self.codec.terms if term.value != ConstantNumber(0) and not characters(term.field)]
         return sorted(terms, key=lambda term: isinstance(term.value, ParityOf))
 
     def type_of(self, field: Field) -> str:

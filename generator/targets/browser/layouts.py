@@ -33,7 +33,7 @@ from ...plan.operations import (
     AlwaysIs,
     AtMost,
     Check,
-    Fixed,
+    ConstantNumber,
     IsBetween,
     IsOneOf,
     NotAbove,
@@ -339,7 +339,7 @@ def _encoding_data(value: object) -> Data:
     ``value`` is the value of the field's term. A CRC has no term.
     """
     match value:
-        case Fixed(constant):
+        case ConstantNumber(constant):
             return {"fixed": json_number(constant)}
         case ParityOf(covered_fields, odd, mask):
             parity: Data = {"parity": [field.name for field in covered_fields], "odd": int(odd)}

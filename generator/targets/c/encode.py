@@ -8,8 +8,8 @@ from ...model import Field, Piece, assert_never
 from ...plan.codec import characters
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
 from ...plan.operations import (
+    ConstantNumber,
     FieldToEncode,
-    Fixed,
     JoinedNumber,
     ParityIs,
     ParityOf,
@@ -142,14 +142,14 @@ class Encoder:
     def _is_always_zero(self, term: FieldToEncode) -> bool:
         """Return True if a term is a constant field or a parity bit that is always 0."""
         is_derived = term.field.name in self.plan.constants or term.field.name in self._parity_names
-        return is_derived and term.value == Fixed(0)
+        return is_derived and term.value == ConstantNumber(0)
 
     # -- values of terms, with their lowest bit at bit 0
 
     def _express_value(self, term: FieldToEncode) -> Expr:
         """Return the value of a term, with its lowest bit at bit 0: a literal, a parity, or the bits of a member."""
         match term.value:
-            case Fixed(number):
+            case ConstantNumber(number):
                 is_parity = term.field.name in self._parity_names
                 return Number(number, hexadecimal=not is_parity)
             case ParityOf():
@@ -254,7 +254,7 @@ class Encoder:
         """Return the constant bits of every byte, by its index, such as ``{0: 0x80, 1: 0}``."""
         constants = dict.fromkeys(range(self.plan.length), 0)
         for term in self.plan.terms:
-            if isinstance(term.value, Fixed):
+            if isinstance(term.value, ConstantNumber):
                 for piece in term.field.pieces:
                     # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
                     bits_of_piece = (term.value.number >> piece.low_in_number) & piece.mask
@@ -277,7 +277,7 @@ class Encoder:
         Reserved bits have none either, because ``unused.in_bytes`` contains them.
         """
         match term.value:
-            case ReservedBits() | Fixed():
+            case ReservedBits() | ConstantNumber():
                 return
             case ValueOfField(field):
                 yield from self._bits_in_bytes(term, field)
