@@ -14,9 +14,9 @@ from ..model.record import dataclass
 from .crcs import checks_whole_words, fold_steps, is_checked_by_division
 from .operations import (
     AlwaysIs,
-    Bits,
     Check,
     ConstantNumber,
+    FieldBits,
     FieldToDecode,
     FieldToEncode,
     FrameCrc,
@@ -115,7 +115,7 @@ class LayoutPlan:
             faults.add(Fault.CRC)
         return tuple(fault for fault in Fault if fault in faults)
 
-    def bits_of(self, name: str) -> Bits:
+    def bits_of(self, name: str) -> FieldBits:
         return bits_of(self.layout, self.layout.field(name))
 
 
@@ -175,7 +175,7 @@ def only_value(layout: Layout, field: Field) -> int | None:
     return layout.selects[0] if field is fixed_selector(layout) else None
 
 
-def bits_of(layout: Layout, field: Field) -> Bits:
+def bits_of(layout: Layout, field: Field) -> FieldBits:
     """Return the bits of a field. In bytes, a padded field has no pieces for bytes that contain only padding."""
     pieces = tuple(piece for piece in field.pieces if not field.container or piece.low_in_number < field.widest)
     return _locate_bits(layout, field.low, field.width, field.widest, pieces)
@@ -183,11 +183,11 @@ def bits_of(layout: Layout, field: Field) -> Bits:
 
 def _locate_bits(
     layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[Piece, ...] = ()
-) -> Bits:
+) -> FieldBits:
     """Return ``width`` bits, starting at ``low``. The bits are on top if a frame of bits has none above them."""
     bits_above = layout.bits - low - width
     on_top = not layout.in_bytes and bits_above == Expression(0)
-    return Bits(low, width, widest, on_top, pieces)
+    return FieldBits(low, width, widest, on_top, pieces)
 
 
 def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
@@ -223,7 +223,7 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
     )
 
 
-def _bits_at_end(layout: Layout, width: int) -> Bits:
+def _bits_at_end(layout: Layout, width: int) -> FieldBits:
     """Return the last ``width`` bits, in bytes with their pieces: a CRC that only some order codes have."""
     low_byte_first = layout.byte_order == "low_byte_first"
     low = layout.bits - Expression(width) if low_byte_first else Expression(0)

@@ -27,7 +27,7 @@ from ..model import (
 )
 from ..model.record import dataclass
 from .codec import bits_of
-from .operations import Bits
+from .operations import FieldBits
 from .values import Raw, ZeroMeans, meaning_of
 
 
@@ -48,7 +48,7 @@ class Dispatch:
 
     sender: str
     selector: Field
-    bits: Bits
+    bits: FieldBits
     needs: int
     branches: tuple[Branch, ...]
     fallback: Layout | None
@@ -331,7 +331,7 @@ class HeldParameter:
 
     parameter: Parameter
     field: Field
-    bits: Bits
+    bits: FieldBits
     meaning: Raw | ZeroMeans
     low: int | None
     high: int | None

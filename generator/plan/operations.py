@@ -12,7 +12,7 @@ from .values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComp
 
 
 @dataclass(frozen=True, slots=True)
-class Bits:
+class FieldBits:
     """``width`` bits of the word, starting at ``low``. ``pieces`` describe the same bits in bytes, lowest bits first.
 
     ``on_top`` is true if there are no bits above them, so a shift is enough to extract them. ``widest`` is the largest
@@ -39,7 +39,7 @@ class AlwaysIs:
     """The field is a constant."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     value: int
     fault = Fault.CONSTANT
 
@@ -54,7 +54,7 @@ class ZerosAbove:
 
     field: Field
     padding: Field
-    bits: Bits
+    bits: FieldBits
     beyond: tuple[Piece, ...]
     fault = Fault.CONSTANT
 
@@ -76,9 +76,9 @@ class ParityIs:
     """
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     of: tuple[Field, ...]
-    of_bits: tuple[Bits, ...]
+    of_bits: tuple[FieldBits, ...]
     odd: bool
     mask: int
     known_parity: int | None
@@ -96,7 +96,7 @@ class IsOneOf:
     """The field has one of these values: its named values or, for a selector, those that identify this frame."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     values: tuple[int, ...]
     fault = Fault.RANGE
 
@@ -106,7 +106,7 @@ class AtMost:
     """The field is a decimal number with at most as many digits as all ``runs`` together."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     limit: int
     runs: tuple[Digits, ...]
     fault = Fault.RANGE
@@ -122,7 +122,7 @@ class NotAbove:
     """The field is at most ``highest``, which is lower than its width allows for some order codes."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     highest: Expression
     fault = Fault.RANGE
 
@@ -132,7 +132,7 @@ class IsBetween:
     """The signed field is from ``lowest`` to ``highest``, fewer numbers than its width allows for some order codes."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     lowest: Expression
     highest: Expression
     fault = Fault.RANGE
@@ -141,7 +141,7 @@ class IsBetween:
 Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetween
 
 
-def checks_of_meaning(field: Field, bits: Bits) -> Iterator[Check]:
+def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:
     """Yield the checks without which some bits of a field would be undefined. A list of values is checked before."""
     match meaning_of(field):
         case DigitRuns(runs):
@@ -166,7 +166,7 @@ class FrameCrc:
 
     crc: Crc
     field: Field
-    bits: Bits
+    bits: FieldBits
     covered: Expression
     low: int
     is_part: bool
@@ -221,7 +221,7 @@ class FieldToDecode:
     """A field of a decoded frame. ``shared`` is true if a join or a parity bit also uses its bits."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     shared: bool
 
     @property
@@ -238,7 +238,7 @@ class JoinedNumber:
     fields: tuple[Field, ...]
     width: Expression
     widest: int
-    bits: Bits | None
+    bits: FieldBits | None
 
     @property
     def from_low(self) -> Iterator[tuple[Field, Expression]]:
@@ -275,7 +275,7 @@ class Reserved:
     """
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     value: int
     place: int
 
@@ -326,7 +326,7 @@ class FieldToEncode:
     """One field of an encoded frame, other than the CRC."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     value: ConstantNumber | ValueOfField | ParityOf | ReservedBits
 
     @property

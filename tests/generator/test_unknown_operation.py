@@ -19,7 +19,7 @@ from codewheel.model import Fault, Field, Kind, Layout
 from codewheel.plan import values
 from codewheel.plan.codec import bits_of, codec_of
 from codewheel.plan.limits import _field_refusals
-from codewheel.plan.operations import Bits
+from codewheel.plan.operations import FieldBits
 from codewheel.targets import Library, Target
 from codewheel_runtime.bulk import decode as bulk_decode
 from codewheel_runtime.bulk import encode as bulk_encode
@@ -161,7 +161,7 @@ class UnknownCheck:
     """A check or refusal that is in no union."""
 
     field: Field
-    bits: Bits
+    bits: FieldBits
     fault = Fault.RANGE
 
 

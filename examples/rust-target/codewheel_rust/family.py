@@ -10,7 +10,7 @@ from codewheel.plan.codec import LayoutPlan, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches, held_parameters
 from codewheel.plan.limits import Limits, limits_of
-from codewheel.plan.operations import AlwaysIs, Bits, ConstantNumber, FieldToEncode, ParityIs, ParityOf
+from codewheel.plan.operations import AlwaysIs, ConstantNumber, FieldBits, FieldToEncode, ParityIs, ParityOf
 from codewheel.plan.values import Characters, meaning_of
 from codewheel.plan.verdicts import Judgement, reportings
 from codewheel.targets import TargetProblem
@@ -49,7 +49,7 @@ class Struct:
     position_member: str = ""
 
     @property
-    def bits_to_decode(self) -> dict[str, Bits]:
+    def bits_to_decode(self) -> dict[str, FieldBits]:
         """Return the fields whose bits the decoder needs, by name. Constants in bytes are checked byte by byte."""
         bits_by_name = {part.field.name: part.bits for part in self.codec.parts if not characters(part.field)}
         for check in self.codec.checks:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from ...model import Digits, Field, Piece, first_of
 from ...model.record import dataclass
 from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
-from ...plan.operations import Bits, JoinedNumber, Reserved
+from ...plan.operations import FieldBits, JoinedNumber, Reserved
 from .names import (
     Call,
     Cast,
@@ -86,7 +86,7 @@ class Reader:
         """The word, with any Gray code in it converted unless the reader is for the bits ``as_sent``."""
         return Name("plain" if self.plan.gray is not None and not self.as_sent else "word")
 
-    def value(self, bits: Bits) -> tuple[str, Expr]:
+    def value(self, bits: FieldBits) -> tuple[str, Expr]:
         """Return the type and the bits of a field, such as ``uint16_t`` and ``(uint16_t)(word >> 6)``."""
         if not self.plan.by_word:
             return of_bytes(bits.pieces)
@@ -98,7 +98,7 @@ class Reader:
         has_64_bits = bits.widest > 32 and not bits.are_fixed
         return type_, number if has_64_bits else Cast(type_, number)
 
-    def in_word(self, bits: Bits) -> Expr:
+    def in_word(self, bits: FieldBits) -> Expr:
         """Return bits of the word, shifted to bit 0, such as ``((uint32_t)word >> 6) & 0xFFFU``.
 
         If their place is fixed and in the lower half, the number has 32 bits. At a place that depends on the order
@@ -117,7 +117,7 @@ class Reader:
             return shifted_right(self.lower(self.word_size), bits.low.constant)
         return Call("cw_above", (self.word, self.scope.expression_of(bits.low)))
 
-    def flag(self, bits: Bits) -> Expr:
+    def flag(self, bits: FieldBits) -> Expr:
         """Return the bit of a flag at its position: ``word & 0x80U``, or in a frame of bytes ``flags & 0x80U``.
 
         ``flags`` is the local for the byte. A flag at a place that depends on the order code is shifted to bit 0.

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from ...model import Field, assert_never
 from ...model.record import dataclass
 from ...plan.codec import ShiftedBits, characters, is_plain_flag
-from ...plan.operations import AlwaysIs, Bits, Check, FieldToDecode, JoinedNumber, ParityIs, ZerosAbove
+from ...plan.operations import AlwaysIs, Check, FieldBits, FieldToDecode, JoinedNumber, ParityIs, ZerosAbove
 from ...plan.values import (
     Active,
     Characters,
@@ -410,7 +410,7 @@ def _mask_for_code(parity: ParityIs, parameters: Mapping[str, int]) -> int:
     return word_mask
 
 
-def _bits_mask(bits: Bits, parameters: Mapping[str, int], mask: int) -> int:
+def _bits_mask(bits: FieldBits, parameters: Mapping[str, int], mask: int) -> int:
     """Return the mask of bits in the word, or of the bits in ``mask`` if it is not 0.
 
     ``mask`` is relative to the lowest of the bits: at bit 8, a mask of 0b11 becomes 0x300.

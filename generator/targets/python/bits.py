@@ -9,7 +9,7 @@ from ...model import Field, Piece
 from ...model.expressions import Expression
 from ...model.lookup import assert_never
 from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
-from ...plan.operations import Bits, JoinedNumber, Reserved
+from ...plan.operations import FieldBits, JoinedNumber, Reserved
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.plain_text import plain
 from .literals import Atom, Expr, Not, Operation, Scope, call, join_operands, mask, multiply, number, shift_value
@@ -139,7 +139,7 @@ class Reader:
         reader.source = "sent" if self.codec.parity_covers_gray else self.source
         return reader
 
-    def bits(self, bits: Bits) -> Expr:
+    def bits(self, bits: FieldBits) -> Expr:
         """Return the bits as a number, such as ``word >> 8 & 0x3FF``."""
         if not self.codec.by_word:
             return self.number_from_pieces(bits.pieces)
@@ -148,7 +148,7 @@ class Reader:
         is_at_top = bits.low + bits.width == self.codec.layout.bits
         return shifted if is_at_top else Operation(shifted, "&", self.scope.ones(bits.width))
 
-    def place(self, bits: Bits) -> str:
+    def place(self, bits: FieldBits) -> str:
         """Return the position of these bits, for a comment, such as ``bits 7:4``.
 
         Empty if it depends on the order code, or if the bits fill a byte.
@@ -157,7 +157,7 @@ class Reader:
             return place_in_bytes(bits.pieces)
         return bit_numbers(bits.low.constant, bits.width.constant) if bits.are_fixed else ""
 
-    def exclusive_or(self, parts: Sequence[Bits], counted: int) -> Expr:
+    def exclusive_or(self, parts: Sequence[FieldBits], counted: int) -> Expr:
         """Return a number with the same parity as the bits of these fields, or as the bits in the mask ``counted``.
 
         For fields at fixed places in a word, it is the word with all other bits cleared, such as ``word & 0xFF3``. In
@@ -176,7 +176,7 @@ class Reader:
         """Return the number that pieces of the bytes form."""
         return from_pieces(pieces, self.codec.length, self._byte)
 
-    def bit(self, bits: Bits, word: str = "") -> Expr:
+    def bit(self, bits: FieldBits, word: str = "") -> Expr:
         """Return an expression that is not 0 if the bit is set. ``word`` is the number to read it from, if given."""
         if self.codec.by_word:
             source = Atom(word or self.source)
@@ -249,7 +249,7 @@ class Reader:
         # The position of the field in ``unused``.
         return shift_value(differing_bits, "<<", number(reserved.place))
 
-    def characters(self, bits: Bits) -> str:
+    def characters(self, bits: FieldBits) -> str:
         """Return the slice of ``data`` that contains the bytes of a string, such as ``data[2:6]``.
 
         Empty if they are not adjacent whole bytes in the order of the characters.
@@ -262,7 +262,7 @@ class Reader:
         return f"data[{whole_bytes[0]}:{whole_bytes[-1] + 1}]"
 
 
-def mask_in_place(bits: Bits) -> int:
+def mask_in_place(bits: FieldBits) -> int:
     """Return the mask of bits whose position does not depend on the order code."""
     return ((1 << bits.width.constant) - 1) << bits.low.constant
 
