@@ -83,7 +83,7 @@ Source = FixedNumber | InField | AsNumber | AsMember
 
 
 @dataclass(frozen=True, slots=True)
-class Writes:
+class WriteRegister:
     """Write a register, or one of its fields while keeping the others as read.
 
     ``pieces`` are the affected bytes, whose bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``,
@@ -132,7 +132,7 @@ class Polls:
 class Verifies:
     """Read back what ``write`` wrote, and stop if any of ``pieces`` differs."""
 
-    write: Writes
+    write: WriteRegister
     pieces: tuple[Piece, ...]
     calls = (Call.READ,)
 
@@ -170,7 +170,7 @@ class Sends:
         return (Call.WAIT, Call.SEND) if self.step.microseconds else (Call.SEND,)
 
 
-Operation = Writes | Reads | Polls | Verifies | Waits | Sends
+Operation = WriteRegister | Reads | Polls | Verifies | Waits | Sends
 
 
 # -- argument checks
@@ -203,7 +203,7 @@ class CheckedArgument:
     """
 
     argument: Argument
-    written: tuple[Writes, ...]
+    written: tuple[WriteRegister, ...]
     refusals: tuple[ArgumentRefusal, ...]
 
 
@@ -233,11 +233,11 @@ def run_of(device: Device, procedure: Procedure) -> Run:
     operations: list[Operation] = []
     for index, step in enumerate(procedure.steps):
         operation = _operation_of_step(device, procedure, step)
-        if index in closing_indices and isinstance(operation, Writes):
+        if index in closing_indices and isinstance(operation, WriteRegister):
             operation = replace(operation, closes=True)
         operations.append(operation)
     operations = list(_with_verification(_with_taught_parameters(device, operations)))
-    writes = [operation for operation in operations if isinstance(operation, Writes)]
+    writes = [operation for operation in operations if isinstance(operation, WriteRegister)]
     return Run(
         procedure=procedure,
         operations=tuple(operations),
@@ -246,7 +246,7 @@ def run_of(device: Device, procedure: Procedure) -> Run:
     )
 
 
-def _changes_frames(device: Device, write: Writes) -> bool:
+def _changes_frames(device: Device, write: WriteRegister) -> bool:
     """Return whether a write changes a parameter that a register holds at run time and on which frames depend."""
     for parameter in device.run_time_parameters:
         writes_field = write.field is None or parameter.field == write.field.name
@@ -256,20 +256,26 @@ def _changes_frames(device: Device, write: Writes) -> bool:
 
 
 def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
-    """Yield the operations. Writes of an argument to a whole register get ``determines_limits``, see ``Writes``."""
+    """Yield the operations. Writes of an argument to a whole register get ``determines_limits``, see ``WriteRegister``."""
     for index, operation in enumerate(operations):
-        if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, FixedNumber):
+        if (
+            isinstance(operation, WriteRegister)
+            and operation.field is None
+            and not isinstance(operation.value, FixedNumber)
+        ):
             taught_parameters = tuple(_taught_parameters(device, operation, operations[index + 1 :]))
             yield replace(operation, determines_limits=taught_parameters)
         else:
             yield operation
 
 
-def _taught_parameters(device: Device, write: Writes, later_operations: Sequence[Operation]) -> Iterator[Parameter]:
+def _taught_parameters(
+    device: Device, write: WriteRegister, later_operations: Sequence[Operation]
+) -> Iterator[Parameter]:
     """Yield the parameters in a written register on which the limits of later writes depend."""
     limiting_names: set[str] = set()
     for operation in later_operations:
-        if isinstance(operation, Writes):
+        if isinstance(operation, WriteRegister):
             argument = _argument_of_source(operation.value)
             for limit in device.limits(operation.register, argument.meant_as if argument is not None else ""):
                 limiting_names.update(limit.parameters if limit is not None else ())
@@ -287,29 +293,29 @@ def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
     """
     pending: list[Verifies] = []
     for operation in operations:
-        if isinstance(operation, Writes):
+        if isinstance(operation, WriteRegister):
             overwrites_pending = any(_writes_same_place(operation, verification.write) for verification in pending)
             if _makes_writes_effective(operation) or overwrites_pending:
                 yield from pending
                 pending.clear()
         yield operation
-        if isinstance(operation, Writes) and _can_be_read_back(operation):
+        if isinstance(operation, WriteRegister) and _can_be_read_back(operation):
             pending.append(Verifies(operation, tuple(_meaningful_pieces(operation))))
 
 
-def _makes_writes_effective(write: Writes) -> bool:
+def _makes_writes_effective(write: WriteRegister) -> bool:
     """Return whether a write lets the encoder use what was written before, such as a write to a command register."""
     return write.closes or not write.register.readable
 
 
-def _writes_same_place(write: Writes, earlier_write: Writes) -> bool:
+def _writes_same_place(write: WriteRegister, earlier_write: WriteRegister) -> bool:
     """Return whether two writes change the same bits: the same field, or a register and one of its fields."""
     has_same_register = write.register is earlier_write.register
     writes_whole_register = write.field is None or earlier_write.field is None
     return has_same_register and (writes_whole_register or write.field is earlier_write.field)
 
 
-def _can_be_read_back(write: Writes) -> bool:
+def _can_be_read_back(write: WriteRegister) -> bool:
     """Return whether a write can be verified: it does not close, and the register keeps it, in fixed places."""
     register = write.register
     unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
@@ -318,7 +324,7 @@ def _can_be_read_back(write: Writes) -> bool:
     return keeps_value and not write.closes and has_fixed_unused_bits
 
 
-def _meaningful_pieces(write: Writes) -> Iterator[Piece]:
+def _meaningful_pieces(write: WriteRegister) -> Iterator[Piece]:
     """Yield the pieces without reserved bits, which can be anything when read. A whole access includes all bytes."""
     for piece in write.pieces:
         unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.low_in_byte
@@ -354,11 +360,11 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Oper
             field = register.layout.field(step.field)
             argument = _argument_of_step(procedure, step)
             value = InField(argument, field) if argument is not None else FixedNumber(step.value or 0)
-            return Writes(step, register, field, pieces_of(register, field), value)
+            return WriteRegister(step, register, field, pieces_of(register, field), value)
         case WriteStep():
             register = device.register(step.register)
             source = _written_value(register, step, _argument_of_step(procedure, step))
-            return Writes(step=step, register=register, field=None, pieces=pieces_of(register), value=source)
+            return WriteRegister(step=step, register=register, field=None, pieces=pieces_of(register), value=source)
         case _:
             assert_never(step)
 
@@ -399,7 +405,7 @@ def _argument_of_source(value: Source) -> Argument | None:
     return None if isinstance(value, FixedNumber) else value.argument
 
 
-def _checked_argument(device: Device, argument: Argument, writes: Sequence[Writes]) -> CheckedArgument:
+def _checked_argument(device: Device, argument: Argument, writes: Sequence[WriteRegister]) -> CheckedArgument:
     """Return an argument with the writes that use it, and the reasons to reject it, without duplicates."""
     writes_of_argument = tuple(write for write in writes if _argument_of_source(write.value) is argument)
     refusals: list[ArgumentRefusal] = []
@@ -410,7 +416,7 @@ def _checked_argument(device: Device, argument: Argument, writes: Sequence[Write
     return CheckedArgument(argument=argument, written=writes_of_argument, refusals=tuple(refusals))
 
 
-def _argument_refusals(device: Device, write: Writes, argument: Argument) -> Iterator[ArgumentRefusal]:
+def _argument_refusals(device: Device, write: WriteRegister, argument: Argument) -> Iterator[ArgumentRefusal]:
     """Yield the reasons to reject an argument before the write."""
     match write.value:
         case AsMember():

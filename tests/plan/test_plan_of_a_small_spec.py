@@ -31,7 +31,7 @@ from codewheel.plan.operations import (
     ReservedBits,
     ValueOfField,
 )
-from codewheel.plan.steps import AsMember, Call, FixedNumber, InField, Operation, Run, Verifies, Writes, run_of
+from codewheel.plan.steps import AsMember, Call, FixedNumber, InField, Operation, Run, Verifies, WriteRegister, run_of
 from codewheel.plan.values import Raw, count_factors, position_ranges
 
 TESTS = Path(__file__).resolve().parents[1]
@@ -102,7 +102,7 @@ def test_operations_of_a_procedure(run: Run) -> None:
 
 
 def test_values_that_a_procedure_writes(run: Run) -> None:
-    writes = [operation for operation in run.operations if isinstance(operation, Writes)]
+    writes = [operation for operation in run.operations if isinstance(operation, WriteRegister)]
     values = [write.value for write in writes]
     position = run.procedure.arguments[0]
     assert values == [FixedNumber(0x5A), AsMember(position, "preset"), FixedNumber(1), FixedNumber(1), FixedNumber(0)]
@@ -113,7 +113,7 @@ def test_values_that_a_procedure_writes(run: Run) -> None:
 
 def test_calls_of_a_procedure(run: Run) -> None:
     """Only a bit of a byte needs the other bits to be read."""
-    writes = [operation for operation in run.operations if isinstance(operation, Writes)]
+    writes = [operation for operation in run.operations if isinstance(operation, WriteRegister)]
     both = (Call.READ, Call.WRITE)
     assert [write.calls for write in writes] == [(Call.WRITE,), (Call.WRITE,), both, (Call.WRITE,), (Call.WRITE,)]
     assert run.calls == (Call.READ, Call.WRITE, Call.WAIT)
@@ -126,7 +126,7 @@ def test_which_procedure_changes_frames(small: Device, run: Run) -> None:
     assert (run.changes_frames, set_level.changes_frames) == (False, True)
     (write,) = set_level.operations
     assert summary(write) == ("Writes", "level", "zeros", [Piece(0, 1, 7, 0)])
-    assert isinstance(write, Writes)
+    assert isinstance(write, WriteRegister)
     assert isinstance(write.value, InField)
     (argument,) = set_level.arguments
     assert argument.written == (write,)

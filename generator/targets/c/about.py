@@ -18,7 +18,7 @@ from ...model import (
     assert_never,
 )
 from ...plan.crcs import Carrier, CrcFunction, Form
-from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Verifies, Waits, Writes
+from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Verifies, Waits, WriteRegister
 from ...plan.values import Characters, meaning_of
 from ...say import commands as say_commands
 from ...say import layout as say_crc
@@ -292,7 +292,7 @@ def note_of_step(device: Device, operation: Operation) -> str:
         case Sends(step=step):
             alone = "in succession, with no other request in between" if step.in_succession else ""
             return "; ".join(filter(None, (step.data_id, alone, meaning)))
-        case Writes(step):
+        case WriteRegister(step):
             purpose = meaning or f"{_register_place(device, operation)}: {step.value_name}"
             return f"{purpose}, also done if an earlier step fails" if operation.closes else purpose
         case Verifies():
@@ -308,6 +308,6 @@ def note_of_read(device: Device, read: Reads) -> str:
     return ": ".join(filter(None, (_register_place(device, read), read.step.meaning)))
 
 
-def _register_place(device: Device, step: Writes | Reads | Verifies) -> str:
+def _register_place(device: Device, step: WriteRegister | Reads | Verifies) -> str:
     field_name = f".{step.field.name}" if step.field is not None else ""
     return register_field(device, step.register.name + field_name).title

@@ -23,7 +23,7 @@ from ...plan.steps import (
     Undecodable,
     Verifies,
     Waits,
-    Writes,
+    WriteRegister,
     field_refusals,
     run_of,
 )
@@ -135,7 +135,7 @@ class ProcedureCode:
         self._wholes = dict(self._whole_numbers())
         #: Registers with parameters on which the limits of later steps depend.
         self._teaching = {
-            step.register.name for step in run.operations if isinstance(step, Writes) and step.determines_limits
+            step.register.name for step in run.operations if isinstance(step, WriteRegister) and step.determines_limits
         }
         self.arguments = [self._build_argument(parameter) for parameter in run.arguments]
         self.rows = list(self._yield_rows())
@@ -224,14 +224,14 @@ class ProcedureCode:
             refusals=tuple(refusals),
         )
 
-    def _byte_refusals(self, write: Writes) -> Iterator[ArgumentRefusal]:
+    def _byte_refusals(self, write: WriteRegister) -> Iterator[ArgumentRefusal]:
         """Yield the reasons to refuse an argument that is a whole register of one byte, which has no encoder."""
         match write.value:
             case AsMember(argument, member) if self.registers[write.register.name].is_plain:
                 field = write.register.layout.field(member)
                 yield from field_refusals(self.context.device, write.register, field, argument)
 
-    def _argument_type(self, write: Writes) -> str:
+    def _argument_type(self, write: WriteRegister) -> str:
         """Return the type of the argument that a step writes: the type of the field, the member or the register."""
         match write.value:
             case InField(field=field):
@@ -302,7 +302,7 @@ class ProcedureCode:
             index += _number_of_rows(step)
 
     def _rows_of_register(
-        self, first_index: int, step: Writes | Reads | Polls | Verifies, note: str
+        self, first_index: int, step: WriteRegister | Reads | Polls | Verifies, note: str
     ) -> Iterator[Row | FilledRows]:
         """Yield the steps on the bytes of a register. Only the first has a note.
 
@@ -324,7 +324,7 @@ class ProcedureCode:
             yield self._build_row(first_index + index, step, note if index == 0 else "", piece, value)
 
     def _build_row(
-        self, index: int, step: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr
+        self, index: int, step: WriteRegister | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr
     ) -> Row:
         """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
         return Row(
@@ -356,14 +356,14 @@ class ProcedureCode:
             expected = masked(written_byte, piece.mask) if piece.mask else _ZERO
             yield self._build_row(first_index + index, step, note if index == 0 else "", piece, expected)
 
-    def _filled_by(self, step: Writes | Reads | Polls | Verifies) -> FilledRegister | None:
+    def _filled_by(self, step: WriteRegister | Reads | Polls | Verifies) -> FilledRegister | None:
         """Return the register whose struct a step writes or reads back, or None if it has no struct."""
         write = step.write if isinstance(step, Verifies) else step
-        if isinstance(write, Writes) and isinstance(write.value, AsMember):
+        if isinstance(write, WriteRegister) and isinstance(write.value, AsMember):
             return self._filled.get((write.value.argument.name, write.register.name))
         return None
 
-    def _byte_value(self, step: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
+    def _byte_value(self, step: WriteRegister | Reads | Polls | Verifies, piece: Piece) -> Expr:
         """Return the value that a step writes to a byte, waits for, or reads back, or 0 for a step that only reads.
 
         It has the bits of ``piece`` at their place in the byte. The other bits of the byte are 0.
@@ -411,7 +411,7 @@ def _unused_name(name: str, used_names: Collection[str]) -> str:
     return numbered_name
 
 
-def _refuse_unsupported(step: Writes | Reads | Polls | Verifies) -> None:
+def _refuse_unsupported(step: WriteRegister | Reads | Polls | Verifies) -> None:
     """Raise an error if the bytes of a step depend on the order code, or would be polled one after the other."""
     if not step.pieces:
         raise TargetError(
@@ -440,5 +440,5 @@ def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 
-def _place_text(step: Writes | Reads | Polls | Verifies) -> str:
+def _place_text(step: WriteRegister | Reads | Polls | Verifies) -> str:
     return f"{step.register.name}.{step.field.name if step.field is not None else ''}"

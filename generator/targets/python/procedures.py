@@ -19,7 +19,7 @@ from ...plan.steps import (
     Polls,
     Undecodable,
     Verifies,
-    Writes,
+    WriteRegister,
     run_of,
 )
 from ...plan.values import DigitRuns, Raw, meaning_of
@@ -41,7 +41,7 @@ class Segment:
 
     arguments: Sequence[CheckedArgument]
     steps: Sequence[Operation]
-    limiting_write: Writes | None
+    limiting_write: WriteRegister | None
 
 
 class Steps:
@@ -71,7 +71,7 @@ class Steps:
             if any(self._depends_on_order_code(refusal) for refusal in checked_argument.refusals):
                 return True
         for step in self.steps:
-            if isinstance(step, (Writes, Polls)) and step.field is not None and not step.field.is_fixed:
+            if isinstance(step, (WriteRegister, Polls)) and step.field is not None and not step.field.is_fixed:
                 return True
         return any(segment.limiting_write for segment in self.segments)
 
@@ -93,16 +93,18 @@ class Steps:
         """
         # The index after each such step.
         segment_ends = [
-            index + 1 for index, step in enumerate(self.steps) if isinstance(step, Writes) and step.determines_limits
+            index + 1
+            for index, step in enumerate(self.steps)
+            if isinstance(step, WriteRegister) and step.determines_limits
         ]
         for start, end in pairwise((0, *segment_ends, len(self.steps))):
             last_step = self.steps[end - 1]
-            changes_limits = isinstance(last_step, Writes) and last_step.determines_limits
+            changes_limits = isinstance(last_step, WriteRegister) and last_step.determines_limits
             arguments = [argument for argument in self.arguments if start <= self._first_write(argument) < end]
             yield Segment(
                 arguments=arguments,
                 steps=self.steps[start:end],
-                limiting_write=last_step if isinstance(last_step, Writes) and changes_limits else None,
+                limiting_write=last_step if isinstance(last_step, WriteRegister) and changes_limits else None,
             )
 
     def _first_write(self, parameter: CheckedArgument) -> int:
