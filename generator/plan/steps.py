@@ -107,7 +107,7 @@ class WriteRegister:
 
 
 @dataclass(frozen=True, slots=True)
-class Reads:
+class ReadRegister:
     """Read a register, or the bytes of one of its fields."""
 
     step: ReadStep
@@ -170,7 +170,7 @@ class Sends:
         return (Call.WAIT, Call.SEND) if self.step.microseconds else (Call.SEND,)
 
 
-Operation = WriteRegister | Reads | Polls | Verifies | Waits | Sends
+Operation = WriteRegister | ReadRegister | Polls | Verifies | Waits | Sends
 
 
 # -- argument checks
@@ -217,8 +217,8 @@ class Run:
     changes_frames: bool
 
     @cached_property
-    def reads(self) -> tuple[Reads, ...]:
-        return tuple(operation for operation in self.operations if isinstance(operation, Reads))
+    def reads(self) -> tuple[ReadRegister, ...]:
+        return tuple(operation for operation in self.operations if isinstance(operation, ReadRegister))
 
     @cached_property
     def calls(self) -> tuple[Call, ...]:
@@ -354,7 +354,7 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Oper
         case ReadStep():
             register = device.register(step.register)
             read_field = register.layout.field(step.field) if step.field else None
-            return Reads(step, register, read_field, pieces_of(register, read_field))
+            return ReadRegister(step, register, read_field, pieces_of(register, read_field))
         case ModifyStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)

@@ -18,7 +18,7 @@ from ...model import (
     assert_never,
 )
 from ...plan.crcs import Carrier, CrcFunction, Form
-from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Verifies, Waits, WriteRegister
+from ...plan.steps import Call, Operation, Polls, ReadRegister, Run, Sends, Verifies, Waits, WriteRegister
 from ...plan.values import Characters, meaning_of
 from ...say import commands as say_commands
 from ...say import layout as say_crc
@@ -297,17 +297,17 @@ def note_of_step(device: Device, operation: Operation) -> str:
             return f"{purpose}, also done if an earlier step fails" if operation.closes else purpose
         case Verifies():
             return f"{_register_place(device, operation)}: read back, in addition to the steps of the manual"
-        case Reads() | Polls():
+        case ReadRegister() | Polls():
             return ": ".join(filter(None, (title(operation.field or operation.register), meaning)))
         case _:
             assert_never(operation)
 
 
-def note_of_read(device: Device, read: Reads) -> str:
+def note_of_read(device: Device, read: ReadRegister) -> str:
     """Describe a member for bytes that are read: their place, and the meaning of the step if it has one."""
     return ": ".join(filter(None, (_register_place(device, read), read.step.meaning)))
 
 
-def _register_place(device: Device, step: WriteRegister | Reads | Verifies) -> str:
+def _register_place(device: Device, step: WriteRegister | ReadRegister | Verifies) -> str:
     field_name = f".{step.field.name}" if step.field is not None else ""
     return register_field(device, step.register.name + field_name).title

@@ -18,7 +18,7 @@ from ...plan.steps import (
     Operation,
     OutsideArgumentLimits,
     Polls,
-    Reads,
+    ReadRegister,
     Sends,
     Undecodable,
     Verifies,
@@ -302,7 +302,7 @@ class ProcedureCode:
             index += _number_of_rows(step)
 
     def _rows_of_register(
-        self, first_index: int, step: WriteRegister | Reads | Polls | Verifies, note: str
+        self, first_index: int, step: WriteRegister | ReadRegister | Polls | Verifies, note: str
     ) -> Iterator[Row | FilledRows]:
         """Yield the steps on the bytes of a register. Only the first has a note.
 
@@ -324,7 +324,7 @@ class ProcedureCode:
             yield self._build_row(first_index + index, step, note if index == 0 else "", piece, value)
 
     def _build_row(
-        self, index: int, step: WriteRegister | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr
+        self, index: int, step: WriteRegister | ReadRegister | Polls | Verifies, note: str, piece: Piece, value: Expr
     ) -> Row:
         """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
         return Row(
@@ -356,19 +356,19 @@ class ProcedureCode:
             expected = masked(written_byte, piece.mask) if piece.mask else _ZERO
             yield self._build_row(first_index + index, step, note if index == 0 else "", piece, expected)
 
-    def _filled_by(self, step: WriteRegister | Reads | Polls | Verifies) -> FilledRegister | None:
+    def _filled_by(self, step: WriteRegister | ReadRegister | Polls | Verifies) -> FilledRegister | None:
         """Return the register whose struct a step writes or reads back, or None if it has no struct."""
         write = step.write if isinstance(step, Verifies) else step
         if isinstance(write, WriteRegister) and isinstance(write.value, AsMember):
             return self._filled.get((write.value.argument.name, write.register.name))
         return None
 
-    def _byte_value(self, step: WriteRegister | Reads | Polls | Verifies, piece: Piece) -> Expr:
+    def _byte_value(self, step: WriteRegister | ReadRegister | Polls | Verifies, piece: Piece) -> Expr:
         """Return the value that a step writes to a byte, waits for, or reads back, or 0 for a step that only reads.
 
         It has the bits of ``piece`` at their place in the byte. The other bits of the byte are 0.
         """
-        if isinstance(step, Reads) or not piece.mask:
+        if isinstance(step, ReadRegister) or not piece.mask:
             return _ZERO
         write_or_poll = step.write if isinstance(step, Verifies) else step
         value = FixedNumber(write_or_poll.step.value) if isinstance(write_or_poll, Polls) else write_or_poll.value
@@ -411,7 +411,7 @@ def _unused_name(name: str, used_names: Collection[str]) -> str:
     return numbered_name
 
 
-def _refuse_unsupported(step: WriteRegister | Reads | Polls | Verifies) -> None:
+def _refuse_unsupported(step: WriteRegister | ReadRegister | Polls | Verifies) -> None:
     """Raise an error if the bytes of a step depend on the order code, or would be polled one after the other."""
     if not step.pieces:
         raise TargetError(
@@ -440,5 +440,5 @@ def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 
-def _place_text(step: WriteRegister | Reads | Polls | Verifies) -> str:
+def _place_text(step: WriteRegister | ReadRegister | Polls | Verifies) -> str:
     return f"{step.register.name}.{step.field.name if step.field is not None else ''}"
