@@ -118,7 +118,7 @@ class ReadRegister:
 
 
 @dataclass(frozen=True, slots=True)
-class Polls:
+class PollRegister:
     """Read a register until the field is ``step.value``."""
 
     step: PollStep
@@ -170,7 +170,7 @@ class Sends:
         return (Call.WAIT, Call.SEND) if self.step.microseconds else (Call.SEND,)
 
 
-Operation = WriteRegister | ReadRegister | Polls | Verifies | Waits | Sends
+Operation = WriteRegister | ReadRegister | PollRegister | Verifies | Waits | Sends
 
 
 # -- argument checks
@@ -350,7 +350,7 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Oper
         case PollStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)
-            return Polls(step, register, field, pieces_of(register, field))
+            return PollRegister(step, register, field, pieces_of(register, field))
         case ReadStep():
             register = device.register(step.register)
             read_field = register.layout.field(step.field) if step.field else None

@@ -18,7 +18,7 @@ from ...model import (
     assert_never,
 )
 from ...plan.crcs import Carrier, CrcFunction, Form
-from ...plan.steps import Call, Operation, Polls, ReadRegister, Run, Sends, Verifies, Waits, WriteRegister
+from ...plan.steps import Call, Operation, PollRegister, ReadRegister, Run, Sends, Verifies, Waits, WriteRegister
 from ...plan.values import Characters, meaning_of
 from ...say import commands as say_commands
 from ...say import layout as say_crc
@@ -297,7 +297,7 @@ def note_of_step(device: Device, operation: Operation) -> str:
             return f"{purpose}, also done if an earlier step fails" if operation.closes else purpose
         case Verifies():
             return f"{_register_place(device, operation)}: read back, in addition to the steps of the manual"
-        case ReadRegister() | Polls():
+        case ReadRegister() | PollRegister():
             return ": ".join(filter(None, (title(operation.field or operation.register), meaning)))
         case _:
             assert_never(operation)

@@ -17,7 +17,7 @@ from ...plan.steps import (
     InField,
     Operation,
     OutsideArgumentLimits,
-    Polls,
+    PollRegister,
     ReadRegister,
     Sends,
     Undecodable,
@@ -302,7 +302,7 @@ class ProcedureCode:
             index += _number_of_rows(step)
 
     def _rows_of_register(
-        self, first_index: int, step: WriteRegister | ReadRegister | Polls | Verifies, note: str
+        self, first_index: int, step: WriteRegister | ReadRegister | PollRegister | Verifies, note: str
     ) -> Iterator[Row | FilledRows]:
         """Yield the steps on the bytes of a register. Only the first has a note.
 
@@ -324,7 +324,12 @@ class ProcedureCode:
             yield self._build_row(first_index + index, step, note if index == 0 else "", piece, value)
 
     def _build_row(
-        self, index: int, step: WriteRegister | ReadRegister | Polls | Verifies, note: str, piece: Piece, value: Expr
+        self,
+        index: int,
+        step: WriteRegister | ReadRegister | PollRegister | Verifies,
+        note: str,
+        piece: Piece,
+        value: Expr,
     ) -> Row:
         """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
         return Row(
@@ -356,14 +361,14 @@ class ProcedureCode:
             expected = masked(written_byte, piece.mask) if piece.mask else _ZERO
             yield self._build_row(first_index + index, step, note if index == 0 else "", piece, expected)
 
-    def _filled_by(self, step: WriteRegister | ReadRegister | Polls | Verifies) -> FilledRegister | None:
+    def _filled_by(self, step: WriteRegister | ReadRegister | PollRegister | Verifies) -> FilledRegister | None:
         """Return the register whose struct a step writes or reads back, or None if it has no struct."""
         write = step.write if isinstance(step, Verifies) else step
         if isinstance(write, WriteRegister) and isinstance(write.value, AsMember):
             return self._filled.get((write.value.argument.name, write.register.name))
         return None
 
-    def _byte_value(self, step: WriteRegister | ReadRegister | Polls | Verifies, piece: Piece) -> Expr:
+    def _byte_value(self, step: WriteRegister | ReadRegister | PollRegister | Verifies, piece: Piece) -> Expr:
         """Return the value that a step writes to a byte, waits for, or reads back, or 0 for a step that only reads.
 
         It has the bits of ``piece`` at their place in the byte. The other bits of the byte are 0.
@@ -371,7 +376,9 @@ class ProcedureCode:
         if isinstance(step, ReadRegister) or not piece.mask:
             return _ZERO
         write_or_poll = step.write if isinstance(step, Verifies) else step
-        value = FixedNumber(write_or_poll.step.value) if isinstance(write_or_poll, Polls) else write_or_poll.value
+        value = (
+            FixedNumber(write_or_poll.step.value) if isinstance(write_or_poll, PollRegister) else write_or_poll.value
+        )
         # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
         if isinstance(value, FixedNumber):
             bits_of_piece = (value.number >> piece.low_in_number) & piece.mask
@@ -411,13 +418,13 @@ def _unused_name(name: str, used_names: Collection[str]) -> str:
     return numbered_name
 
 
-def _refuse_unsupported(step: WriteRegister | ReadRegister | Polls | Verifies) -> None:
+def _refuse_unsupported(step: WriteRegister | ReadRegister | PollRegister | Verifies) -> None:
     """Raise an error if the bytes of a step depend on the order code, or would be polled one after the other."""
     if not step.pieces:
         raise TargetError(
             f"the place of '{_place_text(step)}' depends on the order code; the C target cannot access it alone"
         )
-    if isinstance(step, Polls) and len(step.pieces) > 1 and not step.register.is_accessed_whole:
+    if isinstance(step, PollRegister) and len(step.pieces) > 1 and not step.register.is_accessed_whole:
         # The bytes could match one after the other, and never all at the same time.
         problem = f"'{_place_text(step)}' is spread over {len(step.pieces)} bytes"
         raise TargetError(f"{problem}, which the C target would poll one after the other")
@@ -440,5 +447,5 @@ def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 
-def _place_text(step: WriteRegister | ReadRegister | Polls | Verifies) -> str:
+def _place_text(step: WriteRegister | ReadRegister | PollRegister | Verifies) -> str:
     return f"{step.register.name}.{step.field.name if step.field is not None else ''}"

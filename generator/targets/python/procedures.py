@@ -16,7 +16,7 @@ from ...plan.steps import (
     CheckedArgument,
     Operation,
     OutsideArgumentLimits,
-    Polls,
+    PollRegister,
     Undecodable,
     Verifies,
     WriteRegister,
@@ -71,7 +71,7 @@ class Steps:
             if any(self._depends_on_order_code(refusal) for refusal in checked_argument.refusals):
                 return True
         for step in self.steps:
-            if isinstance(step, (WriteRegister, Polls)) and step.field is not None and not step.field.is_fixed:
+            if isinstance(step, (WriteRegister, PollRegister)) and step.field is not None and not step.field.is_fixed:
                 return True
         return any(segment.limiting_write for segment in self.segments)
 
