@@ -129,7 +129,7 @@ class PollRegister:
 
 
 @dataclass(frozen=True, slots=True)
-class Verifies:
+class VerifyWrite:
     """Read back what ``write`` wrote, and stop if any of ``pieces`` differs."""
 
     write: WriteRegister
@@ -170,7 +170,7 @@ class Sends:
         return (Call.WAIT, Call.SEND) if self.step.microseconds else (Call.SEND,)
 
 
-Operation = WriteRegister | ReadRegister | PollRegister | Verifies | Waits | Sends
+Operation = WriteRegister | ReadRegister | PollRegister | VerifyWrite | Waits | Sends
 
 
 # -- argument checks
@@ -285,13 +285,13 @@ def _taught_parameters(
 
 
 def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
-    """Yield the operations, with a ``Verifies`` for each write that can be read back before it takes effect.
+    """Yield the operations, with a ``VerifyWrite`` for each write that can be read back before it takes effect.
 
     The manuals have no such step. On BiSS, however, a disturbed write can be echoed as if it had been stored. A written
     value takes effect when the procedure writes to a register that cannot be read, such as a command register, makes a
     closing write, or writes to the same place again. A write that no such write follows is not read back.
     """
-    pending: list[Verifies] = []
+    pending: list[VerifyWrite] = []
     for operation in operations:
         if isinstance(operation, WriteRegister):
             overwrites_pending = any(_writes_same_place(operation, verification.write) for verification in pending)
@@ -300,7 +300,7 @@ def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
                 pending.clear()
         yield operation
         if isinstance(operation, WriteRegister) and _can_be_read_back(operation):
-            pending.append(Verifies(operation, tuple(_meaningful_pieces(operation))))
+            pending.append(VerifyWrite(operation, tuple(_meaningful_pieces(operation))))
 
 
 def _makes_writes_effective(write: WriteRegister) -> bool:

@@ -31,7 +31,17 @@ from codewheel.plan.operations import (
     ReservedBits,
     ValueOfField,
 )
-from codewheel.plan.steps import AsMember, Call, FixedNumber, InField, Operation, Run, Verifies, WriteRegister, run_of
+from codewheel.plan.steps import (
+    AsMember,
+    Call,
+    FixedNumber,
+    InField,
+    Operation,
+    Run,
+    VerifyWrite,
+    WriteRegister,
+    run_of,
+)
 from codewheel.plan.values import Raw, count_factors, position_ranges
 
 TESTS = Path(__file__).resolve().parents[1]
@@ -107,7 +117,7 @@ def test_values_that_a_procedure_writes(run: Run) -> None:
     position = run.procedure.arguments[0]
     assert values == [FixedNumber(0x5A), AsMember(position, "preset"), FixedNumber(1), FixedNumber(1), FixedNumber(0)]
     assert [write.closes for write in writes] == [False, False, False, False, True]
-    verified = [operation.write for operation in run.operations if isinstance(operation, Verifies)]
+    verified = [operation.write for operation in run.operations if isinstance(operation, VerifyWrite)]
     assert verified == writes[:3]
 
 

@@ -18,7 +18,7 @@ from ...model import (
     assert_never,
 )
 from ...plan.crcs import Carrier, CrcFunction, Form
-from ...plan.steps import Call, Operation, PollRegister, ReadRegister, Run, Sends, Verifies, Waits, WriteRegister
+from ...plan.steps import Call, Operation, PollRegister, ReadRegister, Run, Sends, VerifyWrite, Waits, WriteRegister
 from ...plan.values import Characters, meaning_of
 from ...say import commands as say_commands
 from ...say import layout as say_crc
@@ -295,7 +295,7 @@ def note_of_step(device: Device, operation: Operation) -> str:
         case WriteRegister(step):
             purpose = meaning or f"{_register_place(device, operation)}: {step.value_name}"
             return f"{purpose}, also done if an earlier step fails" if operation.closes else purpose
-        case Verifies():
+        case VerifyWrite():
             return f"{_register_place(device, operation)}: read back, in addition to the steps of the manual"
         case ReadRegister() | PollRegister():
             return ": ".join(filter(None, (title(operation.field or operation.register), meaning)))
@@ -308,6 +308,6 @@ def note_of_read(device: Device, read: ReadRegister) -> str:
     return ": ".join(filter(None, (_register_place(device, read), read.step.meaning)))
 
 
-def _register_place(device: Device, step: WriteRegister | ReadRegister | Verifies) -> str:
+def _register_place(device: Device, step: WriteRegister | ReadRegister | VerifyWrite) -> str:
     field_name = f".{step.field.name}" if step.field is not None else ""
     return register_field(device, step.register.name + field_name).title

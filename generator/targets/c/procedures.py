@@ -21,7 +21,7 @@ from ...plan.steps import (
     ReadRegister,
     Sends,
     Undecodable,
-    Verifies,
+    VerifyWrite,
     Waits,
     WriteRegister,
     field_refusals,
@@ -302,7 +302,7 @@ class ProcedureCode:
             index += _number_of_rows(step)
 
     def _rows_of_register(
-        self, first_index: int, step: WriteRegister | ReadRegister | PollRegister | Verifies, note: str
+        self, first_index: int, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, note: str
     ) -> Iterator[Row | FilledRows]:
         """Yield the steps on the bytes of a register. Only the first has a note.
 
@@ -313,7 +313,7 @@ class ProcedureCode:
         """
         filled_register = self._filled_by(step)
         if filled_register is not None:
-            if isinstance(step, Verifies):
+            if isinstance(step, VerifyWrite):
                 yield from self._read_back(first_index, step, filled_register, note)
             else:
                 yield FilledRows(first_index, kind="write", filled=filled_register, note=note)
@@ -326,7 +326,7 @@ class ProcedureCode:
     def _build_row(
         self,
         index: int,
-        step: WriteRegister | ReadRegister | PollRegister | Verifies,
+        step: WriteRegister | ReadRegister | PollRegister | VerifyWrite,
         note: str,
         piece: Piece,
         value: Expr,
@@ -349,7 +349,7 @@ class ProcedureCode:
         return f"{macro} + {distance}U" if distance else macro
 
     def _read_back(
-        self, first_index: int, step: Verifies, filled_register: FilledRegister, note: str
+        self, first_index: int, step: VerifyWrite, filled_register: FilledRegister, note: str
     ) -> Iterator[Row | FilledRows]:
         """Yield one row for all bytes if every bit of them counts, else one row per byte."""
         if step.pieces == step.write.pieces:
@@ -361,21 +361,21 @@ class ProcedureCode:
             expected = masked(written_byte, piece.mask) if piece.mask else _ZERO
             yield self._build_row(first_index + index, step, note if index == 0 else "", piece, expected)
 
-    def _filled_by(self, step: WriteRegister | ReadRegister | PollRegister | Verifies) -> FilledRegister | None:
+    def _filled_by(self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite) -> FilledRegister | None:
         """Return the register whose struct a step writes or reads back, or None if it has no struct."""
-        write = step.write if isinstance(step, Verifies) else step
+        write = step.write if isinstance(step, VerifyWrite) else step
         if isinstance(write, WriteRegister) and isinstance(write.value, AsMember):
             return self._filled.get((write.value.argument.name, write.register.name))
         return None
 
-    def _byte_value(self, step: WriteRegister | ReadRegister | PollRegister | Verifies, piece: Piece) -> Expr:
+    def _byte_value(self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, piece: Piece) -> Expr:
         """Return the value that a step writes to a byte, waits for, or reads back, or 0 for a step that only reads.
 
         It has the bits of ``piece`` at their place in the byte. The other bits of the byte are 0.
         """
         if isinstance(step, ReadRegister) or not piece.mask:
             return _ZERO
-        write_or_poll = step.write if isinstance(step, Verifies) else step
+        write_or_poll = step.write if isinstance(step, VerifyWrite) else step
         value = (
             FixedNumber(write_or_poll.step.value) if isinstance(write_or_poll, PollRegister) else write_or_poll.value
         )
@@ -418,7 +418,7 @@ def _unused_name(name: str, used_names: Collection[str]) -> str:
     return numbered_name
 
 
-def _refuse_unsupported(step: WriteRegister | ReadRegister | PollRegister | Verifies) -> None:
+def _refuse_unsupported(step: WriteRegister | ReadRegister | PollRegister | VerifyWrite) -> None:
     """Raise an error if the bytes of a step depend on the order code, or would be polled one after the other."""
     if not step.pieces:
         raise TargetError(
@@ -447,5 +447,5 @@ def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 
-def _place_text(step: WriteRegister | ReadRegister | PollRegister | Verifies) -> str:
+def _place_text(step: WriteRegister | ReadRegister | PollRegister | VerifyWrite) -> str:
     return f"{step.register.name}.{step.field.name if step.field is not None else ''}"

@@ -28,7 +28,7 @@ from ...model import (
     Timing,
     assert_never,
 )
-from ...plan.steps import Verifies, run_of
+from ...plan.steps import VerifyWrite, run_of
 from ...say import register as say_register
 from ...say.commands import read_back, step
 from ...say.errata import changed, errata
@@ -70,7 +70,7 @@ def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]
     """Yield number, instruction, reason, source. A step that exists only in generated code is not numbered."""
     number_of_step = 0
     for operation in run_of(device, procedure).operations:
-        if isinstance(operation, Verifies):
+        if isinstance(operation, VerifyWrite):
             field = operation.field.name if operation.field is not None else ""
             instruction = MARKDOWN.sentence(read_back(device, operation.register, field))
             reason = "Added to the given steps by generated code, because a corrupted write can look successful."

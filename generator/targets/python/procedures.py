@@ -18,7 +18,7 @@ from ...plan.steps import (
     OutsideArgumentLimits,
     PollRegister,
     Undecodable,
-    Verifies,
+    VerifyWrite,
     WriteRegister,
     run_of,
 )
@@ -156,7 +156,7 @@ class Steps:
             return Atom(f"0x{field.mask_in_place:02X}")
         return shift_value(self.scope.ones(field.width), "<<", self.scope.expression_of(field.low))
 
-    def verified_mask(self, op: Verifies) -> Expr:
+    def verified_mask(self, op: VerifyWrite) -> Expr:
         """Return the mask of the register bits that are read back.
 
         It is the mask of a field, or has two digits for each byte of the register.
