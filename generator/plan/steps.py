@@ -159,7 +159,7 @@ class Waits:
 
 
 @dataclass(frozen=True, slots=True)
-class Sends:
+class SendRequest:
     """Send a request one or more times. ``reply`` is the reply expected each time, or None if the spec has none."""
 
     step: SendStep
@@ -170,7 +170,7 @@ class Sends:
         return (Call.WAIT, Call.SEND) if self.step.microseconds else (Call.SEND,)
 
 
-Operation = WriteRegister | ReadRegister | PollRegister | VerifyWrite | Waits | Sends
+Operation = WriteRegister | ReadRegister | PollRegister | VerifyWrite | Waits | SendRequest
 
 
 # -- argument checks
@@ -346,7 +346,7 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Oper
         case WaitStep():
             return Waits(step)
         case SendStep():
-            return Sends(step, reply_to(device, procedure.interface, step.data_id))
+            return SendRequest(step, reply_to(device, procedure.interface, step.data_id))
         case PollStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)

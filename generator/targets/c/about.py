@@ -18,7 +18,17 @@ from ...model import (
     assert_never,
 )
 from ...plan.crcs import Carrier, CrcFunction, Form
-from ...plan.steps import Call, Operation, PollRegister, ReadRegister, Run, Sends, VerifyWrite, Waits, WriteRegister
+from ...plan.steps import (
+    Call,
+    Operation,
+    PollRegister,
+    ReadRegister,
+    Run,
+    SendRequest,
+    VerifyWrite,
+    Waits,
+    WriteRegister,
+)
 from ...plan.values import Characters, meaning_of
 from ...say import commands as say_commands
 from ...say import layout as say_crc
@@ -289,7 +299,7 @@ def note_of_step(device: Device, operation: Operation) -> str:
     match operation:
         case Waits(step):
             return meaning or HEADER_STYLE.phrase(say_commands.step(device, step))
-        case Sends(step=step):
+        case SendRequest(step=step):
             alone = "in succession, with no other request in between" if step.in_succession else ""
             return "; ".join(filter(None, (step.data_id, alone, meaning)))
         case WriteRegister(step):

@@ -25,7 +25,7 @@ from ...model import (
 from ...model.record import dataclass
 from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
 from ...plan.operations import FieldToDecode
-from ...plan.steps import Sends
+from ...plan.steps import SendRequest
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, meaning_of
 from ...say.names_and_places import title, words
 from ...say.text import VERDICT_CLAUSES
@@ -289,7 +289,7 @@ class ExampleCode:
         if code is None or code.arguments or code.reads or not self.request:
             return False
         operations = [row.op for row in code.rows if isinstance(row, Row)]
-        requests = [operation for operation in operations if isinstance(operation, Sends)]
+        requests = [operation for operation in operations if isinstance(operation, SendRequest)]
         return bool(requests) and all(request.reply is not None for request in requests)
 
     @property
