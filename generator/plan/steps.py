@@ -151,7 +151,7 @@ class VerifyWrite:
 
 
 @dataclass(frozen=True, slots=True)
-class Waits:
+class WaitTime:
     """Wait."""
 
     step: WaitStep
@@ -170,7 +170,7 @@ class SendRequest:
         return (Call.WAIT, Call.SEND) if self.step.microseconds else (Call.SEND,)
 
 
-Operation = WriteRegister | ReadRegister | PollRegister | VerifyWrite | Waits | SendRequest
+Operation = WriteRegister | ReadRegister | PollRegister | VerifyWrite | WaitTime | SendRequest
 
 
 # -- argument checks
@@ -344,7 +344,7 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Oper
     """Return the operation of a step in the manual, with its register, its field and their bytes."""
     match step:
         case WaitStep():
-            return Waits(step)
+            return WaitTime(step)
         case SendStep():
             return SendRequest(step, reply_to(device, procedure.interface, step.data_id))
         case PollStep():

@@ -26,7 +26,7 @@ from ...plan.steps import (
     Run,
     SendRequest,
     VerifyWrite,
-    Waits,
+    WaitTime,
     WriteRegister,
 )
 from ...plan.values import Characters, meaning_of
@@ -297,7 +297,7 @@ def note_of_step(device: Device, operation: Operation) -> str:
     """
     meaning = operation.step.meaning
     match operation:
-        case Waits(step):
+        case WaitTime(step):
             return meaning or HEADER_STYLE.phrase(say_commands.step(device, step))
         case SendRequest(step=step):
             alone = "in succession, with no other request in between" if step.in_succession else ""

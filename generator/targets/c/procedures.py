@@ -22,7 +22,7 @@ from ...plan.steps import (
     SendRequest,
     Undecodable,
     VerifyWrite,
-    Waits,
+    WaitTime,
     WriteRegister,
     field_refusals,
     run_of,
@@ -295,7 +295,7 @@ class ProcedureCode:
         index = 0
         for step in self.run.operations:
             note = note_of_step(self.context.device, step)
-            if isinstance(step, (Waits, SendRequest)):
+            if isinstance(step, (WaitTime, SendRequest)):
                 yield Row(at=index, op=step, note=note)
             else:
                 yield from self._rows_of_register(index, step, note)
@@ -439,7 +439,7 @@ def _has_variable_limits(refusal: ArgumentRefusal) -> bool:
 
 def _number_of_rows(step: Operation) -> int:
     """Return the number of elementary steps: one for each byte of a register."""
-    return 1 if isinstance(step, (Waits, SendRequest)) else len(step.pieces)
+    return 1 if isinstance(step, (WaitTime, SendRequest)) else len(step.pieces)
 
 
 def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
