@@ -170,7 +170,7 @@ class SendRequest:
         return (Call.WAIT, Call.SEND) if self.step.microseconds else (Call.SEND,)
 
 
-Operation = WriteRegister | ReadRegister | PollRegister | VerifyWrite | WaitTime | SendRequest
+PlannedStep = WriteRegister | ReadRegister | PollRegister | VerifyWrite | WaitTime | SendRequest
 
 
 # -- argument checks
@@ -212,7 +212,7 @@ class Run:
     """Plan of a procedure. ``changes_frames`` is true if it writes a parameter on which frames depend."""
 
     procedure: Procedure
-    operations: tuple[Operation, ...]
+    operations: tuple[PlannedStep, ...]
     arguments: tuple[CheckedArgument, ...]
     changes_frames: bool
 
@@ -230,7 +230,7 @@ class Run:
 def run_of(device: Device, procedure: Procedure) -> Run:
     """Return the plan of a procedure: an operation for each step, and one for each write that is read back."""
     closing_indices = closing_steps(device, procedure.steps)
-    operations: list[Operation] = []
+    operations: list[PlannedStep] = []
     for index, step in enumerate(procedure.steps):
         operation = _operation_of_step(device, procedure, step)
         if index in closing_indices and isinstance(operation, WriteRegister):
@@ -255,7 +255,7 @@ def _changes_frames(device: Device, write: WriteRegister) -> bool:
     return False
 
 
-def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
+def _with_taught_parameters(device: Device, operations: Sequence[PlannedStep]) -> Iterator[PlannedStep]:
     """Yield the operations. Writes of an argument to a whole register get ``determines_limits``, see ``WriteRegister``."""
     for index, operation in enumerate(operations):
         if (
@@ -270,7 +270,7 @@ def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> 
 
 
 def _taught_parameters(
-    device: Device, write: WriteRegister, later_operations: Sequence[Operation]
+    device: Device, write: WriteRegister, later_operations: Sequence[PlannedStep]
 ) -> Iterator[Parameter]:
     """Yield the parameters in a written register on which the limits of later writes depend."""
     limiting_names: set[str] = set()
@@ -284,7 +284,7 @@ def _taught_parameters(
             yield parameter
 
 
-def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
+def _with_verification(operations: Iterable[PlannedStep]) -> Iterator[PlannedStep]:
     """Yield the operations, with a ``VerifyWrite`` for each write that can be read back before it takes effect.
 
     The manuals have no such step. On BiSS, however, a disturbed write can be echoed as if it had been stored. A written
@@ -340,7 +340,7 @@ def _unused_bits(register: Register, byte_index: int) -> int:
     return register.bytes_of(unused_mask)[byte_index]
 
 
-def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Operation:
+def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> PlannedStep:
     """Return the operation of a step in the manual, with its register, its field and their bytes."""
     match step:
         case WaitStep():

@@ -36,7 +36,7 @@ from codewheel.plan.steps import (
     Call,
     FixedNumber,
     InField,
-    Operation,
+    PlannedStep,
     Run,
     VerifyWrite,
     WriteRegister,
@@ -76,7 +76,7 @@ def rs485_of(device: Device) -> Rs485:
 # -- procedures
 
 
-def summary(operation: Operation) -> tuple[str, str, str, list[Piece]]:
+def summary(operation: PlannedStep) -> tuple[str, str, str, list[Piece]]:
     """Return the kind of an operation, its register, its field, and its bytes."""
     register, field = getattr(operation, "register", None), getattr(operation, "field", None)
     names = (register.name if register is not None else "", field.name if field is not None else "")

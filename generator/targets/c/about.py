@@ -20,7 +20,7 @@ from ...model import (
 from ...plan.crcs import Carrier, CrcFunction, Form
 from ...plan.steps import (
     Call,
-    Operation,
+    PlannedStep,
     PollRegister,
     ReadRegister,
     Run,
@@ -288,7 +288,7 @@ def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
         yield f"The frames depend on the bytes written, so call {read_state}() afterwards to update the variant."
 
 
-def note_of_step(device: Device, operation: Operation) -> str:
+def note_of_step(device: Device, operation: PlannedStep) -> str:
     """Return the purpose of a step. Its row already has the address, the bytes and the times.
 
     For a wait and a write, it is the meaning of the step in the spec, or else the time, or the place and the value

@@ -81,7 +81,7 @@ from .single import SingleHeader, single_header, single_path, single_views
 
 #: Operations of the plan and further operations of this target.
 TESTS = tests_for(
-    *(Expression, Check, Refusal, JoinedNumber, steps.Operation, steps.ArgumentRefusal),
+    *(Expression, Check, Refusal, JoinedNumber, steps.PlannedStep, steps.ArgumentRefusal),
     *(ByteIs, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
 )
 

@@ -15,8 +15,8 @@ from ...plan.steps import (
     CheckedArgument,
     FixedNumber,
     InField,
-    Operation,
     OutsideArgumentLimits,
+    PlannedStep,
     PollRegister,
     ReadRegister,
     SendRequest,
@@ -52,7 +52,7 @@ class Row:
     """
 
     at: int
-    op: Operation
+    op: PlannedStep
     note: str
     address: str = ""
     mask: int = 0
@@ -437,7 +437,7 @@ def _has_variable_limits(refusal: ArgumentRefusal) -> bool:
     return any(not bound.is_constant for _, bound in refusal.limits.binding)
 
 
-def _number_of_rows(step: Operation) -> int:
+def _number_of_rows(step: PlannedStep) -> int:
     """Return the number of elementary steps: one for each byte of a register."""
     return 1 if isinstance(step, (WaitTime, SendRequest)) else len(step.pieces)
 

@@ -76,7 +76,7 @@ FUNCTIONS: Mapping[str, Callable[..., object]] = {
 TESTS = tests_for(
     operations.Check,
     Refusal,
-    steps.Operation,
+    steps.PlannedStep,
     steps.FixedNumber,
     steps.AsNumber,
     steps.OutsideArgumentLimits,

@@ -14,8 +14,8 @@ from ...plan.steps import (
     AsMember,
     AsNumber,
     CheckedArgument,
-    Operation,
     OutsideArgumentLimits,
+    PlannedStep,
     PollRegister,
     Undecodable,
     VerifyWrite,
@@ -40,7 +40,7 @@ class Segment:
     """
 
     arguments: Sequence[CheckedArgument]
-    steps: Sequence[Operation]
+    steps: Sequence[PlannedStep]
     limiting_write: WriteRegister | None
 
 
