@@ -34,7 +34,7 @@ from .frames import Reply, reply_to
 from .limits import Limits, NotOneOf, TooWide, limited_member, limits_of
 
 
-class Call(Enum):
+class MasterCall(Enum):
     """Operation that a master must support."""
 
     READ = "read"
@@ -101,9 +101,9 @@ class WriteRegister:
     closes: bool = False
 
     @property
-    def calls(self) -> tuple[Call, ...]:
+    def calls(self) -> tuple[MasterCall, ...]:
         writes_whole_bytes = all(piece.mask == 0xFF for piece in self.pieces)
-        return (Call.WRITE,) if writes_whole_bytes else (Call.READ, Call.WRITE)
+        return (MasterCall.WRITE,) if writes_whole_bytes else (MasterCall.READ, MasterCall.WRITE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +114,7 @@ class ReadRegister:
     register: Register
     field: Field | None
     pieces: tuple[Piece, ...]
-    calls = (Call.READ,)
+    calls = (MasterCall.READ,)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +125,7 @@ class PollRegister:
     register: Register
     field: Field
     pieces: tuple[Piece, ...]
-    calls = (Call.READ, Call.WAIT)
+    calls = (MasterCall.READ, MasterCall.WAIT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +134,7 @@ class VerifyWrite:
 
     write: WriteRegister
     pieces: tuple[Piece, ...]
-    calls = (Call.READ,)
+    calls = (MasterCall.READ,)
 
     @property
     def register(self) -> Register:
@@ -155,7 +155,7 @@ class WaitTime:
     """Wait."""
 
     step: WaitStep
-    calls = (Call.WAIT,)
+    calls = (MasterCall.WAIT,)
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,8 +166,8 @@ class SendRequest:
     reply: Reply | None = None
 
     @property
-    def calls(self) -> tuple[Call, ...]:
-        return (Call.WAIT, Call.SEND) if self.step.microseconds else (Call.SEND,)
+    def calls(self) -> tuple[MasterCall, ...]:
+        return (MasterCall.WAIT, MasterCall.SEND) if self.step.microseconds else (MasterCall.SEND,)
 
 
 PlannedStep = WriteRegister | ReadRegister | PollRegister | VerifyWrite | WaitTime | SendRequest
@@ -221,10 +221,10 @@ class Run:
         return tuple(operation for operation in self.operations if isinstance(operation, ReadRegister))
 
     @cached_property
-    def calls(self) -> tuple[Call, ...]:
-        """Operations that it needs from a master, without duplicates, in the order of ``Call``."""
+    def calls(self) -> tuple[MasterCall, ...]:
+        """Operations that it needs from a master, without duplicates, in the order of ``MasterCall``."""
         needed_calls = {call for operation in self.operations for call in operation.calls}
-        return tuple(call for call in Call if call in needed_calls)
+        return tuple(call for call in MasterCall if call in needed_calls)
 
 
 def run_of(device: Device, procedure: Procedure) -> Run:

@@ -33,9 +33,9 @@ from codewheel.plan.operations import (
 )
 from codewheel.plan.steps import (
     AsMember,
-    Call,
     FixedNumber,
     InField,
+    MasterCall,
     PlannedStep,
     Run,
     VerifyWrite,
@@ -124,9 +124,15 @@ def test_values_that_a_procedure_writes(run: Run) -> None:
 def test_calls_of_a_procedure(run: Run) -> None:
     """Only a bit of a byte needs the other bits to be read."""
     writes = [operation for operation in run.operations if isinstance(operation, WriteRegister)]
-    both = (Call.READ, Call.WRITE)
-    assert [write.calls for write in writes] == [(Call.WRITE,), (Call.WRITE,), both, (Call.WRITE,), (Call.WRITE,)]
-    assert run.calls == (Call.READ, Call.WRITE, Call.WAIT)
+    both = (MasterCall.READ, MasterCall.WRITE)
+    assert [write.calls for write in writes] == [
+        (MasterCall.WRITE,),
+        (MasterCall.WRITE,),
+        both,
+        (MasterCall.WRITE,),
+        (MasterCall.WRITE,),
+    ]
+    assert run.calls == (MasterCall.READ, MasterCall.WRITE, MasterCall.WAIT)
     assert [operation.register.name for operation in run.reads] == ["preset"]
 
 

@@ -19,7 +19,7 @@ from ...model import (
 )
 from ...plan.crcs import Carrier, CrcFunction, Form
 from ...plan.steps import (
-    Call,
+    MasterCall,
     PlannedStep,
     PollRegister,
     ReadRegister,
@@ -46,10 +46,10 @@ from .structs import Struct
 
 #: The functions of a transport.
 CALLS = {
-    Call.READ: "read_registers",
-    Call.WRITE: "write_registers",
-    Call.WAIT: "wait_us",
-    Call.SEND: "send_request",
+    MasterCall.READ: "read_registers",
+    MasterCall.WRITE: "write_registers",
+    MasterCall.WAIT: "wait_us",
+    MasterCall.SEND: "send_request",
 }
 #: Labels of statements that the constants and functions of a register already express.
 _IN_CODE = ("Default", "Limits")
