@@ -76,7 +76,7 @@ class AsMember:
     member: str
 
 
-Source = FixedNumber | InField | AsNumber | AsMember
+ValueSource = FixedNumber | InField | AsNumber | AsMember
 
 
 # -- operations
@@ -96,7 +96,7 @@ class WriteRegister:
     register: Register
     field: Field | None
     pieces: tuple[Piece, ...]
-    value: Source
+    value: ValueSource
     determines_limits: tuple[Parameter, ...] = ()
     closes: bool = False
 
@@ -394,14 +394,14 @@ def _argument_of_step(procedure: Procedure, step: WriteStep | ModifyStep) -> Arg
     return member_named(procedure.arguments, step.value_name, f"argument of '{procedure.name}'")
 
 
-def _written_value(register: Register, step: WriteStep, argument: Argument | None) -> Source:
+def _written_value(register: Register, step: WriteStep, argument: Argument | None) -> ValueSource:
     if argument is None:
         return FixedNumber(step.value or 0)
     member = limited_member(register)
     return AsMember(argument, member) if member else AsNumber(argument)
 
 
-def _argument_of_source(value: Source) -> Argument | None:
+def _argument_of_source(value: ValueSource) -> Argument | None:
     return None if isinstance(value, FixedNumber) else value.argument
 
 
