@@ -208,7 +208,7 @@ class CheckedArgument:
 
 
 @dataclass(frozen=True)
-class Run:
+class ProcedurePlan:
     """Plan of a procedure. ``changes_frames`` is true if it writes a parameter on which frames depend."""
 
     procedure: Procedure
@@ -227,7 +227,7 @@ class Run:
         return tuple(call for call in MasterCall if call in needed_calls)
 
 
-def run_of(device: Device, procedure: Procedure) -> Run:
+def run_of(device: Device, procedure: Procedure) -> ProcedurePlan:
     """Return the plan of a procedure: an operation for each step, and one for each write that is read back."""
     closing_indices = closing_steps(device, procedure.steps)
     operations: list[PlannedStep] = []
@@ -238,7 +238,7 @@ def run_of(device: Device, procedure: Procedure) -> Run:
         operations.append(operation)
     operations = list(_with_verification(_with_taught_parameters(device, operations)))
     writes = [operation for operation in operations if isinstance(operation, WriteRegister)]
-    return Run(
+    return ProcedurePlan(
         procedure=procedure,
         operations=tuple(operations),
         arguments=tuple(_checked_argument(device, argument, writes) for argument in procedure.arguments),

@@ -37,7 +37,7 @@ from codewheel.plan.steps import (
     InField,
     MasterCall,
     PlannedStep,
-    Run,
+    ProcedurePlan,
     VerifyWrite,
     WriteRegister,
     run_of,
@@ -89,11 +89,11 @@ TWO_BYTES = [Piece(0, 0, 0xFF, 8), Piece(1, 0, 0xFF, 0)]
 
 
 @pytest.fixture(scope="module")
-def run(small: Device) -> Run:
+def run(small: Device) -> ProcedurePlan:
     return run_of(small, small.procedure("set_preset"))
 
 
-def test_operations_of_a_procedure(run: Run) -> None:
+def test_operations_of_a_procedure(run: ProcedurePlan) -> None:
     """The command cannot be read, so everything written before is read back first. The key closes the preset."""
     bit_7, bit_2 = [Piece(0, 7, 1, 0)], [Piece(0, 2, 1, 0)]
     assert list(map(summary, run.operations)) == [
@@ -111,7 +111,7 @@ def test_operations_of_a_procedure(run: Run) -> None:
     ]
 
 
-def test_values_that_a_procedure_writes(run: Run) -> None:
+def test_values_that_a_procedure_writes(run: ProcedurePlan) -> None:
     writes = [operation for operation in run.operations if isinstance(operation, WriteRegister)]
     values = [write.value for write in writes]
     position = run.procedure.arguments[0]
@@ -121,7 +121,7 @@ def test_values_that_a_procedure_writes(run: Run) -> None:
     assert verified == writes[:3]
 
 
-def test_calls_of_a_procedure(run: Run) -> None:
+def test_calls_of_a_procedure(run: ProcedurePlan) -> None:
     """Only a bit of a byte needs the other bits to be read."""
     writes = [operation for operation in run.operations if isinstance(operation, WriteRegister)]
     both = (MasterCall.READ, MasterCall.WRITE)
@@ -136,7 +136,7 @@ def test_calls_of_a_procedure(run: Run) -> None:
     assert [operation.register.name for operation in run.reads] == ["preset"]
 
 
-def test_which_procedure_changes_frames(small: Device, run: Run) -> None:
+def test_which_procedure_changes_frames(small: Device, run: ProcedurePlan) -> None:
     """The width of the zeros is in three bits of 'level'. The speed is another bit of it."""
     set_level = run_of(small, small.procedure("set_level"))
     assert (run.changes_frames, set_level.changes_frames) == (False, True)

@@ -22,8 +22,8 @@ from ...plan.steps import (
     MasterCall,
     PlannedStep,
     PollRegister,
+    ProcedurePlan,
     ReadRegister,
-    Run,
     SendRequest,
     VerifyWrite,
     WaitTime,
@@ -278,7 +278,7 @@ def about_argument(device: Device, argument: Argument) -> str:
     return HEADER_STYLE.sentence(say_commands.argument(device, argument))
 
 
-def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
+def about_run(device: Device, run: ProcedurePlan, read_state: str) -> Iterator[Paragraph]:
     """Yield the purpose of the function that carries out a procedure, and the accesses that it needs."""
     *calls, last = (CALLS[call] for call in run.calls)
     needed = f"{', '.join(calls)} and {last}" if calls else last
