@@ -35,7 +35,7 @@ from .operations import (
     ZerosAbove,
 )
 from .operations import Check as PlannedCheck
-from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from .values import Active, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans, meaning_of
 
 
 class Name(str):
@@ -253,7 +253,7 @@ def _describe_column(field: Field, is_power: bool) -> Column:
     """
     column = Column(Name(field.name), field.low, field.width, power_of_two=is_power, scale=field.scale)
     match meaning_of(field):
-        case Raw():
+        case UnsignedNumber():
             return column
         case TwosComplement():
             return replace(column, kind="signed")

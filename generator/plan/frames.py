@@ -28,7 +28,7 @@ from ..model import (
 from ..model.record import dataclass
 from .codec import bits_of
 from .operations import FieldBits
-from .values import Raw, ZeroMeans, meaning_of
+from .values import UnsignedNumber, ZeroMeans, meaning_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -332,7 +332,7 @@ class HeldParameter:
     parameter: Parameter
     field: Field
     bits: FieldBits
-    meaning: Raw | ZeroMeans
+    meaning: UnsignedNumber | ZeroMeans
     low: int | None
     high: int | None
     highest_value: int
@@ -370,7 +370,7 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
             parameter=parameter,
             field=field,
             bits=bits,
-            meaning=Raw(),
+            meaning=UnsignedNumber(),
             low=None,
             high=None,
             highest_value=max(coded.value for coded in parameter.by_code),
@@ -398,10 +398,10 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
     )
 
 
-def _unsigned_meaning(field: Field) -> Raw | ZeroMeans:
+def _unsigned_meaning(field: Field) -> UnsignedNumber | ZeroMeans:
     """Return the conversion of bits to a parameter, which is never negative.
 
     Apart from a zero that represents another number, the bits are the number itself.
     """
     meaning = meaning_of(field)
-    return meaning if isinstance(meaning, ZeroMeans) else Raw()
+    return meaning if isinstance(meaning, ZeroMeans) else UnsignedNumber()

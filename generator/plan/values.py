@@ -185,7 +185,7 @@ def count_factors(measurement: Measurement) -> tuple[Expression, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class Raw:
+class UnsignedNumber:
     """An unsigned number: the bits as they are. The inverse rejects a number that is too wide."""
 
 
@@ -230,13 +230,13 @@ class Characters:
     """Latin-1 characters, one per byte, the first in the most significant byte. The inverse rejects other lengths."""
 
 
-Meaning = Raw | TwosComplement | ZeroMeans | Active | Named | DigitRuns | Characters
+Meaning = UnsignedNumber | TwosComplement | ZeroMeans | Active | Named | DigitRuns | Characters
 
 
 def is_number(meaning: Meaning) -> bool:
     """Return whether the value is a single number, not a Boolean, a name, runs of digits or a string."""
     match meaning:
-        case Raw() | TwosComplement() | ZeroMeans():
+        case UnsignedNumber() | TwosComplement() | ZeroMeans():
             return True
         case Active() | Named() | DigitRuns() | Characters():
             return False
@@ -249,7 +249,7 @@ def is_named(meaning: Meaning) -> bool:
     match meaning:
         case Named():
             return True
-        case Raw() | TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
+        case UnsignedNumber() | TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
             return False
         case _:
             assert_never(meaning)
@@ -266,7 +266,7 @@ def meaning_of(field: Field) -> Meaning:
         case Number(zero_means=number) if number:
             return ZeroMeans(number)
         case Number() | Constant() | Unused() | CrcValue() | Parity():
-            return Raw()
+            return UnsignedNumber()
         case Flag(active_low=low):
             return Active(low)
         case Choice(values):
@@ -284,7 +284,7 @@ def widest_value(field: Field) -> int:
     match meaning_of(field):
         case ZeroMeans(number):
             return max(field.widest, number.bit_length())
-        case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
+        case UnsignedNumber() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
             return field.widest
         case never:
             assert_never(never)

@@ -42,7 +42,7 @@ from codewheel.plan.steps import (
     WriteRegister,
     run_of,
 )
-from codewheel.plan.values import Raw, count_factors, position_ranges
+from codewheel.plan.values import UnsignedNumber, count_factors, position_ranges
 
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -191,7 +191,7 @@ def test_parameter_in_a_register(small: Device) -> None:
     (register,) = held_parameters(small)
     (held,) = register.parameters
     assert (register.register.name, held.parameter.name, held.field.name) == ("level", "zero_bits", "zeros")
-    assert (held.low, held.high, held.highest_value, held.meaning) == (1, 5, 5, Raw())
+    assert (held.low, held.high, held.highest_value, held.meaning) == (1, 5, 5, UnsignedNumber())
 
 
 # -- frames

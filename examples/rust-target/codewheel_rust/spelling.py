@@ -24,7 +24,7 @@ def type_of(field: Field) -> str:
     match values.meaning_of(field):
         case values.TwosComplement():
             return unsigned(field.widest).replace("u", "i")
-        case values.Raw() | values.ZeroMeans() | values.Named() | values.DigitRuns():
+        case values.UnsignedNumber() | values.ZeroMeans() | values.Named() | values.DigitRuns():
             return unsigned(values.widest_value(field))
         case values.Active():
             return "bool"
@@ -34,9 +34,11 @@ def type_of(field: Field) -> str:
             assert_never(unknown_meaning)
 
 
-def parameter_number(raw: str, meaning: values.Raw | values.ZeroMeans) -> str:
+def parameter_number(raw: str, meaning: values.UnsignedNumber | values.ZeroMeans) -> str:
     """Return the number that the bits of a parameter mean."""
-    return raw if isinstance(meaning, values.Raw) else f"match {raw} {{ 0 => {meaning.number}, bits => bits }}"
+    return (
+        raw if isinstance(meaning, values.UnsignedNumber) else f"match {raw} {{ 0 => {meaning.number}, bits => bits }}"
+    )
 
 
 def type_of_parameter(parameter: Parameter) -> str:
@@ -133,7 +135,7 @@ class Scope:
         raw, member, width = f"raw_{field.name}", f"self.{snake(field.name)}", self.expression(field.width)
         wide = widened(member, type_)
         match values.meaning_of(field):
-            case values.Raw() | values.DigitRuns():
+            case values.UnsignedNumber() | values.DigitRuns():
                 return narrowed(raw, type_), wide
             case values.TwosComplement():
                 return narrowed(f"signed({raw}, {width})", type_), f"field({wide} as u64, 0, {width})"

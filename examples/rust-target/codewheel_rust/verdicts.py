@@ -8,7 +8,7 @@ from operator import or_
 
 from codewheel.model import Verdict, assert_never
 from codewheel.plan.operations import FieldToDecode, Reserved
-from codewheel.plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
+from codewheel.plan.values import Active, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans
 from codewheel.plan.verdicts import Match, Only, VerdictCause
 
 from .family import Struct
@@ -58,7 +58,7 @@ def _terms(struct: Struct, cause: FieldToDecode | Match) -> Iterator[str]:
                 enum = struct.enums[part.field.name]
                 name = next(named.name for named in enum.values if named.value == value)
                 yield f"{member} == {enum.name}::{pascal(name)}"
-            case Raw() | TwosComplement() | ZeroMeans() | DigitRuns() | Characters():
+            case UnsignedNumber() | TwosComplement() | ZeroMeans() | DigitRuns() | Characters():
                 yield f"{member} == {value}"
             case meaning:
                 assert_never(meaning)

@@ -13,8 +13,8 @@ from ...plan.values import (
     Characters,
     DigitRuns,
     Named,
-    Raw,
     TwosComplement,
+    UnsignedNumber,
     ZeroMeans,
 )
 from ...say.names_and_places import words
@@ -330,7 +330,7 @@ class Decoder:
         bits = self.local(part.field)
         type_ = self.struct.type_of(part.field)
         match part.meaning:
-            case Raw() | Named():
+            case UnsignedNumber() | Named():
                 yield name, self._bits_as(type_, part)
             case TwosComplement():
                 width = self.struct.scope.expression_of(part.field.width)

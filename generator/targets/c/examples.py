@@ -26,7 +26,7 @@ from ...model.record import dataclass
 from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
 from ...plan.operations import FieldToDecode
 from ...plan.steps import SendRequest
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, meaning_of
+from ...plan.values import Active, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, meaning_of
 from ...say.names_and_places import title, words
 from ...say.text import VERDICT_CLAUSES
 from .chosen import Chosen, Frame, NoFrame
@@ -257,7 +257,7 @@ class ExampleCode:
         parameters = self._chosen.variant.parameters
         numbers: dict[str, int] = {}
         for placed_field in self.frame.layout.place(parameters).fields:
-            if isinstance(meaning_of(placed_field.field), Raw):
+            if isinstance(meaning_of(placed_field.field), UnsignedNumber):
                 numbers[placed_field.name] = (self.frame.wire >> placed_field.low) & placed_field.mask
         for whole in self.struct.plan.joined_numbers:
             if all(field.name in numbers for field in whole.fields):

@@ -22,7 +22,7 @@ from ...plan.codec import LayoutPlan
 from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
-from ...plan.values import Active, Characters, Named, Raw, meaning_of
+from ...plan.values import Active, Characters, Named, UnsignedNumber, meaning_of
 from ...say.names_and_places import full_title, title, words
 from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
@@ -376,7 +376,7 @@ def _is_byte(plan: LayoutPlan) -> bool:
     if not plan.parts or any(isinstance(refusal, NoPowerOfTwo) for refusal in refusals(plan)):
         return False
     only_part = plan.parts[0]
-    return isinstance(only_part.meaning, (Raw, Named)) and only_part.field.width == Expression(8)
+    return isinstance(only_part.meaning, (UnsignedNumber, Named)) and only_part.field.width == Expression(8)
 
 
 @dataclass(frozen=True, slots=True)

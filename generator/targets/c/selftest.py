@@ -27,7 +27,7 @@ from ...model import (
 from ...model.record import dataclass
 from ...plan.crcs import CONTROL_FIELDS, vectors_of
 from ...plan.operations import FieldToDecode
-from ...plan.values import Active, Characters, Named, Raw, TwosComplement
+from ...plan.values import Active, Characters, Named, TwosComplement, UnsignedNumber
 from .. import manufacturers
 from .codec import StructCodec
 from .crc_functions import WordCrc
@@ -320,7 +320,7 @@ class SelfTest:
 
         A named value has its constant, if C has one.
         """
-        match part.meaning if part is not None else Raw():
+        match part.meaning if part is not None else UnsignedNumber():
             case Characters():
                 return Expected(c_name(name), string(value), text=True)
             case Named(values) if isinstance(value, str):

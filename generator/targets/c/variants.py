@@ -11,7 +11,7 @@ from ...language.problems import listed
 from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
 from ...model.record import dataclass
 from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
-from ...plan.values import Raw, ZeroMeans, parameters_in_measurement, widest_value
+from ...plan.values import UnsignedNumber, ZeroMeans, parameters_in_measurement, widest_value
 from ...say.names_and_places import title
 from ...say.order_code import initial, timeouts_with_codes
 from ...say.text import hertz, nanoseconds
@@ -66,7 +66,7 @@ class HeldValue:
                 is_zero = Operation("==", (raw_local, Number(0)))
                 type_of_value = unsigned(widest_value(self.held_parameter.field))
                 yield type_of_value, self.local, Cast(type_of_value, Conditional(is_zero, Number(number), raw_local))
-            case Raw():
+            case UnsignedNumber():
                 local = f"{self.local}_code" if self.is_coded else self.local
                 yield type_, local, bits
             case meaning:

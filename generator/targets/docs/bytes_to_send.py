@@ -28,7 +28,7 @@ from ...model import (
 from ...model.record import dataclass
 from ...plan.codec import codec_of
 from ...plan.frames import Exchanged, exchanges
-from ...plan.values import Raw, TwosComplement, meaning_of
+from ...plan.values import TwosComplement, UnsignedNumber, meaning_of
 from ...say.commands import Commands, commands_over
 from ...say.evidence import document
 from ...say.layout import name_as_words
@@ -367,6 +367,6 @@ def bytes_of_zero_position(device: Device, register: Register, variant: Variant)
     for placed_field in register.layout.place(variant.parameters).fields:
         if placed_field.name in constants:
             content |= constants[placed_field.name] << placed_field.low
-        elif not isinstance(meaning_of(placed_field.field), (Raw, TwosComplement)):
+        elif not isinstance(meaning_of(placed_field.field), (UnsignedNumber, TwosComplement)):
             return None
     return register.bytes_of(content)

@@ -10,7 +10,7 @@ from ...model.expressions import Expression
 from ...model.lookup import assert_never
 from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
 from ...plan.operations import FieldBits, JoinedNumber, Reserved
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from ...plan.values import Active, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans, meaning_of
 from ...say.plain_text import plain
 from .literals import Atom, Expr, Not, Operation, Scope, call, join_operands, mask, multiply, number, shift_value
 from .names import ClassNames, byte_order
@@ -36,7 +36,7 @@ class BitsEncoder:
         quoted_name = f'"{field.name}"'
         width = str(self.scope.expression_of(field.width))
         match meaning_of(field):
-            case Raw() | Named():
+            case UnsignedNumber() | Named():
                 return call("check_width", quoted_name, attribute, width)
             case ZeroMeans(stands_for):
                 return call("zero_for", quoted_name, attribute, str(stands_for), width)
@@ -114,7 +114,7 @@ class BitsEncoder:
 def _has_width_check(field: Field) -> bool:
     """Return whether ``_checked_bits`` compares a value with the width of the field."""
     match meaning_of(field):
-        case Raw() | Named() | TwosComplement() | ZeroMeans():
+        case UnsignedNumber() | Named() | TwosComplement() | ZeroMeans():
             return True
         case Active():
             return not field.width.is_constant

@@ -19,7 +19,7 @@ from ...plan.values import (
     Characters,
     DigitRuns,
     Named,
-    Raw,
+    UnsignedNumber,
     is_named,
     is_number,
     meaning_of,
@@ -175,7 +175,7 @@ class Coder:
     def _field_attributes(self, field: Field) -> Iterator[Attribute]:
         """Yield the attribute of a field, or one for each run of digits. The value in the manual is its default."""
         match meaning_of(field):
-            case Raw():
+            case UnsignedNumber():
                 stated = self._stated_number(field)
                 yield self._number_attribute(field, stated if stated is not None else self._request_default(field))
             case Active():
@@ -311,7 +311,7 @@ class Coder:
         scope = self._scope_of_attributes(self.by_index)
         for whole in self.plan.joined_numbers:
             is_position = self.names.attribute(whole.join.name) == self.position_attribute
-            if is_position and all(isinstance(meaning_of(field), Raw) for field in whole.fields):
+            if is_position and all(isinstance(meaning_of(field), UnsignedNumber) for field in whole.fields):
                 return str(self.encoding.join_numbers(whole, scope, self.by_index))
         return self.by_index(self.position_attribute)
 

@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...model.lookup import assert_never
 from ...plan.codec import LayoutPlan
 from ...plan.operations import AlwaysIs, Check, FieldToDecode, FrameCrc, ParityIs, ZerosAbove
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from ...plan.values import Active, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans, meaning_of
 from .bits import Reader
 from .first_byte import FirstByte
 from .literals import Atom, Expr, Operation, Scope, call, grouped, mask, number
@@ -237,7 +237,7 @@ class Decoder:
         if is_checked_with_first_byte:
             return [Atom("valid_first_bytes[b0]")]
         match meaning_of(field):
-            case Raw():
+            case UnsignedNumber():
                 return [bits]
             case TwosComplement():
                 return [call("signed", bits, self.number(field.width))]
@@ -350,7 +350,7 @@ def attribute_values(
     """Yield the attributes of a field of a joined number, with their values. ``enum`` is the name of its IntEnum."""
     attribute = class_names.attribute(field.name)
     match meaning_of(field):
-        case Raw():
+        case UnsignedNumber():
             yield attribute, bits
         case TwosComplement():
             yield attribute, call("signed", bits, scope.expression_of(field.width))

@@ -22,7 +22,7 @@ from ...plan.steps import (
     WriteRegister,
     run_of,
 )
-from ...plan.values import DigitRuns, Raw, meaning_of
+from ...plan.values import DigitRuns, UnsignedNumber, meaning_of
 from . import docstrings
 from .codec import Coder
 from .decode import digit_values
@@ -183,7 +183,7 @@ class Steps:
         # Empty if the argument sets a join.
         fields_of_member = [field for field in register.layout.fields if field.name == member_value.member]
         # A join of several fields is a number.
-        meaning = meaning_of(fields_of_member[0]) if fields_of_member else Raw()
+        meaning = meaning_of(fields_of_member[0]) if fields_of_member else UnsignedNumber()
         match meaning:
             case DigitRuns(runs):
                 return [(attribute_of(run.name), value_of_run) for run, value_of_run in digit_values(argument, runs)]
