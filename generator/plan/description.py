@@ -35,7 +35,7 @@ from .operations import (
     ZerosAbove,
 )
 from .operations import Check as PlannedCheck
-from .values import Active, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans, meaning_of
+from .values import ActiveFlag, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans, meaning_of
 
 
 class Name(str):
@@ -259,7 +259,7 @@ def _describe_column(field: Field, is_power: bool) -> Column:
             return replace(column, kind="signed")
         case ZeroMeans(number):
             return replace(column, zero_means=number)
-        case Active(low):
+        case ActiveFlag(low):
             return replace(column, kind="not_flag" if low else "flag")
         case Named():
             return replace(column, kind="choice")

@@ -8,7 +8,17 @@ from ..model import Crc, Digits, Fault, Field, Flag, Join, Parity, Piece, assert
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .crcs import FoldStep
-from .values import Active, Characters, DigitRuns, Meaning, Named, TwosComplement, UnsignedNumber, ZeroMeans, meaning_of
+from .values import (
+    ActiveFlag,
+    Characters,
+    DigitRuns,
+    Meaning,
+    Named,
+    TwosComplement,
+    UnsignedNumber,
+    ZeroMeans,
+    meaning_of,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +159,7 @@ def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:
             most_significant_run = runs[0]
             highest = most_significant_run.divisor * most_significant_run.modulus - 1
             yield AtMost(field, bits, highest, runs)
-        case UnsignedNumber() | TwosComplement() | ZeroMeans() | Active() | Named() | Characters():
+        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | Named() | Characters():
             return
         case meaning:
             assert_never(meaning)

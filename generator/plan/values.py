@@ -205,7 +205,7 @@ class ZeroMeans:
 
 
 @dataclass(frozen=True, slots=True)
-class Active:
+class ActiveFlag:
     """Boolean that is true if the bit is 1 or, with ``low``, if it is 0. The inverse writes the bit."""
 
     low: bool
@@ -230,7 +230,7 @@ class Characters:
     """Latin-1 characters, one per byte, the first in the most significant byte. The inverse rejects other lengths."""
 
 
-Meaning = UnsignedNumber | TwosComplement | ZeroMeans | Active | Named | DigitRuns | Characters
+Meaning = UnsignedNumber | TwosComplement | ZeroMeans | ActiveFlag | Named | DigitRuns | Characters
 
 
 def is_number(meaning: Meaning) -> bool:
@@ -238,7 +238,7 @@ def is_number(meaning: Meaning) -> bool:
     match meaning:
         case UnsignedNumber() | TwosComplement() | ZeroMeans():
             return True
-        case Active() | Named() | DigitRuns() | Characters():
+        case ActiveFlag() | Named() | DigitRuns() | Characters():
             return False
         case _:
             assert_never(meaning)
@@ -249,7 +249,7 @@ def is_named(meaning: Meaning) -> bool:
     match meaning:
         case Named():
             return True
-        case UnsignedNumber() | TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
+        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | DigitRuns() | Characters():
             return False
         case _:
             assert_never(meaning)
@@ -268,7 +268,7 @@ def meaning_of(field: Field) -> Meaning:
         case Number() | Constant() | Unused() | CrcValue() | Parity():
             return UnsignedNumber()
         case Flag(active_low=low):
-            return Active(low)
+            return ActiveFlag(low)
         case Choice(values):
             return Named(values)
         case Decimal(runs):
@@ -284,7 +284,7 @@ def widest_value(field: Field) -> int:
     match meaning_of(field):
         case ZeroMeans(number):
             return max(field.widest, number.bit_length())
-        case UnsignedNumber() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
+        case UnsignedNumber() | TwosComplement() | ActiveFlag() | Named() | DigitRuns() | Characters():
             return field.widest
         case never:
             assert_never(never)

@@ -26,7 +26,7 @@ def type_of(field: Field) -> str:
             return unsigned(field.widest).replace("u", "i")
         case values.UnsignedNumber() | values.ZeroMeans() | values.Named() | values.DigitRuns():
             return unsigned(values.widest_value(field))
-        case values.Active():
+        case values.ActiveFlag():
             return "bool"
         case values.Characters():
             return f"[u8; {field.widest // 8}]"
@@ -142,7 +142,7 @@ class Scope:
             case values.ZeroMeans(number) as meaning:
                 decoded = f"({parameter_number(raw, meaning)}) as {type_}"
                 return decoded, f"if {member} == {number} {{ 0 }} else {{ {wide} }}"
-            case values.Active(low):
+            case values.ActiveFlag(low):
                 comparison, negation = ("==", "!") if low else ("!=", "")
                 return f"{raw} {comparison} 0", f"u64::from({negation}{member})"
             case values.Named():

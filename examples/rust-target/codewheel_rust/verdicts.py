@@ -8,7 +8,7 @@ from operator import or_
 
 from codewheel.model import Verdict, assert_never
 from codewheel.plan.operations import FieldToDecode, Reserved
-from codewheel.plan.values import Active, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans
+from codewheel.plan.values import ActiveFlag, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans
 from codewheel.plan.verdicts import Match, Only, VerdictCause
 
 from .family import Struct
@@ -52,7 +52,7 @@ def _terms(struct: Struct, cause: FieldToDecode | Match) -> Iterator[str]:
     for part, value in parts:
         member = f"self.{snake(part.field.name)}"
         match part.meaning:
-            case Active():
+            case ActiveFlag():
                 yield member if value else f"!{member}"
             case Named():
                 enum = struct.enums[part.field.name]

@@ -17,7 +17,7 @@ from ...dump.xml import without_invalid_characters
 from ...model import Biss, Crc, Device, Field, Layout, Variant
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
-from ...plan.values import Active, meaning_of
+from ...plan.values import ActiveFlag, meaning_of
 from ...say import order_code as say_order_code
 from ...say.errata import errata, erratum
 from ...say.layout import crc_parameters
@@ -240,7 +240,7 @@ def _active_level(status: Field) -> str:
     """Return ``active low`` or ``active high`` for a status bit, or ``not used, always 1`` if it is not a flag."""
     # A status bit is a flag or one unused bit that is always 1.
     meaning = meaning_of(status)
-    if not isinstance(meaning, Active):
+    if not isinstance(meaning, ActiveFlag):
         return "not used, always 1"
     return "active low" if meaning.low else "active high"
 

@@ -9,7 +9,7 @@ from ...model.record import dataclass
 from ...plan.codec import ShiftedBits, characters, is_plain_flag
 from ...plan.operations import AlwaysIs, Check, FieldBits, FieldToDecode, JoinedNumber, ParityIs, ZerosAbove
 from ...plan.values import (
-    Active,
+    ActiveFlag,
     Characters,
     DigitRuns,
     Named,
@@ -338,7 +338,7 @@ class Decoder:
             case ZeroMeans(number):
                 is_zero = Operation("==", (bits, Number(0)))
                 yield name, Cast(type_, Conditional(is_zero, Number(number), bits))
-            case Active(low):
+            case ActiveFlag(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
                 is_active = self._is_active(part, bit, low_is_active=low)
                 yield name, Name(is_active.operand)

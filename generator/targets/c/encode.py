@@ -18,7 +18,7 @@ from ...plan.operations import (
     ZerosAbove,
 )
 from ...plan.values import (
-    Active,
+    ActiveFlag,
     Characters,
     DigitRuns,
     Named,
@@ -74,7 +74,7 @@ class Encoder:
     def number(self, field: Field) -> Expr:
         """Return a member as a number, with a cast if it is a flag or of an enumeration."""
         match meaning_of(field):
-            case Active():
+            case ActiveFlag():
                 needs_cast = True
             case Named():
                 needs_cast = self.struct.enumeration(field) is not None
@@ -201,7 +201,7 @@ class Encoder:
             return self.struct.unused.bits_of(field)
         member = self.member_of(field)
         match meaning_of(field):
-            case Active(low):
+            case ActiveFlag(low):
                 return self._bit_of_flag(field, low_is_active=low)
             case TwosComplement():
                 return Operation("&", (Cast("uint64_t", member), self.struct.scope.mask(field.width)))
@@ -295,7 +295,7 @@ class Encoder:
             case Characters():
                 for index, byte in characters(field):
                     yield byte, Cast("uint8_t", Name(f"{member}[{index}]"))
-            case Active(low):
+            case ActiveFlag(low):
                 for piece in field.pieces:
                     yield piece.byte, _flag_in_byte(member, piece, low_is_active=low)
             case TwosComplement():

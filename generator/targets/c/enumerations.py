@@ -11,7 +11,7 @@ from ...model import Alternative, Answer, Device, Field, Layout, Parameter, Valu
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.operations import FieldToDecode, Reserved
-from ...plan.values import Active, Named, meaning_of
+from ...plan.values import ActiveFlag, Named, meaning_of
 from ...plan.verdicts import Cause, Match, Only, Report, Reporting, VerdictCause, reportings, reports_of
 from ...say.errata import errata, erratum
 from ...say.names_and_places import printed, title, words
@@ -307,7 +307,7 @@ class FrameReports:
             return
         for part, value in flag_or_match.conditions:
             member = _struct_member(part)
-            if isinstance(part.meaning, Active):
+            if isinstance(part.meaning, ActiveFlag):
                 # The value of a flag is 1 while it is active.
                 yield Name(member if value else f"!{member}")
             else:

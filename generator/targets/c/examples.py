@@ -26,7 +26,7 @@ from ...model.record import dataclass
 from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
 from ...plan.operations import FieldToDecode
 from ...plan.steps import SendRequest
-from ...plan.values import Active, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, meaning_of
+from ...plan.values import ActiveFlag, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, meaning_of
 from ...say.names_and_places import title, words
 from ...say.text import VERDICT_CLAUSES
 from .chosen import Chosen, Frame, NoFrame
@@ -408,7 +408,7 @@ class ExampleCode:
         match part.meaning:
             case Characters():
                 yield PrintedMember(part.field.name, "%.*s", f"(int)sizeof({member}), {member}")
-            case Active():
+            case ActiveFlag():
                 yield PrintedMember(part.field.name, "%s", f'{member} ? "yes" : "no"')
             case TwosComplement():
                 yield PrintedMember(part.field.name, "%lld", f"(long long){member}")

@@ -22,7 +22,7 @@ from ...plan.codec import LayoutPlan
 from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
-from ...plan.values import Active, Characters, Named, UnsignedNumber, meaning_of
+from ...plan.values import ActiveFlag, Characters, Named, UnsignedNumber, meaning_of
 from ...say.names_and_places import full_title, title, words
 from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
@@ -298,7 +298,7 @@ class RegisterCode:
     @staticmethod
     def has_shift(field: Field) -> bool:
         """Return True if a field needs a shift and a mask. For a flag, the mask is enough."""
-        return not isinstance(meaning_of(field), Active)
+        return not isinstance(meaning_of(field), ActiveFlag)
 
     @property
     def masked(self) -> tuple[Field, ...]:

@@ -27,7 +27,7 @@ from ...model import (
 from ...model.record import dataclass
 from ...plan.crcs import CONTROL_FIELDS, vectors_of
 from ...plan.operations import FieldToDecode
-from ...plan.values import Active, Characters, Named, TwosComplement, UnsignedNumber
+from ...plan.values import ActiveFlag, Characters, Named, TwosComplement, UnsignedNumber
 from .. import manufacturers
 from .codec import StructCodec
 from .crc_functions import WordCrc
@@ -328,7 +328,7 @@ class SelfTest:
                 choice = self.view.context.choices.get((key, name))
                 constants = choice.names if choice else {}
                 return Expected(c_name(name), constants.get(named_value, number(named_value)))
-            case Active():
+            case ActiveFlag():
                 return Expected(c_name(name), "true" if value else "false")
             case TwosComplement() if int(value) < 0:
                 return Expected(c_name(name), signed_number(int(value)))

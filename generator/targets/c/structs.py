@@ -9,7 +9,7 @@ from ...model import Field, Layout, Register, Spi
 from ...plan.codec import LayoutPlan, characters, codec_of
 from ...plan.operations import FrameCrc
 from ...plan.values import (
-    Active,
+    ActiveFlag,
     Characters,
     DigitRuns,
     Named,
@@ -141,7 +141,7 @@ class Struct:
     def type_of(self, field: Field) -> str:
         """Return the type of a member, or of each character of a string."""
         match meaning_of(field):
-            case Active():
+            case ActiveFlag():
                 return "bool"
             case Named():
                 choice = self.enumeration(field)
@@ -196,7 +196,7 @@ class Struct:
     def _initial_values(self, field: Field, initial_number: int) -> Iterator[str]:
         """Yield the initial value of each member of a field: one, or with runs of digits also one for each run."""
         match meaning_of(field):
-            case Active():
+            case ActiveFlag():
                 yield "true" if initial_number else "false"
             case Named():
                 choice = self.choice(field)

@@ -13,7 +13,7 @@ from textwrap import wrap
 
 from ...model import Field, PlacedField, PlacedLayout
 from ...model.record import dataclass
-from ...plan.values import Active, meaning_of
+from ...plan.values import ActiveFlag, meaning_of
 from ...say.layout import box_colour, box_label, name_as_words
 from ...say.names_and_places import bit_range
 from ...say.plain_text import plain
@@ -339,7 +339,7 @@ def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
         low=low,
         name=box_label(field),
         fill=box_colour(field),
-        active_low=meaning_of(field) == Active(low=True),
+        active_low=meaning_of(field) == ActiveFlag(low=True),
     )
 
 

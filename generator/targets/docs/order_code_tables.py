@@ -24,7 +24,7 @@ from ...model import (
 )
 from ...order_codes.labels import fill_pattern
 from ...order_codes.parameters import parameters_of, run_time_names, with_answers
-from ...plan.values import Active, TwosComplement, meaning_of
+from ...plan.values import ActiveFlag, TwosComplement, meaning_of
 from ...plan.verdicts import judgement_in_family
 from ...say.layout import crc_inverted, crc_reflected
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
@@ -300,7 +300,7 @@ def position_frame(family_device: Device, interface: Interface) -> Layout | None
     def information(layout: Layout) -> tuple[int, int, int]:
         field_names = {field.name for field in layout.fields}
         number_of_parts = len(parts_of_position & field_names)
-        number_of_flags = sum(isinstance(meaning_of(field), Active) for field in layout.fields)
+        number_of_flags = sum(isinstance(meaning_of(field), ActiveFlag) for field in layout.fields)
         return number_of_parts, number_of_flags, -layout.widest
 
     return max(candidates, key=information, default=None)
@@ -355,7 +355,7 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
         flag = (code(placed_field.name), place_of_field(placed_field, placed_layout))
         # The active level of a flag, or what differs from the manual: ``0`` or ``1`` for a single unused bit.
         level = deciding_bits(placed_field.field)
-        if isinstance(meaning_of(placed_field.field), Active):
+        if isinstance(meaning_of(placed_field.field), ActiveFlag):
             flags_by_label.setdefault(f"Active at {level}", []).append(flag)
         elif not layout.in_bytes and placed_field.field.printed_name and level in {"0", "1"}:
             flags_by_label.setdefault("Not used by this encoder", []).append(flag)

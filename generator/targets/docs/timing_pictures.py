@@ -12,7 +12,7 @@ from enum import Enum
 from ...model import Biss, Device, Interface, Rs485, SendStep, Spi, Ssi, assert_never
 from ...model.record import dataclass
 from ...plan.codec import LayoutPlan, codec_of
-from ...plan.values import Active, meaning_of
+from ...plan.values import ActiveFlag, meaning_of
 from ...say.evidence import Subject, document, place_of_mention
 from ...say.layout import DATA, box_colour
 from ...say.names_and_places import words
@@ -224,7 +224,7 @@ def _data_boxes(codec: LayoutPlan, position_names: Container[str]) -> Iterator[t
     for field in codec.layout.fields:
         if field in codec.layout.crc_fields:
             yield "CRC", box_colour(field)
-        elif isinstance(meaning_of(field), Active):
+        elif isinstance(meaning_of(field), ActiveFlag):
             yield words(field.name), box_colour(field)
         elif field.name in position_names:
             if not has_position:

@@ -7,7 +7,7 @@ from typing import Annotated, TypedDict
 
 from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_of
 from ...model.record import dataclass
-from ...plan.values import Active, meaning_of
+from ...plan.values import ActiveFlag, meaning_of
 from ...plan.verdicts import Judgement, Only, Reporting, combined_flag_names, reportings, reports_of, verdict_of
 from ...say.evidence import document
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
@@ -250,7 +250,7 @@ def _errata_links(device: Device, interface: Interface, layout: Layout, field: F
     for deciding_field in deciding_fields:
         name, group = deciding_field.name, deciding_field.group
         spec_paths |= {f"{path_of_frame}.{name}", f"field_groups.{group}.{name}"}
-        if group and isinstance(meaning_of(deciding_field), Active):
+        if group and isinstance(meaning_of(deciding_field), ActiveFlag):
             spec_paths.add(f"field_groups.{group}")
     errata = [erratum for erratum in device.errata if not erratum.edition and erratum.severity != "wording"]
     # ``affects`` are paths in the spec.

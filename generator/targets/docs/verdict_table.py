@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import Device, Field, Layout, PlacedField, PlacedLayout, Variant, Verdict
-from ...plan.values import Active, meaning_of
+from ...plan.values import ActiveFlag, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause, judgement_in_family
 from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code, escape, join_filled, link
@@ -90,7 +90,7 @@ def _rows_of_other_flags(
     effect = "unchanged" if judgement is not None else ""
     for placed_field in placed_layout.fields:
         field = placed_field.field
-        if isinstance(meaning_of(field), Active) and field.name not in names_of_causes:
+        if isinstance(meaning_of(field), ActiveFlag) and field.name not in names_of_causes:
             yield _build_row(device, placed_layout, field, deciding_bits(field), effect)
 
 

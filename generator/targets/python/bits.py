@@ -10,7 +10,16 @@ from ...model.expressions import Expression
 from ...model.lookup import assert_never
 from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
 from ...plan.operations import FieldBits, JoinedNumber, Reserved
-from ...plan.values import Active, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans, meaning_of
+from ...plan.values import (
+    ActiveFlag,
+    Characters,
+    DigitRuns,
+    Named,
+    TwosComplement,
+    UnsignedNumber,
+    ZeroMeans,
+    meaning_of,
+)
 from ...say.plain_text import plain
 from .literals import Atom, Expr, Not, Operation, Scope, call, join_operands, mask, multiply, number, shift_value
 from .names import ClassNames, byte_order
@@ -43,9 +52,9 @@ class BitsEncoder:
             case TwosComplement():
                 number = call("check_signed", quoted_name, attribute, width)
                 return Operation(number, "&", self.scope.ones(field.width))
-            case Active(low) if field.width.is_constant:
+            case ActiveFlag(low) if field.width.is_constant:
                 return Not(attribute) if low else call("bool", attribute)
-            case Active():
+            case ActiveFlag():
                 # A flag of a joined number is active high. Its width is 1 or, by order code, 0.
                 return call("check_width", quoted_name, call("int", attribute), width)
             case DigitRuns():
@@ -116,7 +125,7 @@ def _has_width_check(field: Field) -> bool:
     match meaning_of(field):
         case UnsignedNumber() | Named() | TwosComplement() | ZeroMeans():
             return True
-        case Active():
+        case ActiveFlag():
             return not field.width.is_constant
         case DigitRuns() | Characters():
             return False

@@ -15,7 +15,7 @@ from ...plan.crcs import carrier_of
 from ...plan.limits import Limits, limits_of, powers_of_two
 from ...plan.operations import FieldToDecode, FrameCrc, JoinedNumber
 from ...plan.values import (
-    Active,
+    ActiveFlag,
     Characters,
     DigitRuns,
     Named,
@@ -178,7 +178,7 @@ class Coder:
             case UnsignedNumber():
                 stated = self._stated_number(field)
                 yield self._number_attribute(field, stated if stated is not None else self._request_default(field))
-            case Active():
+            case ActiveFlag():
                 yield self._field_attribute(field, "bool", default=str(bool(self._request_default(field))))
             case Named():
                 yield self._field_attribute(field, self.enum(field))

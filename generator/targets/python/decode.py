@@ -9,7 +9,16 @@ from ...model.expressions import Expression
 from ...model.lookup import assert_never
 from ...plan.codec import LayoutPlan
 from ...plan.operations import AlwaysIs, Check, FieldToDecode, FrameCrc, ParityIs, ZerosAbove
-from ...plan.values import Active, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans, meaning_of
+from ...plan.values import (
+    ActiveFlag,
+    Characters,
+    DigitRuns,
+    Named,
+    TwosComplement,
+    UnsignedNumber,
+    ZeroMeans,
+    meaning_of,
+)
 from .bits import Reader
 from .first_byte import FirstByte
 from .literals import Atom, Expr, Operation, Scope, call, grouped, mask, number
@@ -243,7 +252,7 @@ class Decoder:
                 return [call("signed", bits, self.number(field.width))]
             case ZeroMeans(stands_for):
                 return [_or_if_zero(bits, stands_for)]
-            case Active(low):
+            case ActiveFlag(low):
                 return [self._is_active(part, low_is_active=low)]
             case Named() if self.selects(field):
                 return [call(self.enum(field), bits)]
@@ -322,7 +331,7 @@ class Decoder:
         if has_variable or isinstance(attribute, Digits):
             return name
         meaning = meaning_of(part.field)
-        is_active_low = isinstance(meaning, Active) and meaning.low
+        is_active_low = isinstance(meaning, ActiveFlag) and meaning.low
         level = "active low" if is_active_low else ""
         return ", ".join(filter(None, [name, self.read.place(part.bits), level]))
 
@@ -356,7 +365,7 @@ def attribute_values(
             yield attribute, call("signed", bits, scope.expression_of(field.width))
         case ZeroMeans(stands_for):
             yield attribute, _or_if_zero(bits, stands_for)
-        case Active(low):
+        case ActiveFlag(low):
             yield attribute, _is_flag_active(bits, low_is_active=low)
         case Named():
             yield attribute, call("as_member", enum, f'"{field.name}"', bits)

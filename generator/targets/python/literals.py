@@ -8,7 +8,7 @@ from functools import cached_property, reduce
 from ...model.expressions import Expression, Factor, Term
 from ...model.lookup import assert_never
 from ...model.record import dataclass
-from ...plan.values import Active, Meaning, TwosComplement, ZeroMeans
+from ...plan.values import ActiveFlag, Meaning, TwosComplement, ZeroMeans
 from .line_breaks import break_lines
 
 #: Operators by precedence, lowest first. Arithmetic gets parentheses next to bit operators.
@@ -353,7 +353,7 @@ def of_facts(meaning: Meaning) -> dict[str, Literal]:
     match meaning:
         case TwosComplement():
             return without_members | {"signed": True}
-        case Active(low):
+        case ActiveFlag(low):
             return without_members | {"active": "low" if low else "high"}
         case _:
             return without_members | of_number(meaning)
