@@ -35,7 +35,16 @@ from .operations import (
     ZerosAbove,
 )
 from .operations import Check as PlannedCheck
-from .values import ActiveFlag, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans, meaning_of
+from .values import (
+    ActiveFlag,
+    Characters,
+    DigitRuns,
+    OneOfNamedValues,
+    TwosComplement,
+    UnsignedNumber,
+    ZeroMeans,
+    meaning_of,
+)
 
 
 class Name(str):
@@ -261,7 +270,7 @@ def _describe_column(field: Field, is_power: bool) -> Column:
             return replace(column, zero_means=number)
         case ActiveFlag(low):
             return replace(column, kind="not_flag" if low else "flag")
-        case Named():
+        case OneOfNamedValues():
             return replace(column, kind="choice")
         case DigitRuns(digit_runs):
             runs = tuple((Name(run.name), run.divisor, run.modulus) for run in digit_runs)

@@ -8,7 +8,15 @@ from operator import or_
 
 from codewheel.model import Verdict, assert_never
 from codewheel.plan.operations import FieldToDecode, Reserved
-from codewheel.plan.values import ActiveFlag, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, ZeroMeans
+from codewheel.plan.values import (
+    ActiveFlag,
+    Characters,
+    DigitRuns,
+    OneOfNamedValues,
+    TwosComplement,
+    UnsignedNumber,
+    ZeroMeans,
+)
 from codewheel.plan.verdicts import Match, Only, VerdictCause
 
 from .family import Struct
@@ -54,7 +62,7 @@ def _terms(struct: Struct, cause: FieldToDecode | Match) -> Iterator[str]:
         match part.meaning:
             case ActiveFlag():
                 yield member if value else f"!{member}"
-            case Named():
+            case OneOfNamedValues():
                 enum = struct.enums[part.field.name]
                 name = next(named.name for named in enum.values if named.value == value)
                 yield f"{member} == {enum.name}::{pascal(name)}"

@@ -12,7 +12,7 @@ from ...plan.values import (
     ActiveFlag,
     Characters,
     DigitRuns,
-    Named,
+    OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
     ZeroMeans,
@@ -330,7 +330,7 @@ class Decoder:
         bits = self.local(part.field)
         type_ = self.struct.type_of(part.field)
         match part.meaning:
-            case UnsignedNumber() | Named():
+            case UnsignedNumber() | OneOfNamedValues():
                 yield name, self._bits_as(type_, part)
             case TwosComplement():
                 width = self.struct.scope.expression_of(part.field.width)

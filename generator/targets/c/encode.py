@@ -21,7 +21,7 @@ from ...plan.values import (
     ActiveFlag,
     Characters,
     DigitRuns,
-    Named,
+    OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
     ZeroMeans,
@@ -76,7 +76,7 @@ class Encoder:
         match meaning_of(field):
             case ActiveFlag():
                 needs_cast = True
-            case Named():
+            case OneOfNamedValues():
                 needs_cast = self.struct.enumeration(field) is not None
             case _:
                 needs_cast = False
@@ -190,7 +190,7 @@ class Encoder:
     def _unsigned_bits_of_member(self, field: Field) -> Expr:
         """Return the bits of a member as an unsigned number. Some compilers make an enumeration signed."""
         bits = self._bits_of_member(field)
-        return Cast(unsigned(field.widest), bits) if isinstance(meaning_of(field), Named) else bits
+        return Cast(unsigned(field.widest), bits) if isinstance(meaning_of(field), OneOfNamedValues) else bits
 
     def _bits_of_member(self, field: Field) -> Expr:
         """Return the bits that are sent for a member, such as ``in->error ? 1U : 0U`` for a flag.
@@ -208,7 +208,7 @@ class Encoder:
             case ZeroMeans(number):
                 stands_for_zero = Operation("==", (member, Number(number)))
                 return Conditional(stands_for_zero, Number(0), member)
-            case UnsignedNumber() | Named() | DigitRuns() | Characters():
+            case UnsignedNumber() | OneOfNamedValues() | DigitRuns() | Characters():
                 return member
             case meaning:
                 assert_never(meaning)
@@ -303,7 +303,7 @@ class Encoder:
                 bits = self._express_value(term) if field.name in self._padded_names else Cast("uint64_t", member)
                 for piece in field.pieces:
                     yield piece.byte, self._piece_in_byte(field, piece, bits, may_be_wider=True)
-            case UnsignedNumber() | ZeroMeans() | Named() | DigitRuns():
+            case UnsignedNumber() | ZeroMeans() | OneOfNamedValues() | DigitRuns():
                 # A single piece contains all bits of the member, so that no bits are above them.
                 is_split = len(field.pieces) > 1
                 for piece in field.pieces:

@@ -11,7 +11,7 @@ from ...model import Alternative, Answer, Device, Field, Layout, Parameter, Valu
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.operations import FieldToDecode, Reserved
-from ...plan.values import ActiveFlag, Named, meaning_of
+from ...plan.values import ActiveFlag, OneOfNamedValues, meaning_of
 from ...plan.verdicts import Cause, Match, Only, Report, Reporting, VerdictCause, reportings, reports_of
 from ...say.errata import errata, erratum
 from ...say.names_and_places import printed, title, words
@@ -92,11 +92,11 @@ class Enumerations:
         for interface, layout in device.layouts():
             path = ("interfaces", interface.name, "layouts", layout.name)
             for field in layout.fields:
-                if isinstance(meaning_of(field), Named):
+                if isinstance(meaning_of(field), OneOfNamedValues):
                     self._add_enumeration(layout.name, field, path)
         for register in device.registers:
             for field in register.layout.fields:
-                if isinstance(meaning_of(field), Named):
+                if isinstance(meaning_of(field), OneOfNamedValues):
                     # The title of a register whose only field it is.
                     sole = title(register) if len(register.layout.fields) == 1 else ""
                     self._add_enumeration(f"reg_{register.name}", field, ("registers", register.name), sole=sole)

@@ -26,7 +26,15 @@ from ...model.record import dataclass
 from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
 from ...plan.operations import FieldToDecode
 from ...plan.steps import SendRequest
-from ...plan.values import ActiveFlag, Characters, DigitRuns, Named, TwosComplement, UnsignedNumber, meaning_of
+from ...plan.values import (
+    ActiveFlag,
+    Characters,
+    DigitRuns,
+    OneOfNamedValues,
+    TwosComplement,
+    UnsignedNumber,
+    meaning_of,
+)
 from ...say.names_and_places import title, words
 from ...say.text import VERDICT_CLAUSES
 from .chosen import Chosen, Frame, NoFrame
@@ -412,7 +420,7 @@ class ExampleCode:
                 yield PrintedMember(part.field.name, "%s", f'{member} ? "yes" : "no"')
             case TwosComplement():
                 yield PrintedMember(part.field.name, "%lld", f"(long long){member}")
-            case Named(values):
+            case OneOfNamedValues(values):
                 yield replace(self.number(part.field.name, variable), value_names=_value_meanings(values))
             case DigitRuns(runs):
                 member_names = (part.field.name, *(run.name for run in runs))

@@ -18,7 +18,7 @@ from ...plan.values import (
     ActiveFlag,
     Characters,
     DigitRuns,
-    Named,
+    OneOfNamedValues,
     UnsignedNumber,
     is_named,
     is_number,
@@ -180,7 +180,7 @@ class Coder:
                 yield self._number_attribute(field, stated if stated is not None else self._request_default(field))
             case ActiveFlag():
                 yield self._field_attribute(field, "bool", default=str(bool(self._request_default(field))))
-            case Named():
+            case OneOfNamedValues():
                 yield self._field_attribute(field, self.enum(field))
             case DigitRuns(runs):
                 for run in runs:

@@ -13,7 +13,7 @@ from ...plan.values import (
     ActiveFlag,
     Characters,
     DigitRuns,
-    Named,
+    OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
     ZeroMeans,
@@ -254,9 +254,9 @@ class Decoder:
                 return [_or_if_zero(bits, stands_for)]
             case ActiveFlag(low):
                 return [self._is_active(part, low_is_active=low)]
-            case Named() if self.selects(field):
+            case OneOfNamedValues() if self.selects(field):
                 return [call(self.enum(field), bits)]
-            case Named():
+            case OneOfNamedValues():
                 return [Atom(self.local(field))]
             case DigitRuns(runs):
                 return [run_value for _, run_value in digit_values(bits, runs)]
@@ -367,7 +367,7 @@ def attribute_values(
             yield attribute, _or_if_zero(bits, stands_for)
         case ActiveFlag(low):
             yield attribute, _is_flag_active(bits, low_is_active=low)
-        case Named():
+        case OneOfNamedValues():
             yield attribute, call("as_member", enum, f'"{field.name}"', bits)
         case DigitRuns(runs):
             for run, run_value in digit_values(bits, runs):
