@@ -38,7 +38,7 @@ from .operations import Check as PlannedCheck
 from .values import (
     ActiveFlag,
     Characters,
-    DigitRuns,
+    DecimalDigits,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -272,7 +272,7 @@ def _describe_column(field: Field, is_power: bool) -> Column:
             return replace(column, kind="not_flag" if low else "flag")
         case OneOfNamedValues():
             return replace(column, kind="choice")
-        case DigitRuns(digit_runs):
+        case DecimalDigits(digit_runs):
             runs = tuple((Name(run.name), run.divisor, run.modulus) for run in digit_runs)
             return replace(column, kind="digits", runs=runs)
         case Characters():

@@ -11,7 +11,7 @@ from .crcs import FoldStep
 from .values import (
     ActiveFlag,
     Characters,
-    DigitRuns,
+    DecimalDigits,
     Meaning,
     OneOfNamedValues,
     TwosComplement,
@@ -154,7 +154,7 @@ Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetwe
 def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:
     """Yield the checks without which some bits of a field would be undefined. A list of values is checked before."""
     match meaning_of(field):
-        case DigitRuns(runs):
+        case DecimalDigits(runs):
             # The runs split the decimal number, most significant first: number // divisor % modulus.
             most_significant_run = runs[0]
             highest = most_significant_run.divisor * most_significant_run.modulus - 1

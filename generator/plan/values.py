@@ -219,7 +219,7 @@ class OneOfNamedValues:
 
 
 @dataclass(frozen=True, slots=True)
-class DigitRuns:
+class DecimalDigits:
     """An unsigned number, shown as ``runs`` of decimal digits. The inverse joins the runs."""
 
     runs: tuple[Digits, ...]
@@ -230,7 +230,7 @@ class Characters:
     """Latin-1 characters, one per byte, the first in the most significant byte. The inverse rejects other lengths."""
 
 
-Meaning = UnsignedNumber | TwosComplement | ZeroMeans | ActiveFlag | OneOfNamedValues | DigitRuns | Characters
+Meaning = UnsignedNumber | TwosComplement | ZeroMeans | ActiveFlag | OneOfNamedValues | DecimalDigits | Characters
 
 
 def is_number(meaning: Meaning) -> bool:
@@ -238,7 +238,7 @@ def is_number(meaning: Meaning) -> bool:
     match meaning:
         case UnsignedNumber() | TwosComplement() | ZeroMeans():
             return True
-        case ActiveFlag() | OneOfNamedValues() | DigitRuns() | Characters():
+        case ActiveFlag() | OneOfNamedValues() | DecimalDigits() | Characters():
             return False
         case _:
             assert_never(meaning)
@@ -249,7 +249,7 @@ def is_named(meaning: Meaning) -> bool:
     match meaning:
         case OneOfNamedValues():
             return True
-        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | DigitRuns() | Characters():
+        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | DecimalDigits() | Characters():
             return False
         case _:
             assert_never(meaning)
@@ -272,7 +272,7 @@ def meaning_of(field: Field) -> Meaning:
         case Choice(values):
             return OneOfNamedValues(values)
         case Decimal(runs):
-            return DigitRuns(runs)
+            return DecimalDigits(runs)
         case Text():
             return Characters()
         case _:
@@ -284,7 +284,7 @@ def widest_value(field: Field) -> int:
     match meaning_of(field):
         case ZeroMeans(number):
             return max(field.widest, number.bit_length())
-        case UnsignedNumber() | TwosComplement() | ActiveFlag() | OneOfNamedValues() | DigitRuns() | Characters():
+        case UnsignedNumber() | TwosComplement() | ActiveFlag() | OneOfNamedValues() | DecimalDigits() | Characters():
             return field.widest
         case never:
             assert_never(never)

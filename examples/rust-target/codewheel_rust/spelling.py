@@ -24,7 +24,7 @@ def type_of(field: Field) -> str:
     match values.meaning_of(field):
         case values.TwosComplement():
             return unsigned(field.widest).replace("u", "i")
-        case values.UnsignedNumber() | values.ZeroMeans() | values.OneOfNamedValues() | values.DigitRuns():
+        case values.UnsignedNumber() | values.ZeroMeans() | values.OneOfNamedValues() | values.DecimalDigits():
             return unsigned(values.widest_value(field))
         case values.ActiveFlag():
             return "bool"
@@ -135,7 +135,7 @@ class Scope:
         raw, member, width = f"raw_{field.name}", f"self.{snake(field.name)}", self.expression(field.width)
         wide = widened(member, type_)
         match values.meaning_of(field):
-            case values.UnsignedNumber() | values.DigitRuns():
+            case values.UnsignedNumber() | values.DecimalDigits():
                 return narrowed(raw, type_), wide
             case values.TwosComplement():
                 return narrowed(f"signed({raw}, {width})", type_), f"field({wide} as u64, 0, {width})"

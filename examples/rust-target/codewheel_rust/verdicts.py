@@ -11,7 +11,7 @@ from codewheel.plan.operations import FieldToDecode, Reserved
 from codewheel.plan.values import (
     ActiveFlag,
     Characters,
-    DigitRuns,
+    DecimalDigits,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -66,7 +66,7 @@ def _terms(struct: Struct, cause: FieldToDecode | Match) -> Iterator[str]:
                 enum = struct.enums[part.field.name]
                 name = next(named.name for named in enum.values if named.value == value)
                 yield f"{member} == {enum.name}::{pascal(name)}"
-            case UnsignedNumber() | TwosComplement() | ZeroMeans() | DigitRuns() | Characters():
+            case UnsignedNumber() | TwosComplement() | ZeroMeans() | DecimalDigits() | Characters():
                 yield f"{member} == {value}"
             case meaning:
                 assert_never(meaning)

@@ -11,7 +11,7 @@ from ...plan.operations import AlwaysIs, Check, FieldBits, FieldToDecode, Joined
 from ...plan.values import (
     ActiveFlag,
     Characters,
-    DigitRuns,
+    DecimalDigits,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -342,7 +342,7 @@ class Decoder:
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
                 is_active = self._is_active(part, bit, low_is_active=low)
                 yield name, Name(is_active.operand)
-            case DigitRuns(runs):
+            case DecimalDigits(runs):
                 yield name, self._bits_as(type_, part)
                 for run in runs:
                     highest_of_run = run.modulus - 1

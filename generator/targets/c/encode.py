@@ -20,7 +20,7 @@ from ...plan.operations import (
 from ...plan.values import (
     ActiveFlag,
     Characters,
-    DigitRuns,
+    DecimalDigits,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -208,7 +208,7 @@ class Encoder:
             case ZeroMeans(number):
                 stands_for_zero = Operation("==", (member, Number(number)))
                 return Conditional(stands_for_zero, Number(0), member)
-            case UnsignedNumber() | OneOfNamedValues() | DigitRuns() | Characters():
+            case UnsignedNumber() | OneOfNamedValues() | DecimalDigits() | Characters():
                 return member
             case meaning:
                 assert_never(meaning)
@@ -303,7 +303,7 @@ class Encoder:
                 bits = self._express_value(term) if field.name in self._padded_names else Cast("uint64_t", member)
                 for piece in field.pieces:
                     yield piece.byte, self._piece_in_byte(field, piece, bits, may_be_wider=True)
-            case UnsignedNumber() | ZeroMeans() | OneOfNamedValues() | DigitRuns():
+            case UnsignedNumber() | ZeroMeans() | OneOfNamedValues() | DecimalDigits():
                 # A single piece contains all bits of the member, so that no bits are above them.
                 is_split = len(field.pieces) > 1
                 for piece in field.pieces:

@@ -29,7 +29,7 @@ from ...plan.steps import SendRequest
 from ...plan.values import (
     ActiveFlag,
     Characters,
-    DigitRuns,
+    DecimalDigits,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -422,7 +422,7 @@ class ExampleCode:
                 yield PrintedMember(part.field.name, "%lld", f"(long long){member}")
             case OneOfNamedValues(values):
                 yield replace(self.number(part.field.name, variable), value_names=_value_meanings(values))
-            case DigitRuns(runs):
+            case DecimalDigits(runs):
                 member_names = (part.field.name, *(run.name for run in runs))
                 yield from (self.number(name, variable) for name in member_names)
             case _:

@@ -11,7 +11,7 @@ from ...plan.operations import FrameCrc
 from ...plan.values import (
     ActiveFlag,
     Characters,
-    DigitRuns,
+    DecimalDigits,
     OneOfNamedValues,
     TwosComplement,
     ZeroMeans,
@@ -204,7 +204,7 @@ class Struct:
                 yield constants.get(initial_number, number(initial_number, hexadecimal=True))
             case TwosComplement():
                 yield signed_number(initial_number)
-            case DigitRuns(runs):
+            case DecimalDigits(runs):
                 yield number(initial_number)
                 for run in runs:
                     yield number(initial_number // run.divisor % run.modulus)

@@ -13,7 +13,7 @@ from ...plan.operations import FieldBits, JoinedNumber, Reserved
 from ...plan.values import (
     ActiveFlag,
     Characters,
-    DigitRuns,
+    DecimalDigits,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -57,7 +57,7 @@ class BitsEncoder:
             case ActiveFlag():
                 # A flag of a joined number is active high. Its width is 1 or, by order code, 0.
                 return call("check_width", quoted_name, call("int", attribute), width)
-            case DigitRuns():
+            case DecimalDigits():
                 return self.digits(field)
             case Characters():
                 number_of_characters = field.width.constant // 8
@@ -127,7 +127,7 @@ def _has_width_check(field: Field) -> bool:
             return True
         case ActiveFlag():
             return not field.width.is_constant
-        case DigitRuns() | Characters():
+        case DecimalDigits() | Characters():
             return False
         case meaning:
             assert_never(meaning)

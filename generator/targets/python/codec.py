@@ -17,7 +17,7 @@ from ...plan.operations import FieldToDecode, FrameCrc, JoinedNumber
 from ...plan.values import (
     ActiveFlag,
     Characters,
-    DigitRuns,
+    DecimalDigits,
     OneOfNamedValues,
     UnsignedNumber,
     is_named,
@@ -182,7 +182,7 @@ class Coder:
                 yield self._field_attribute(field, "bool", default=str(bool(self._request_default(field))))
             case OneOfNamedValues():
                 yield self._field_attribute(field, self.enum(field))
-            case DigitRuns(runs):
+            case DecimalDigits(runs):
                 for run in runs:
                     yield Attribute(self.names.attribute(run.name), type="int", meaning=self._of_run(field, run))
             case Characters():

@@ -12,7 +12,7 @@ from ...plan.operations import AlwaysIs, Check, FieldToDecode, FrameCrc, ParityI
 from ...plan.values import (
     ActiveFlag,
     Characters,
-    DigitRuns,
+    DecimalDigits,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -258,7 +258,7 @@ class Decoder:
                 return [call(self.enum(field), bits)]
             case OneOfNamedValues():
                 return [Atom(self.local(field))]
-            case DigitRuns(runs):
+            case DecimalDigits(runs):
                 return [run_value for _, run_value in digit_values(bits, runs)]
             case Characters():
                 return [self._decode_text(part)]
@@ -369,7 +369,7 @@ def attribute_values(
             yield attribute, _is_flag_active(bits, low_is_active=low)
         case OneOfNamedValues():
             yield attribute, call("as_member", enum, f'"{field.name}"', bits)
-        case DigitRuns(runs):
+        case DecimalDigits(runs):
             for run, run_value in digit_values(bits, runs):
                 yield class_names.attribute(run.name), run_value
         case Characters():

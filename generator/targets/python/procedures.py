@@ -22,7 +22,7 @@ from ...plan.steps import (
     WriteRegister,
     run_of,
 )
-from ...plan.values import DigitRuns, UnsignedNumber, meaning_of
+from ...plan.values import DecimalDigits, UnsignedNumber, meaning_of
 from . import docstrings
 from .codec import Coder
 from .decode import digit_values
@@ -185,7 +185,7 @@ class Steps:
         # A join of several fields is a number.
         meaning = meaning_of(fields_of_member[0]) if fields_of_member else UnsignedNumber()
         match meaning:
-            case DigitRuns(runs):
+            case DecimalDigits(runs):
                 return [(attribute_of(run.name), value_of_run) for run, value_of_run in digit_values(argument, runs)]
             case _:
                 return [(attribute_of(member_value.member), argument)]
