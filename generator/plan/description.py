@@ -37,8 +37,8 @@ from .operations import (
 from .operations import Check as PlannedCheck
 from .values import (
     ActiveFlag,
-    Characters,
     DecimalDigits,
+    Latin1Text,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -275,7 +275,7 @@ def _describe_column(field: Field, is_power: bool) -> Column:
         case DecimalDigits(digit_runs):
             runs = tuple((Name(run.name), run.divisor, run.modulus) for run in digit_runs)
             return replace(column, kind="digits", runs=runs)
-        case Characters():
+        case Latin1Text():
             return replace(column, kind="text")
         case meaning:
             assert_never(meaning)

@@ -10,8 +10,8 @@ from ..model.record import dataclass
 from .crcs import FoldStep
 from .values import (
     ActiveFlag,
-    Characters,
     DecimalDigits,
+    Latin1Text,
     Meaning,
     OneOfNamedValues,
     TwosComplement,
@@ -159,7 +159,7 @@ def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:
             most_significant_run = runs[0]
             highest = most_significant_run.divisor * most_significant_run.modulus - 1
             yield AtMost(field, bits, highest, runs)
-        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | OneOfNamedValues() | Characters():
+        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | OneOfNamedValues() | Latin1Text():
             return
         case meaning:
             assert_never(meaning)

@@ -226,11 +226,11 @@ class DecimalDigits:
 
 
 @dataclass(frozen=True, slots=True)
-class Characters:
+class Latin1Text:
     """Latin-1 characters, one per byte, the first in the most significant byte. The inverse rejects other lengths."""
 
 
-Meaning = UnsignedNumber | TwosComplement | ZeroMeans | ActiveFlag | OneOfNamedValues | DecimalDigits | Characters
+Meaning = UnsignedNumber | TwosComplement | ZeroMeans | ActiveFlag | OneOfNamedValues | DecimalDigits | Latin1Text
 
 
 def is_number(meaning: Meaning) -> bool:
@@ -238,7 +238,7 @@ def is_number(meaning: Meaning) -> bool:
     match meaning:
         case UnsignedNumber() | TwosComplement() | ZeroMeans():
             return True
-        case ActiveFlag() | OneOfNamedValues() | DecimalDigits() | Characters():
+        case ActiveFlag() | OneOfNamedValues() | DecimalDigits() | Latin1Text():
             return False
         case _:
             assert_never(meaning)
@@ -249,7 +249,7 @@ def is_named(meaning: Meaning) -> bool:
     match meaning:
         case OneOfNamedValues():
             return True
-        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | DecimalDigits() | Characters():
+        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | DecimalDigits() | Latin1Text():
             return False
         case _:
             assert_never(meaning)
@@ -274,7 +274,7 @@ def meaning_of(field: Field) -> Meaning:
         case Decimal(runs):
             return DecimalDigits(runs)
         case Text():
-            return Characters()
+            return Latin1Text()
         case _:
             assert_never(field.kind)
 
@@ -284,7 +284,7 @@ def widest_value(field: Field) -> int:
     match meaning_of(field):
         case ZeroMeans(number):
             return max(field.widest, number.bit_length())
-        case UnsignedNumber() | TwosComplement() | ActiveFlag() | OneOfNamedValues() | DecimalDigits() | Characters():
+        case UnsignedNumber() | TwosComplement() | ActiveFlag() | OneOfNamedValues() | DecimalDigits() | Latin1Text():
             return field.widest
         case never:
             assert_never(never)

@@ -11,7 +11,7 @@ from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches, held_parameters
 from codewheel.plan.limits import Limits, limits_of
 from codewheel.plan.operations import AlwaysIs, ConstantNumber, FieldBits, FieldToEncode, ParityIs, ParityOf
-from codewheel.plan.values import Characters, meaning_of
+from codewheel.plan.values import Latin1Text, meaning_of
 from codewheel.plan.verdicts import Judgement, reportings
 from codewheel.targets import TargetProblem
 
@@ -93,7 +93,7 @@ class Struct:
         if self.codec.by_word and self.layout.widest > WORD:
             yield f"'{self.layout.name}' has {self.layout.widest} bits, and fields that move with the order code"
         for field in self.layout.fields:
-            if isinstance(meaning_of(field), Characters) and field.widest > WORD and not characters(field):
+            if isinstance(meaning_of(field), Latin1Text) and field.widest > WORD and not characters(field):
                 yield f"'{field.name}' has {field.widest} bits, which do not fill bytes"
 
 

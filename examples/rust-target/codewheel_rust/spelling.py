@@ -28,7 +28,7 @@ def type_of(field: Field) -> str:
             return unsigned(values.widest_value(field))
         case values.ActiveFlag():
             return "bool"
-        case values.Characters():
+        case values.Latin1Text():
             return f"[u8; {field.widest // 8}]"
         case unknown_meaning:
             assert_never(unknown_meaning)
@@ -147,7 +147,7 @@ class Scope:
                 return f"{raw} {comparison} 0", f"u64::from({negation}{member})"
             case values.OneOfNamedValues():
                 return f'{type_}::from_bits({raw}).ok_or(Fault::Range("{field.name}"))?', f"{member} as u64"
-            case values.Characters():
+            case values.Latin1Text():
                 copied = ", ".join(f"bytes[{byte}]" for _, byte in characters(field))
                 return f"[{copied}]" if copied else f"bytes_of({raw}, false)", f"number({member}.iter())"
             case unknown_meaning:

@@ -10,8 +10,8 @@ from codewheel.model import Verdict, assert_never
 from codewheel.plan.operations import FieldToDecode, Reserved
 from codewheel.plan.values import (
     ActiveFlag,
-    Characters,
     DecimalDigits,
+    Latin1Text,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -66,7 +66,7 @@ def _terms(struct: Struct, cause: FieldToDecode | Match) -> Iterator[str]:
                 enum = struct.enums[part.field.name]
                 name = next(named.name for named in enum.values if named.value == value)
                 yield f"{member} == {enum.name}::{pascal(name)}"
-            case UnsignedNumber() | TwosComplement() | ZeroMeans() | DecimalDigits() | Characters():
+            case UnsignedNumber() | TwosComplement() | ZeroMeans() | DecimalDigits() | Latin1Text():
                 yield f"{member} == {value}"
             case meaning:
                 assert_never(meaning)

@@ -29,7 +29,7 @@ from ...plan.steps import (
     WaitTime,
     WriteRegister,
 )
-from ...plan.values import Characters, meaning_of
+from ...plan.values import Latin1Text, meaning_of
 from ...say import commands as say_commands
 from ...say import layout as say_crc
 from ...say import layout as say_layout
@@ -177,7 +177,7 @@ def about_member(struct: Struct, member: Field) -> str:
     statements = say_field.field(struct.device, member)
     about = HEADER_STYLE.paragraph(statement for statement in statements if statement not in shown_statements)
     # A string in C ends with a zero byte, the array of the struct does not.
-    ending = "No terminator." if isinstance(meaning_of(member), Characters) else ""
+    ending = "No terminator." if isinstance(meaning_of(member), Latin1Text) else ""
     return " ".join(filter(None, (about or f"{title(member)}.", ending)))
 
 

@@ -10,8 +10,8 @@ from ...plan.codec import ShiftedBits, characters, is_plain_flag
 from ...plan.operations import AlwaysIs, Check, FieldBits, FieldToDecode, JoinedNumber, ParityIs, ZerosAbove
 from ...plan.values import (
     ActiveFlag,
-    Characters,
     DecimalDigits,
+    Latin1Text,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -112,7 +112,7 @@ class Decoder:
         """
         names_without_local = self._plain_flags | self._only_reported | self.plan.constants.keys()
         names_without_local |= self._word_parities.keys()
-        names_without_local |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Characters)}
+        names_without_local |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Latin1Text)}
         names_without_local |= {crc.field.name for crc in self.plan.crcs}
         return tuple(field for field in self.plan.layout.fields if field.name not in names_without_local)
 
@@ -348,7 +348,7 @@ class Decoder:
                     highest_of_run = run.modulus - 1
                     type_of_run = unsigned(highest_of_run.bit_length())
                     yield c_name(run.name), Cast(type_of_run, digits(bits, part.field, run))
-            case Characters():
+            case Latin1Text():
                 for index, byte in characters(part.field):
                     yield f"{name}[{index}]", Cast(type_, Name(f"bytes[{byte}]"))
             case never:

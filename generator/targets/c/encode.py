@@ -19,8 +19,8 @@ from ...plan.operations import (
 )
 from ...plan.values import (
     ActiveFlag,
-    Characters,
     DecimalDigits,
+    Latin1Text,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -208,7 +208,7 @@ class Encoder:
             case ZeroMeans(number):
                 stands_for_zero = Operation("==", (member, Number(number)))
                 return Conditional(stands_for_zero, Number(0), member)
-            case UnsignedNumber() | OneOfNamedValues() | DecimalDigits() | Characters():
+            case UnsignedNumber() | OneOfNamedValues() | DecimalDigits() | Latin1Text():
                 return member
             case meaning:
                 assert_never(meaning)
@@ -292,7 +292,7 @@ class Encoder:
         """Yield the index of each byte of a member, with the bits at their places in it."""
         member = self.member_of(field)
         match meaning_of(field):
-            case Characters():
+            case Latin1Text():
                 for index, byte in characters(field):
                     yield byte, Cast("uint8_t", Name(f"{member}[{index}]"))
             case ActiveFlag(low):

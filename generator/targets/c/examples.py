@@ -28,8 +28,8 @@ from ...plan.operations import FieldToDecode
 from ...plan.steps import SendRequest
 from ...plan.values import (
     ActiveFlag,
-    Characters,
     DecimalDigits,
+    Latin1Text,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -414,7 +414,7 @@ class ExampleCode:
         """Yield the members of a part of the struct ``variable`` as ``printf`` shows them. Runs of digits are extra."""
         member = f"{variable}.{c_name(part.field.name)}"
         match part.meaning:
-            case Characters():
+            case Latin1Text():
                 yield PrintedMember(part.field.name, "%.*s", f"(int)sizeof({member}), {member}")
             case ActiveFlag():
                 yield PrintedMember(part.field.name, "%s", f'{member} ? "yes" : "no"')

@@ -22,7 +22,7 @@ from ...plan.codec import LayoutPlan
 from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
-from ...plan.values import ActiveFlag, Characters, OneOfNamedValues, UnsignedNumber, meaning_of
+from ...plan.values import ActiveFlag, Latin1Text, OneOfNamedValues, UnsignedNumber, meaning_of
 from ...say.names_and_places import full_title, title, words
 from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
@@ -293,7 +293,7 @@ class RegisterCode:
         if self.is_plain or self.register.length > 8 or is_whole_register:
             return ()
         variable_fields = [field for field in fields if field.name not in self.struct.plan.constants]
-        return tuple(field for field in variable_fields if not isinstance(meaning_of(field), Characters))
+        return tuple(field for field in variable_fields if not isinstance(meaning_of(field), Latin1Text))
 
     @staticmethod
     def has_shift(field: Field) -> bool:

@@ -27,7 +27,7 @@ from ...model import (
 from ...model.record import dataclass
 from ...plan.crcs import CONTROL_FIELDS, vectors_of
 from ...plan.operations import FieldToDecode
-from ...plan.values import ActiveFlag, Characters, OneOfNamedValues, TwosComplement, UnsignedNumber
+from ...plan.values import ActiveFlag, Latin1Text, OneOfNamedValues, TwosComplement, UnsignedNumber
 from .. import manufacturers
 from .codec import StructCodec
 from .crc_functions import WordCrc
@@ -321,7 +321,7 @@ class SelfTest:
         A named value has its constant, if C has one.
         """
         match part.meaning if part is not None else UnsignedNumber():
-            case Characters():
+            case Latin1Text():
                 return Expected(c_name(name), string(value), text=True)
             case OneOfNamedValues(values) if isinstance(value, str):
                 named_value = member_named(values, value, f"value of '{name}'").value

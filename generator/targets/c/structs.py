@@ -10,8 +10,8 @@ from ...plan.codec import LayoutPlan, characters, codec_of
 from ...plan.operations import FrameCrc
 from ...plan.values import (
     ActiveFlag,
-    Characters,
     DecimalDigits,
+    Latin1Text,
     OneOfNamedValues,
     TwosComplement,
     ZeroMeans,
@@ -85,7 +85,7 @@ class Struct:
             field = part.field
             # Called for its error if the field has more than 64 bits.
             self.type_of(field)
-            if isinstance(meaning_of(field), Characters) and not characters(field):
+            if isinstance(meaning_of(field), Latin1Text) and not characters(field):
                 raise TargetError(
                     f"the text '{field.name}' does not begin at a byte boundary, which the C target does not support",
                     (*self.path, "fields", field.name),
@@ -148,14 +148,14 @@ class Struct:
                 return choice.type if choice is not None else unsigned(field.widest)
             case TwosComplement():
                 return signed(field.widest)
-            case Characters():
+            case Latin1Text():
                 return "char"
             case _:
                 return unsigned(widest_value(field))
 
     def member(self, field: Field) -> str:
         """Return the name of a member in its declaration, with the length of a string."""
-        size = f"[{field.widest // 8}]" if isinstance(meaning_of(field), Characters) else ""
+        size = f"[{field.widest // 8}]" if isinstance(meaning_of(field), Latin1Text) else ""
         return f"{c_name(field.name)}{size}"
 
     def member_type(self, name: str) -> str:
@@ -208,7 +208,7 @@ class Struct:
                 yield number(initial_number)
                 for run in runs:
                     yield number(initial_number // run.divisor % run.modulus)
-            case Characters():
+            case Latin1Text():
                 yield '""'
             case _:
                 yield number(initial_number, hexadecimal=True)

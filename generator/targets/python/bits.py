@@ -12,8 +12,8 @@ from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
 from ...plan.operations import FieldBits, JoinedNumber, Reserved
 from ...plan.values import (
     ActiveFlag,
-    Characters,
     DecimalDigits,
+    Latin1Text,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -59,7 +59,7 @@ class BitsEncoder:
                 return call("check_width", quoted_name, call("int", attribute), width)
             case DecimalDigits():
                 return self.digits(field)
-            case Characters():
+            case Latin1Text():
                 number_of_characters = field.width.constant // 8
                 return call("text_number", quoted_name, attribute, str(number_of_characters))
             case meaning:
@@ -127,7 +127,7 @@ def _has_width_check(field: Field) -> bool:
             return True
         case ActiveFlag():
             return not field.width.is_constant
-        case DecimalDigits() | Characters():
+        case DecimalDigits() | Latin1Text():
             return False
         case meaning:
             assert_never(meaning)

@@ -16,8 +16,8 @@ from ...plan.limits import Limits, limits_of, powers_of_two
 from ...plan.operations import FieldToDecode, FrameCrc, JoinedNumber
 from ...plan.values import (
     ActiveFlag,
-    Characters,
     DecimalDigits,
+    Latin1Text,
     OneOfNamedValues,
     UnsignedNumber,
     is_named,
@@ -185,7 +185,7 @@ class Coder:
             case DecimalDigits(runs):
                 for run in runs:
                     yield Attribute(self.names.attribute(run.name), type="int", meaning=self._of_run(field, run))
-            case Characters():
+            case Latin1Text():
                 yield self._field_attribute(field, "str")
             case _:  # Any other conversion of a number.
                 yield self._number_attribute(field, self._request_default(field))

@@ -11,8 +11,8 @@ from ...plan.codec import LayoutPlan
 from ...plan.operations import AlwaysIs, Check, FieldToDecode, FrameCrc, ParityIs, ZerosAbove
 from ...plan.values import (
     ActiveFlag,
-    Characters,
     DecimalDigits,
+    Latin1Text,
     OneOfNamedValues,
     TwosComplement,
     UnsignedNumber,
@@ -260,7 +260,7 @@ class Decoder:
                 return [Atom(self.local(field))]
             case DecimalDigits(runs):
                 return [run_value for _, run_value in digit_values(bits, runs)]
-            case Characters():
+            case Latin1Text():
                 return [self._decode_text(part)]
             case meaning:
                 assert_never(meaning)
@@ -372,7 +372,7 @@ def attribute_values(
         case DecimalDigits(runs):
             for run, run_value in digit_values(bits, runs):
                 yield class_names.attribute(run.name), run_value
-        case Characters():
+        case Latin1Text():
             yield attribute, _text_of_number(field, bits)
         case meaning:
             assert_never(meaning)
