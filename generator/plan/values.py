@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Cases(Generic[T]):
+class ByInterface(Generic[T]):
     """Values by interface: each value with its interfaces. The value with the most interfaces is last.
 
     ``everywhere`` is true if every interface has a value.
@@ -31,7 +31,7 @@ class Cases(Generic[T]):
     everywhere: bool
 
 
-def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Cases[T]:
+def by_interface(device: Device, value: Callable[[Interface], T | None]) -> ByInterface[T]:
     """Return the result of ``value`` for each interface. ``value`` returns None for an interface without a value."""
     interfaces_by_value: dict[T, list[str]] = {}
     values_in_total = 0
@@ -42,7 +42,7 @@ def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Case
             values_in_total += 1
     cases = [(case_value, tuple(names)) for case_value, names in interfaces_by_value.items()]
     cases.sort(key=_number_of_interfaces)
-    return Cases(cases=tuple(cases), everywhere=values_in_total == len(device.interfaces))
+    return ByInterface(cases=tuple(cases), everywhere=values_in_total == len(device.interfaces))
 
 
 def _number_of_interfaces(value_with_interfaces: tuple[object, tuple[str, ...]]) -> int:

@@ -12,7 +12,7 @@ from ...model.record import dataclass
 from ...order_codes.labels import beginnings
 from ...plan.frames import Exchanged, HeldParameter, exchanges, held_parameters
 from ...plan.values import (
-    Cases,
+    ByInterface,
     PositionRange,
     by_interface,
     count_factors,
@@ -151,7 +151,7 @@ class Variants:
         """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if it is not in the spec."""
         return self._scope.expression_of(value) if value is not None else None
 
-    def _cases_by_interface(self, quantity_of: Callable[[Measurement], Expr | None]) -> Cases[Expr]:
+    def _cases_by_interface(self, quantity_of: Callable[[Measurement], Expr | None]) -> ByInterface[Expr]:
         """Return a quantity of the measurement, such as ``1 << self.bits``, with the interfaces to which it applies.
 
         ``quantity_of`` returns it for a measurement, or None if the measurement lacks it.
@@ -164,19 +164,19 @@ class Variants:
         return by_interface(self.device, quantity_over)
 
     @cached_property
-    def counts_per_turn(self) -> Cases[Expr]:
+    def counts_per_turn(self) -> ByInterface[Expr]:
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.counts_per_turn))
 
     @cached_property
-    def step_um(self) -> Cases[Expr]:
+    def step_um(self) -> ByInterface[Expr]:
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_um))
 
     @cached_property
-    def step_nm(self) -> Cases[Expr]:
+    def step_nm(self) -> ByInterface[Expr]:
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_nm))
 
     @cached_property
-    def per_counts(self) -> Cases[Expr]:
+    def per_counts(self) -> ByInterface[Expr]:
         """Number of counts to which ``step_nm`` applies. There are no cases if it is 1 everywhere."""
 
         def counts_of(measurement: Measurement) -> Expr | None:
@@ -189,7 +189,7 @@ class Variants:
         return replace(cases, cases=()) if is_one_everywhere else cases
 
     @cached_property
-    def modulus(self) -> Cases[Expr]:
+    def modulus(self) -> ByInterface[Expr]:
         """Number of counts after which the position wraps around."""
         return by_interface(self.device, self.modulus_of)
 
@@ -298,7 +298,7 @@ class Variants:
         return Operation(self._power_of_two(field.width - Expression(1)), "-", number(1))
 
     @cached_property
-    def lowest(self) -> Cases[Expr] | None:
+    def lowest(self) -> ByInterface[Expr] | None:
         """Lowest position by interface, or None if it is 0 everywhere."""
 
         def lowest_of(position_range: PositionRange) -> Expr | None:
@@ -312,7 +312,7 @@ class Variants:
         return self._ends_by_interface(lowest_of, number(0))
 
     @cached_property
-    def highest(self) -> Cases[Expr] | None:
+    def highest(self) -> ByInterface[Expr] | None:
         """Highest position by interface, or None if it is ``modulus - 1`` everywhere."""
 
         def highest_of(position_range: PositionRange) -> Expr | None:
@@ -335,7 +335,9 @@ class Variants:
                 return True
         return False
 
-    def _ends_by_interface(self, end_of: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
+    def _ends_by_interface(
+        self, end_of: Callable[[PositionRange], Expr | None], usual: Expr
+    ) -> ByInterface[Expr] | None:
         """Return the lowest or the highest position by interface.
 
         ``end_of`` returns it for a range, or None where it is ``usual``: 0 for the lowest position, and
@@ -365,7 +367,7 @@ class Variants:
         return [name for name, applies in applies_by_class.items() if applies] or ["Encoder"]
 
     @cached_property
-    def frame_bits(self) -> Cases[Expr]:
+    def frame_bits(self) -> ByInterface[Expr]:
         """Number of bits in the encoder's frame by interface, if it is a string of bits of known length."""
         bits_by_interface: dict[str, Expression] = {}
         for kind in self.frame_kinds:
