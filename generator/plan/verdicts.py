@@ -258,7 +258,7 @@ def unexplained_flag(field: Field) -> Field:
 
 
 @dataclasses.dataclass(frozen=True, slots=True, eq=False)
-class Report:
+class NumberedReport:
     """One report of a family. ``number`` is its bit in the set of all reports.
 
     ``field`` is the flag, the reserved bits or the flag of a sign, from the first frame that contains them.
@@ -281,7 +281,7 @@ class ReportCause:
     Without ``only`` it applies to all order codes.
     """
 
-    report: Report
+    report: NumberedReport
     by: Cause
     only: Only | None = None
 
@@ -307,7 +307,7 @@ class Reporting:
     judgement: Judgement | None
 
 
-def reports_of(device: Device) -> tuple[Report, ...]:
+def reports_of(device: Device) -> tuple[NumberedReport, ...]:
     """Return all reports in the frames of a family, in the same order as in the spec.
 
     Fields with the same name share a report if they also have the same kind, group and meaning. Otherwise the interface
@@ -404,7 +404,7 @@ def _reported_fields(device: Device) -> list[_ReportedField]:
     return explained_fields + unexplained_fields
 
 
-def _index_reports(device: Device) -> Mapping[tuple[str, str], Report]:
+def _index_reports(device: Device) -> Mapping[tuple[str, str], NumberedReport]:
     """Return the reports by the names of frame and field: ``{("status_frame", "overheat"): Report(...)}``.
 
     Fields share a report if their report names are equal. ``_report_name`` gives them the name of the field if all
@@ -418,12 +418,14 @@ def _index_reports(device: Device) -> Mapping[tuple[str, str], Report]:
         for candidate_name in (reported.field.name, reported.name_with_interface):
             meaning = (reported.field.kind, reported.field.group, reported.field.meaning)
             meanings_by_name.setdefault(candidate_name, set()).add(meaning)
-    reports_by_field: dict[tuple[str, str], Report] = {}
-    reports_by_name: dict[str, Report] = {}
+    reports_by_field: dict[tuple[str, str], NumberedReport] = {}
+    reports_by_name: dict[str, NumberedReport] = {}
     for reported in reported_fields:
         report_name = _report_name(reported, meanings_by_name)
         if report_name not in reports_by_name:
-            reports_by_name[report_name] = Report(report_name, number=len(reports_by_name), field=reported.field)
+            reports_by_name[report_name] = NumberedReport(
+                report_name, number=len(reports_by_name), field=reported.field
+            )
         reports_by_field[reported.frame, reported.field.name] = reports_by_name[report_name]
     return reports_by_field
 

@@ -12,7 +12,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.operations import FieldToDecode, Reserved
 from ...plan.values import ActiveFlag, OneOfNamedValues, meaning_of
-from ...plan.verdicts import Cause, Match, Only, Report, Reporting, VerdictCause, reportings, reports_of
+from ...plan.verdicts import Cause, Match, NumberedReport, Only, Reporting, VerdictCause, reportings, reports_of
 from ...say.errata import errata, erratum
 from ...say.names_and_places import printed, title, words
 from ...say.register import meaning
@@ -403,23 +403,23 @@ class Reports:
             return None
         return FrameReports(family=self, reporting=reporting, frame=name, type_=type_, choices=self._choices)
 
-    def constant(self, report: Report) -> Expr:
+    def constant(self, report: NumberedReport) -> Expr:
         """Return the bit of a report, as a number of the type of the mask."""
         name = Name(self.enumeration.entries[report.number].name)
         return Cast(self.mask, name) if self.enumeration.is_enum else name
 
-    def _find_path(self, report: Report) -> Path:
+    def _find_path(self, report: NumberedReport) -> Path:
         """Return the path of the first frame with this report."""
         frames = (reporting for reporting in self._by_frame.values() if _has_report(reporting, report))
         first_frame = first_of(frames, f"frame with the report '{report.name}'")
         return ("interfaces", first_frame.interface.name, "layouts", first_frame.codec.layout.name)
 
 
-def _has_report(reporting: Reporting, report: Report) -> bool:
+def _has_report(reporting: Reporting, report: NumberedReport) -> bool:
     return any(report_cause.report.number == report.number for report_cause in reporting.causes)
 
 
-def _members_of_text(device: Device, report: Report) -> tuple[str, ...]:
+def _members_of_text(device: Device, report: NumberedReport) -> tuple[str, ...]:
     """Return the members of the text of a report: name, printed name, meaning, remedy and source."""
     field = report.field
     alarm = alarm_of(device, field)
@@ -432,7 +432,7 @@ def _members_of_text(device: Device, report: Report) -> tuple[str, ...]:
     )
 
 
-def _report_note(device: Device, report: Report) -> str:
+def _report_note(device: Device, report: NumberedReport) -> str:
     """Return the comment on a report: the title of its field, ``unused`` if it has no use, and the source."""
     field = report.field
     unused = ", unused" if report.is_unused else ""
