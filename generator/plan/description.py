@@ -194,7 +194,7 @@ def _describe_unused(reserved: Reserved) -> Unused:
     return Unused(reserved.field.low, reserved.field.width, reserved.value, reserved.place)
 
 
-def describe(codec: LayoutPlan, reporting: reports.Reporting | None = None) -> Description:
+def describe(codec: LayoutPlan, reporting: reports.ReportsAndVerdict | None = None) -> Description:
     """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame.
 
     Without a judgement, there are no causes. In a frame without the position, there are only causes of reports.

@@ -298,7 +298,7 @@ class ReportCause:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Reporting:
+class ReportsAndVerdict:
     """Reports and verdict of one layout. ``judgement`` is None if the layout does not contain the position."""
 
     interface: Interface
@@ -316,10 +316,10 @@ def reports_of(device: Device) -> tuple[NumberedReport, ...]:
     return tuple(dict.fromkeys(_index_reports(device).values()))
 
 
-def reportings(device: Device) -> dict[str, Reporting]:
+def reportings(device: Device) -> dict[str, ReportsAndVerdict]:
     """Return the reports and the verdict of each frame of the encoder that has any, by the name of the frame."""
     reports = _index_reports(device)
-    reporting_by_frame: dict[str, Reporting] = {}
+    reporting_by_frame: dict[str, ReportsAndVerdict] = {}
     for interface, layout in _sent_layouts(device):
         codec = codec_of(device, layout)
         causes: list[ReportCause] = []
@@ -329,7 +329,7 @@ def reportings(device: Device) -> dict[str, Reporting]:
                     causes.append(ReportCause(reports[layout.name, field.name], by=cause, only=only))
         judgement = judgement_of(codec) if device.has_verdict(interface.name, layout) else None
         if causes or judgement is not None:
-            reporting_by_frame[layout.name] = Reporting(
+            reporting_by_frame[layout.name] = ReportsAndVerdict(
                 interface=interface, codec=codec, causes=tuple(causes), judgement=judgement
             )
     return reporting_by_frame

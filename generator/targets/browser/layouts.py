@@ -42,7 +42,7 @@ from ...plan.operations import (
     ReservedBits,
     ZerosAbove,
 )
-from ...plan.verdicts import ReportCause, Reporting, codes_with_explanation
+from ...plan.verdicts import ReportCause, ReportsAndVerdict, codes_with_explanation
 from ...say.layout import box_colour
 from ...say.names_and_places import register_at, title
 from ...say.register import facts
@@ -162,7 +162,7 @@ def channel_data(device: Device, interface: Interface) -> Data:
     ) | {"position": index_of_position}
 
 
-def frame_data(device: Device, interface: str, layout: Layout, reporting: Reporting | None) -> Data:
+def frame_data(device: Device, interface: str, layout: Layout, reporting: ReportsAndVerdict | None) -> Data:
     """Return a frame with its verdict and reports (``tells``). ``reporting`` is None if it has neither.
 
     ``usual`` contains the values that fields usually have, which are evidence for the frame.

@@ -12,7 +12,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.operations import FieldToDecode, Reserved
 from ...plan.values import ActiveFlag, OneOfNamedValues, meaning_of
-from ...plan.verdicts import Cause, Match, NumberedReport, Only, Reporting, VerdictCause, reportings, reports_of
+from ...plan.verdicts import Cause, Match, NumberedReport, Only, ReportsAndVerdict, VerdictCause, reportings, reports_of
 from ...say.errata import errata, erratum
 from ...say.names_and_places import printed, title, words
 from ...say.register import meaning
@@ -243,7 +243,7 @@ class FrameReports:
     def __init__(
         self,
         family: Reports,
-        reporting: Reporting,
+        reporting: ReportsAndVerdict,
         frame: str,
         type_: str,
         choices: Mapping[tuple[str, str], Enumeration],
@@ -415,7 +415,7 @@ class Reports:
         return ("interfaces", first_frame.interface.name, "layouts", first_frame.codec.layout.name)
 
 
-def _has_report(reporting: Reporting, report: NumberedReport) -> bool:
+def _has_report(reporting: ReportsAndVerdict, report: NumberedReport) -> bool:
     return any(report_cause.report.number == report.number for report_cause in reporting.causes)
 
 

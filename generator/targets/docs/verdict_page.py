@@ -8,7 +8,7 @@ from typing import Annotated, TypedDict
 from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_of
 from ...model.record import dataclass
 from ...plan.values import ActiveFlag, meaning_of
-from ...plan.verdicts import Judgement, Only, Reporting, combined_flag_names, reportings, reports_of, verdict_of
+from ...plan.verdicts import Judgement, Only, ReportsAndVerdict, combined_flag_names, reportings, reports_of, verdict_of
 from ...say.evidence import document
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.names_and_places import own_names
@@ -56,7 +56,7 @@ def page_values(device: Device) -> VerdictPage:
     }
 
 
-def _deciding_rows(device: Device, reporting_frames: Iterable[Reporting]) -> Iterator[Row]:
+def _deciding_rows(device: Device, reporting_frames: Iterable[ReportsAndVerdict]) -> Iterator[Row]:
     """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata.
 
     Frames of an interface with the same rows share them. Only the first of these rows names the interface and the
@@ -187,7 +187,7 @@ def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     return f", with {MARKDOWN.phrase(statement(*list_parts(lower_flags)))} inactive"
 
 
-def _frame_rows(device: Device, reporting_by_frame: Mapping[str, Reporting]) -> Iterator[Row]:
+def _frame_rows(device: Device, reporting_by_frame: Mapping[str, ReportsAndVerdict]) -> Iterator[Row]:
     """Yield rows of interface, frames, possible reports, which are ``nothing`` if there are none.
 
     Frames of an interface with the same reports share a row.

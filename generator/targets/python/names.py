@@ -11,7 +11,7 @@ from ...model import Alternative, Crc, Device, Digits, Field, Layout, Register, 
 from ...model.record import dataclass
 from ...plan.crcs import Carrier, CrcFunction, carriers, crc_functions
 from ...plan.values import is_named, meaning_of
-from ...plan.verdicts import Reporting, reportings
+from ...plan.verdicts import ReportsAndVerdict, reportings
 from ...say.text import sentence
 from .literals import Scope, coded
 
@@ -351,7 +351,7 @@ class Context:
         yield from (register.layout for register in self.device.registers if not is_one_choice(register))
 
     @cached_property
-    def reportings(self) -> dict[str, Reporting]:
+    def reportings(self) -> dict[str, ReportsAndVerdict]:
         """Reports and verdicts of frames, by the name of the frame."""
         return reportings(self.device)
 

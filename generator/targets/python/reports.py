@@ -8,7 +8,7 @@ from ...model import Field, Flag, Verdict, first_of
 from ...model.expressions import Expression
 from ...plan.codec import LayoutPlan
 from ...plan.operations import FieldToDecode, Reserved
-from ...plan.verdicts import Match, Only, ReportCause, Reporting, VerdictCause
+from ...plan.verdicts import Match, Only, ReportCause, ReportsAndVerdict, VerdictCause
 from .literals import Atom, Expr, Not, Operation, Scope, coded, join_operands, mask
 from .names import ClassNames
 
@@ -22,7 +22,7 @@ class FrameReports:
 
     def __init__(
         self,
-        reporting: Reporting | None,
+        reporting: ReportsAndVerdict | None,
         codec: LayoutPlan,
         class_names: ClassNames,
         parameters: Mapping[str, str],

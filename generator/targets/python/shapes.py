@@ -14,7 +14,7 @@ from ...plan.codec import allowed_values
 from ...plan.description import Answered, Column, Name, describe
 from ...plan.operations import FrameCrc
 from ...plan.values import is_named, meaning_of, position_ranges
-from ...plan.verdicts import Only, Reporting
+from ...plan.verdicts import Only, ReportsAndVerdict
 from .bits import mask_without_field
 from .codec import Coder
 from .literals import Call, Code, ConditionalItem, Hex, Literal, Member, join_operands, literal, literal_call, record
@@ -43,7 +43,7 @@ class Shape:
     #: Members whose items are on separate lines.
     rows = ("columns", *(_RUNTIME_NAMES.get(name, name) for name in _PLANNED_ROWS))
 
-    def __init__(self, coder: Coder, reporting: Reporting | None) -> None:
+    def __init__(self, coder: Coder, reporting: ReportsAndVerdict | None) -> None:
         self.coder = coder
         self.plan = coder.plan
         self._description = describe(coder.plan, reporting)
