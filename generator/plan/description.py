@@ -327,7 +327,7 @@ def _list_places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
     return tuple(Place(field.low, field.width) for field in fields)
 
 
-def _describe_verdict_causes(judgement: verdicts.Judgement) -> Iterator[DescribedVerdictCause]:
+def _describe_verdict_causes(judgement: verdicts.VerdictRules) -> Iterator[DescribedVerdictCause]:
     """Yield the causes of the verdict as data, with the causes of the worst verdict first."""
     for verdict, verdict_causes in judgement.worst_first:
         for verdict_cause in verdict_causes:

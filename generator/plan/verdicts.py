@@ -71,7 +71,7 @@ class VerdictCause:
 
 
 @dataclass(frozen=True, slots=True)
-class Judgement:
+class VerdictRules:
     """Verdict on the position of a frame: the verdict of the worst active cause, or ``otherwise`` if none is active.
 
     If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning. ``judging_bits`` is the
@@ -89,7 +89,7 @@ class Judgement:
         """True if only the frames of some order codes have bits that judge the position."""
         return not self.judging_bits.is_constant
 
-    def for_parameters(self, parameters: Mapping[str, int]) -> Judgement:
+    def for_parameters(self, parameters: Mapping[str, int]) -> VerdictRules:
         """Return the verdict for an order code with these parameters, without causes that its frames do not have.
 
         If no bit of its frames judges the position, ``otherwise`` is UNKNOWN. The causes of warnings are then omitted,
@@ -97,11 +97,11 @@ class Judgement:
         """
         not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
         if self.judging_bits.value(parameters) == 0:
-            return Judgement(
+            return VerdictRules(
                 not_usable=not_usable, with_warning=(), otherwise=Verdict.UNKNOWN, judging_bits=Expression(0)
             )
         with_warning = tuple(cause for cause in self.with_warning if _has_bits(cause.by, parameters))
-        return Judgement(
+        return VerdictRules(
             not_usable=not_usable, with_warning=with_warning, otherwise=self.otherwise, judging_bits=Expression(1)
         )
 
@@ -128,7 +128,7 @@ def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
     return all(bits.width.value(parameters) > 0 for bits in bits_of_cause)
 
 
-def judgement_of(codec: LayoutPlan) -> Judgement:
+def judgement_of(codec: LayoutPlan) -> VerdictRules:
     """Return the verdict on the position of a frame, with everything that it depends on.
 
     If no order code has bits that judge the position, the verdict without an active cause is UNKNOWN. Causes of
@@ -149,7 +149,7 @@ def judgement_of(codec: LayoutPlan) -> Judgement:
     if codec.layout.judges_position:
         with_warning = tuple(causes_by_verdict[Verdict.USABLE_WITH_WARNING])
         otherwise = Verdict.USABLE
-    return Judgement(
+    return VerdictRules(
         not_usable=not_usable,
         with_warning=with_warning,
         otherwise=otherwise,
@@ -304,7 +304,7 @@ class ReportsAndVerdict:
     interface: Interface
     codec: LayoutPlan
     causes: tuple[ReportCause, ...]
-    judgement: Judgement | None
+    judgement: VerdictRules | None
 
 
 def reports_of(device: Device) -> tuple[NumberedReport, ...]:
@@ -335,7 +335,7 @@ def reportings(device: Device) -> dict[str, ReportsAndVerdict]:
     return reporting_by_frame
 
 
-def judgement_in_family(device: Device, layout: Layout) -> Judgement | None:
+def judgement_in_family(device: Device, layout: Layout) -> VerdictRules | None:
     """Return how the verdict on a frame follows from its bits, or None for a frame without a position.
 
     ``device`` is the family with all its order codes.

@@ -12,7 +12,7 @@ from codewheel.plan.frames import dispatches, held_parameters
 from codewheel.plan.limits import Limits, limits_of
 from codewheel.plan.operations import AlwaysIs, ConstantNumber, FieldBits, FieldToEncode, ParityIs, ParityOf
 from codewheel.plan.values import Latin1Text, meaning_of
-from codewheel.plan.verdicts import Judgement, reportings
+from codewheel.plan.verdicts import VerdictRules, reportings
 from codewheel.targets import TargetProblem
 
 from .names import OF_CODE, OF_MODULE, OF_STRUCT, Names, Place, constant, pascal, snake
@@ -45,7 +45,7 @@ class Struct:
     register: Register | None = None
     limits: Limits | None = None
     receiver: str = ""
-    judgement: Judgement | None = None
+    judgement: VerdictRules | None = None
     position_member: str = ""
 
     @property

@@ -8,7 +8,15 @@ from typing import Annotated, TypedDict
 from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_of
 from ...model.record import dataclass
 from ...plan.values import ActiveFlag, meaning_of
-from ...plan.verdicts import Judgement, Only, ReportsAndVerdict, combined_flag_names, reportings, reports_of, verdict_of
+from ...plan.verdicts import (
+    Only,
+    ReportsAndVerdict,
+    VerdictRules,
+    combined_flag_names,
+    reportings,
+    reports_of,
+    verdict_of,
+)
 from ...say.evidence import document
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.names_and_places import own_names
@@ -79,7 +87,7 @@ def _deciding_rows(device: Device, reporting_frames: Iterable[ReportsAndVerdict]
         yield titles, "no frame with a position", "", "", "", "", ""
 
 
-def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
+def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgement: VerdictRules) -> Iterator[Row]:
     """Yield a row for each field that decides the verdict on a frame, then a row for all other cases.
 
     A last row is for order codes without the bits that judge the position, if there are any.
@@ -105,7 +113,7 @@ class _Decider:
     conditions: tuple[Only, ...] = ()
 
 
-def _deciding_fields(layout: Layout, judgement: Judgement) -> list[_Decider]:
+def _deciding_fields(layout: Layout, judgement: VerdictRules) -> list[_Decider]:
     """Return the fields that decide the verdict on a frame, worst verdict first, then in order of the frame.
 
     With ``otherwise`` UNKNOWN, fields with a warning or UNKNOWN also lead to UNKNOWN. Fields for which the position is

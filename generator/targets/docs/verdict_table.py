@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import Device, Field, Layout, PlacedField, PlacedLayout, Variant, Verdict
 from ...plan.values import ActiveFlag, meaning_of
-from ...plan.verdicts import Judgement, Match, VerdictCause, judgement_in_family
+from ...plan.verdicts import Match, VerdictCause, VerdictRules, judgement_in_family
 from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
@@ -78,7 +78,7 @@ def _rows_of_other_flags(
     device: Device,
     placed_layout: PlacedLayout,
     causes_by_verdict: dict[Verdict, list[VerdictCause]],
-    judgement: Judgement | None,
+    judgement: VerdictRules | None,
 ) -> Iterator[Row]:
     """Yield a row for each flag that leads to no verdict for this order code.
 
@@ -158,7 +158,7 @@ def _while_flags_are_inactive(cause: VerdictCause) -> str:
     return f"while {flags} {verb} inactive"
 
 
-def applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
+def applicable_causes(judgement: VerdictRules, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
     """Return the causes of each verdict that apply to an order code, the worst verdict first."""
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
     for verdict, causes in judgement.worst_first:
@@ -178,7 +178,7 @@ def join_as_any_of(names: Sequence[str]) -> str:
     return f"any of {', '.join(names)}" if len(names) > _MOST_ALTERNATIVES else " or ".join(names)
 
 
-def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
+def verdict_line(judgement: VerdictRules, variant: Variant, has_crc: bool) -> str:
     """Return the verdicts on the position of an order code with their conditions, the worst first."""
     judgement = judgement.for_parameters(variant.parameters)
     causes_by_verdict = applicable_causes(judgement, variant)
@@ -189,7 +189,7 @@ def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
 
 
-def changed_verdicts_of(judgement: Judgement, variant: Variant, variant_with_answer: Variant) -> list[str]:
+def changed_verdicts_of(judgement: VerdictRules, variant: Variant, variant_with_answer: Variant) -> list[str]:
     """Return verdicts with the causes that an answer adds, which ``variant`` with the defaults lacks."""
     default_causes = applicable_causes(judgement, variant)
     changed_verdicts = []
