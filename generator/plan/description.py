@@ -135,9 +135,9 @@ class DescribedVerdictCause:
     flag: Name
     unless: tuple[Name, ...] = ()
     mask: int = 0
-    only: verdicts.Only | None = None
+    only: verdicts.CodeCondition | None = None
     when: tuple[tuple[Name, int], ...] = ()
-    chosen: verdicts.Only | None = None
+    chosen: verdicts.CodeCondition | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +158,7 @@ class DescribedReportCause:
     report: str
     flag: Name
     mask: int = 0
-    only: verdicts.Only | None = None
+    only: verdicts.CodeCondition | None = None
     when: tuple[tuple[Name, int], ...] = ()
     answered: Answered | None = dataclass_field(default=None, compare=False)
 

@@ -20,7 +20,7 @@ from .operations import FieldToDecode, Reserved
 
 
 @dataclass(frozen=True, slots=True)
-class Only:
+class CodeCondition:
     """Order codes selected by a parameter: its value is not 0 if ``holds`` is true, otherwise it is 0.
 
     ``codes`` is the text in the spec for the codes with a value other than 0.
@@ -61,11 +61,11 @@ class VerdictCause:
 
     by: Cause
     unless: tuple[FieldToDecode, ...]
-    only: Only | None = None
-    chosen: Only | None = None
+    only: CodeCondition | None = None
+    chosen: CodeCondition | None = None
 
     @property
-    def conditions(self) -> tuple[Only, ...]:
+    def conditions(self) -> tuple[CodeCondition, ...]:
         """Conditions on parameters of the order code."""
         return tuple(condition for condition in (self.only, self.chosen) if condition is not None)
 
@@ -171,7 +171,7 @@ def _verdicts_of_flag(cause: Cause, parts: Mapping[str, FieldToDecode]) -> Itera
             yield verdict, VerdictCause(by=cause, unless=unless, only=only, chosen=chosen)
 
 
-def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, Only | None]]:
+def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, CodeCondition | None]]:
     """Yield a flag with the order codes for which it leads to its verdict, or with None for all of them.
 
     A flag that the manual explains only for some order codes is yielded twice, as explained and as unexplained, unless
@@ -188,7 +188,7 @@ def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, Only | None]]:
         yield from flags_by_codes
 
 
-def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
+def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, CodeCondition | None]]:
     """Yield the verdicts of a flag, each with the condition on the user's answer, or with None if it always applies.
 
     A flag in a frame without the position has no verdict.
@@ -199,8 +199,8 @@ def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
         yield flag.makes_position, None
         return
     # The answer sets this parameter to 1 or 0.
-    yield flag.makes_position, Only(flag.verdict_parameter, holds=False)
-    yield flag.verdict_if_set, Only(flag.verdict_parameter, holds=True)
+    yield flag.makes_position, CodeCondition(flag.verdict_parameter, holds=False)
+    yield flag.verdict_if_set, CodeCondition(flag.verdict_parameter, holds=True)
 
 
 def _always_leads_to(part: FieldToDecode, verdict: Verdict, parts: Mapping[str, FieldToDecode]) -> bool:
@@ -238,7 +238,7 @@ def verdict_causes(codec: LayoutPlan) -> Iterator[Cause]:
         yield Match(sign.flag, tuple((part_by_name[name], value) for name, value in sign.conditions))
 
 
-def by_order_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
+def by_order_code(field: Field) -> Iterator[tuple[Field, CodeCondition | None]]:
     """Yield the field with the order codes for which it applies, or with None for all of them.
 
     If the manual explains a flag only for some order codes, yield it with these codes, and then the unexplained flag
@@ -246,8 +246,8 @@ def by_order_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
     """
     match field.kind:
         case Flag(only_while=parameter, only=codes) if parameter:
-            yield field, Only(parameter, holds=True, codes=codes)
-            yield unexplained_flag(field), Only(parameter, holds=False, codes=codes)
+            yield field, CodeCondition(parameter, holds=True, codes=codes)
+            yield unexplained_flag(field), CodeCondition(parameter, holds=False, codes=codes)
         case _:
             yield field, None
 
@@ -283,10 +283,10 @@ class ReportCause:
 
     report: NumberedReport
     by: Cause
-    only: Only | None = None
+    only: CodeCondition | None = None
 
     @property
-    def conditions(self) -> tuple[Only, ...]:
+    def conditions(self) -> tuple[CodeCondition, ...]:
         """Conditions on parameters of the order code."""
         return (self.only,) if self.only is not None else ()
 
@@ -349,7 +349,7 @@ def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
     return ((interface, layout) for interface, layout in device.layouts() if layout.sender == "encoder")
 
 
-def codes_with_explanation(field: Field) -> Only | None:
+def codes_with_explanation(field: Field) -> CodeCondition | None:
     """Return the order codes for which the manual explains a flag, or None if it explains the flag for all."""
     # The first of them is the field as the manual explains it.
     _, explained_codes = next(by_order_code(field))
@@ -369,7 +369,7 @@ def _is_reported(field: Field) -> bool:
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
 
 
-def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, Only | None]]:
+def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, CodeCondition | None]]:
     """Yield the fields and signs that report a problem, each with the order codes for which it does."""
     for field in (*layout.fields, *(sign.flag for sign in layout.signs)):
         for coded_field, only in by_order_code(field):

@@ -17,7 +17,7 @@ from codewheel.plan.values import (
     UnsignedNumber,
     ZeroMeans,
 )
-from codewheel.plan.verdicts import Match, Only, VerdictCause
+from codewheel.plan.verdicts import CodeCondition, Match, VerdictCause
 
 from .family import Struct
 from .names import pascal, snake
@@ -50,7 +50,7 @@ def _active(struct: Struct, causes: Sequence[VerdictCause], scope: Scope) -> Ite
         yield f"self.unused & {hexadecimal(mask)} != 0"
 
 
-def _selects(condition: Only, scope: Scope) -> str:
+def _selects(condition: CodeCondition, scope: Scope) -> str:
     return f"{scope.parameter(condition.parameter)} {'!=' if condition.holds else '=='} 0"
 
 

@@ -12,7 +12,16 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.operations import FieldToDecode, Reserved
 from ...plan.values import ActiveFlag, OneOfNamedValues, meaning_of
-from ...plan.verdicts import Cause, Match, NumberedReport, Only, ReportsAndVerdict, VerdictCause, reportings, reports_of
+from ...plan.verdicts import (
+    Cause,
+    CodeCondition,
+    Match,
+    NumberedReport,
+    ReportsAndVerdict,
+    VerdictCause,
+    reportings,
+    reports_of,
+)
 from ...say.errata import errata, erratum
 from ...say.names_and_places import printed, title, words
 from ...say.register import meaning
@@ -439,7 +448,7 @@ def _report_note(device: Device, report: NumberedReport) -> str:
     return HEADER_STYLE.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
 
 
-def _express_condition(scope: Scope, parameter_condition: Only) -> Expr:
+def _express_condition(scope: Scope, parameter_condition: CodeCondition) -> Expr:
     """Return the condition on a parameter of the order code: ``variant.has_x != 0U``, or ``== 0U`` if not ``holds``."""
     operator = "!=" if parameter_condition.holds else "=="
     return Operation(operator, (scope.member(parameter_condition.parameter), Number(0)))

@@ -9,7 +9,7 @@ from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign,
 from ...model.record import dataclass
 from ...plan.values import ActiveFlag, meaning_of
 from ...plan.verdicts import (
-    Only,
+    CodeCondition,
     ReportsAndVerdict,
     VerdictRules,
     combined_flag_names,
@@ -110,7 +110,7 @@ class _Decider:
 
     verdict: Verdict
     field: Field
-    conditions: tuple[Only, ...] = ()
+    conditions: tuple[CodeCondition, ...] = ()
 
 
 def _deciding_fields(layout: Layout, judgement: VerdictRules) -> list[_Decider]:
@@ -151,13 +151,13 @@ def _decider_row(device: Device, interface: Interface, layout: Layout, decider: 
     return _name_cell(field), active_value, EFFECTS[decider.verdict], _source_cell(device, field), errata_links
 
 
-def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> str:
+def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[CodeCondition]) -> str:
     """Return the value of a field that decides the verdict, such as ``1 with X-24``, or with the answer it needs."""
     texts_of_conditions = [_condition_text(device, only) for only in conditions_on_codes]
     return " ".join([deciding_bits(field), *texts_of_conditions])
 
 
-def _condition_text(device: Device, parameter_condition: Only) -> str:
+def _condition_text(device: Device, parameter_condition: CodeCondition) -> str:
     """Return the order codes, such as ``with X-24``, or the answer to a question with a link to it."""
     for alternative in device.optional_alternatives:
         if alternative.parameter == parameter_condition.parameter:
@@ -165,7 +165,7 @@ def _condition_text(device: Device, parameter_condition: Only) -> str:
     return f"with {code(parameter_condition.codes)}" if parameter_condition.holds else "with all others"
 
 
-def _answer_text(device: Device, question: Alternative, parameter_condition: Only) -> str:
+def _answer_text(device: Device, question: Alternative, parameter_condition: CodeCondition) -> str:
     """Return the answers to a question for which a condition holds, with a link to the question.
 
     The link leads to the page of the first interface with a frame whose verdict depends on it.

@@ -8,7 +8,7 @@ from ...model import Field, Flag, Verdict, first_of
 from ...model.expressions import Expression
 from ...plan.codec import LayoutPlan
 from ...plan.operations import FieldToDecode, Reserved
-from ...plan.verdicts import Match, Only, ReportCause, ReportsAndVerdict, VerdictCause
+from ...plan.verdicts import CodeCondition, Match, ReportCause, ReportsAndVerdict, VerdictCause
 from .literals import Atom, Expr, Not, Operation, Scope, coded, join_operands, mask
 from .names import ClassNames
 
@@ -186,6 +186,6 @@ def _meaning_while_active(cause: VerdictCause) -> str:
     return f"{flag.name}: {meaning_on_one_line.rstrip('.')}."
 
 
-def condition_on_parameter(parameter_condition: Only, parameter: str) -> Expr:
+def condition_on_parameter(parameter_condition: CodeCondition, parameter: str) -> Expr:
     """Return the condition that an order code is among ``parameter_condition``: ``parameter`` or ``not parameter``."""
     return Atom(parameter) if parameter_condition.holds else Not(Atom(parameter))

@@ -14,7 +14,7 @@ from ...plan.codec import allowed_values
 from ...plan.description import Answered, Column, Name, describe
 from ...plan.operations import FrameCrc
 from ...plan.values import is_named, meaning_of, position_ranges
-from ...plan.verdicts import Only, ReportsAndVerdict
+from ...plan.verdicts import CodeCondition, ReportsAndVerdict
 from .bits import mask_without_field
 from .codec import Coder
 from .literals import Call, Code, ConditionalItem, Hex, Literal, Member, join_operands, literal, literal_call, record
@@ -226,7 +226,7 @@ class Shape:
         conditions = []
         # Many parts lack these members.
         for name in _CONDITIONS:
-            only: Only | None = getattr(description_part, name, None)
+            only: CodeCondition | None = getattr(description_part, name, None)
             if only is not None:
                 conditions.append(condition_on_parameter(only, self._read_parameter(only.parameter)))
         call = self._call_of(description_part)
