@@ -372,5 +372,5 @@ def _find_reserved_mask(cause: verdicts.Cause) -> int:
 
 def _list_conditions(cause: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
     """Return the fields of a cause that consists of values, each with its value, or nothing for any other cause."""
-    conditions = cause.conditions if isinstance(cause, verdicts.Match) else ()
+    conditions = cause.conditions if isinstance(cause, verdicts.MatchingValues) else ()
     return tuple((Name(part.field.name), value) for part, value in conditions)

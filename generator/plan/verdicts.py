@@ -36,7 +36,7 @@ class CodeCondition:
 
 
 @dataclass(frozen=True, slots=True)
-class Match:
+class MatchingValues:
     """Values of parts that decide a verdict together, like the active flag ``field``, which has no bits.
 
     The value of a flag is 1 while it is active.
@@ -47,7 +47,7 @@ class Match:
 
 
 #: Cause of a verdict or a report: a flag, reserved bits, or values.
-Cause = FieldToDecode | Reserved | Match
+Cause = FieldToDecode | Reserved | MatchingValues
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +121,7 @@ def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
 
     The order code lacks a field if its width is 0.
     """
-    if isinstance(cause, Match):
+    if isinstance(cause, MatchingValues):
         bits_of_cause = [part.bits for part, _ in cause.conditions]
     else:
         bits_of_cause = [cause.bits]
@@ -235,7 +235,7 @@ def verdict_causes(codec: LayoutPlan) -> Iterator[Cause]:
     yield from codec.reserved
     part_by_name = {part.field.name: part for part in codec.parts}
     for sign in codec.layout.signs:
-        yield Match(sign.flag, tuple((part_by_name[name], value) for name, value in sign.conditions))
+        yield MatchingValues(sign.flag, tuple((part_by_name[name], value) for name, value in sign.conditions))
 
 
 def by_order_code(field: Field) -> Iterator[tuple[Field, CodeCondition | None]]:

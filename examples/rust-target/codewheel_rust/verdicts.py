@@ -17,7 +17,7 @@ from codewheel.plan.values import (
     UnsignedNumber,
     ZeroMeans,
 )
-from codewheel.plan.verdicts import CodeCondition, Match, VerdictCause
+from codewheel.plan.verdicts import CodeCondition, MatchingValues, VerdictCause
 
 from .family import Struct
 from .names import pascal, snake
@@ -54,9 +54,9 @@ def _selects(condition: CodeCondition, scope: Scope) -> str:
     return f"{scope.parameter(condition.parameter)} {'!=' if condition.holds else '=='} 0"
 
 
-def _terms(struct: Struct, cause: FieldToDecode | Match) -> Iterator[str]:
+def _terms(struct: Struct, cause: FieldToDecode | MatchingValues) -> Iterator[str]:
     """Yield the conditions that a flag is active, or that fields have their values."""
-    parts = cause.conditions if isinstance(cause, Match) else ((cause, 1),)
+    parts = cause.conditions if isinstance(cause, MatchingValues) else ((cause, 1),)
     for part, value in parts:
         member = f"self.{snake(part.field.name)}"
         match part.meaning:

@@ -15,7 +15,7 @@ from ...plan.values import ActiveFlag, OneOfNamedValues, meaning_of
 from ...plan.verdicts import (
     Cause,
     CodeCondition,
-    Match,
+    MatchingValues,
     NumberedReport,
     ReportsAndVerdict,
     VerdictCause,
@@ -309,7 +309,7 @@ class FrameReports:
             return self._differs_in([cause])
         return join_operands("&&", tuple(self._conditions_of(cause)))
 
-    def _conditions_of(self, flag_or_match: FieldToDecode | Match) -> Iterator[Expr]:
+    def _conditions_of(self, flag_or_match: FieldToDecode | MatchingValues) -> Iterator[Expr]:
         """Yield the condition of a flag, ``frame->error``, or of a match: ``!frame->ok``, ``frame->mode == A``."""
         if isinstance(flag_or_match, FieldToDecode):
             yield Name(_struct_member(flag_or_match))

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import Device, Field, Layout, PlacedField, PlacedLayout, Variant, Verdict
 from ...plan.values import ActiveFlag, meaning_of
-from ...plan.verdicts import Match, VerdictCause, VerdictRules, judgement_in_family
+from ...plan.verdicts import MatchingValues, VerdictCause, VerdictRules, judgement_in_family
 from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
@@ -58,7 +58,7 @@ def _cause_rows(
     """Yield a row for each cause of a verdict, the worst verdict first."""
     for verdict, causes in causes_by_verdict.items():
         for cause in causes:
-            if isinstance(cause.by, Match):
+            if isinstance(cause.by, MatchingValues):
                 yield _row_of_match(placed_layout, cause.by, EFFECTS[verdict])
             else:
                 field = cause.by.field
@@ -128,7 +128,7 @@ def _names_of_field(field: Field) -> str:
     return f"{escape(words)} <small>{printed_name}{code(field.name)}</small>"
 
 
-def _row_of_match(placed_layout: PlacedLayout, match: Match, effect: str) -> Row:
+def _row_of_match(placed_layout: PlacedLayout, match: MatchingValues, effect: str) -> Row:
     """Return the row of values that lead to a verdict together: their places, the values, and the verdict."""
     placed_fields = [placed_layout.field(part.field.name) for part, _ in match.conditions]
     places = ", ".join(place_of_field(placed_field, placed_layout) for placed_field in placed_fields)
@@ -209,12 +209,12 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     """Yield the conditions of a verdict. Flags with the same active level share a row: ``error or fault is 1``."""
     names_by_level: dict[str, list[str]] = {}
     for cause in causes:
-        if not isinstance(cause.by, Match):
+        if not isinstance(cause.by, MatchingValues):
             # deciding_bits() returns the level at which the flag is active, such as "1".
             names_by_level.setdefault(deciding_bits(cause.by.field), []).append(_cause_text(cause))
     yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
-        if isinstance(cause.by, Match):
+        if isinstance(cause.by, MatchingValues):
             yield MARKDOWN.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
 
 

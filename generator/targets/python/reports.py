@@ -8,7 +8,7 @@ from ...model import Field, Flag, Verdict, first_of
 from ...model.expressions import Expression
 from ...plan.codec import LayoutPlan
 from ...plan.operations import FieldToDecode, Reserved
-from ...plan.verdicts import CodeCondition, Match, ReportCause, ReportsAndVerdict, VerdictCause
+from ...plan.verdicts import CodeCondition, MatchingValues, ReportCause, ReportsAndVerdict, VerdictCause
 from .literals import Atom, Expr, Not, Operation, Scope, coded, join_operands, mask
 from .names import ClassNames
 
@@ -122,13 +122,13 @@ class FrameReports:
             conditions.append(str(self._differs_in(reserved_causes)))
         return conditions
 
-    def _condition_of_cause(self, cause: VerdictCause, flag_or_match: FieldToDecode | Match) -> str:
+    def _condition_of_cause(self, cause: VerdictCause, flag_or_match: FieldToDecode | MatchingValues) -> str:
         """Return the condition for a cause, such as ``(self.error and not self.warning)``.
 
         A cause is ignored while one of the flags that it combines is active, and for other order codes.
         """
         # The flag comes first, because it is rarely active. The other conditions are then skipped.
-        if isinstance(flag_or_match, Match):
+        if isinstance(flag_or_match, MatchingValues):
             conditions = self._has_values(flag_or_match)
         else:
             conditions = [self._read_attribute(flag_or_match)]
@@ -140,7 +140,7 @@ class FrameReports:
             conditions.append(Not(join_operands("or", combined_flags)))
         return str(conditions[0]) if len(conditions) == 1 else f"({join_operands('and', conditions)})"
 
-    def _has_values(self, match: Match) -> list[Expr]:
+    def _has_values(self, match: MatchingValues) -> list[Expr]:
         """Return a condition for each value of a match, such as ``self.mode == 3``, or ``not self.ready`` for a flag.
 
         The value of a flag is 1 while it is active.
