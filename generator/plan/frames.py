@@ -137,7 +137,7 @@ def reply_to_data_id(interface: Rs485, data_id: int) -> Layout | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Exchanged:
+class RequestAndReply:
     """A request with its reply, or None if the encoder does not answer.
 
     ``repeats_first`` is true if the reply begins with the first byte of the request.
@@ -154,14 +154,14 @@ class Exchanged:
         return {field.name: field.default for field in self.request.fields if field.default is not None}
 
 
-def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
+def exchanges(interface: Interface) -> tuple[RequestAndReply, ...]:
     """Return the requests of an interface with their replies. T-format requests have data IDs instead."""
     spec_exchanges = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
     layouts = {layout.name: layout for layout in interface.layouts}
     return tuple(_exchange_with_frames(spec, layouts[spec.request], layouts.get(spec.reply)) for spec in spec_exchanges)
 
 
-def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
+def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | None) -> RequestAndReply:
     """Return the exchange with its frames.
 
     The reply repeats the first byte of the request if the same constants and fields occupy the same bits in both. An
@@ -170,7 +170,7 @@ def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | N
     first_byte_of_request = _contents_of_first_byte(request)
     first_byte_of_reply = _contents_of_first_byte(reply) if reply is not None else frozenset()
     repeats_first = bool(first_byte_of_request) and first_byte_of_request == first_byte_of_reply
-    return Exchanged(exchange=exchange, request=request, reply=reply, repeats_first=repeats_first)
+    return RequestAndReply(exchange=exchange, request=request, reply=reply, repeats_first=repeats_first)
 
 
 @dataclass(frozen=True, slots=True)

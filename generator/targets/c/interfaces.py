@@ -22,7 +22,7 @@ from ...model import (
 )
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
-from ...plan.frames import Branch, Dispatch, Exchanged, dispatches, exchanges, reply_to_data_id
+from ...plan.frames import Branch, Dispatch, RequestAndReply, dispatches, exchanges, reply_to_data_id
 from ...say.errata import errata, erratum
 from ...say.names_and_places import title
 from ...say.order_code import control_field, data_id, exchange, settings, timing
@@ -192,7 +192,7 @@ class InterfaceCode:
             repeated_members=tuple(c_name(name) for name in common_names if codec.struct.member_type(name) != "char"),
         )
 
-    def _exchange_with_reply(self, reply: Layout) -> Exchanged | None:
+    def _exchange_with_reply(self, reply: Layout) -> RequestAndReply | None:
         """Return the first exchange whose reply is this frame in bytes, or None."""
         for exchanged in exchanges(self.interface):
             if exchanged.reply is reply and reply.in_bytes:
@@ -365,7 +365,7 @@ def _time_on_line_us(port: Port, number_of_bytes: int) -> int:
     return -(-1_000_000 * bits // port.baud)
 
 
-def _take_function(exchanged: Exchanged) -> str:
+def _take_function(exchanged: RequestAndReply) -> str:
     """Return the function that receives a reply: one that begins like its request, or one with any first byte."""
     return "cw_rs485_take" if exchanged.repeats_first else "cw_rs485_take_any"
 

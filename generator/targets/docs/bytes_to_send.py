@@ -27,7 +27,7 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...plan.codec import codec_of
-from ...plan.frames import Exchanged, exchanges
+from ...plan.frames import RequestAndReply, exchanges
 from ...plan.values import TwosComplement, UnsignedNumber, meaning_of
 from ...say.commands import Commands, commands_over
 from ...say.evidence import document
@@ -209,7 +209,7 @@ def _request_rows(device: Device, interface: Interface, errata_at: Callable[...,
             yield _data_id_row(device, interface, data_id, errata_at)
 
 
-def _exchange_row(exchange: Exchanged) -> Row:
+def _exchange_row(exchange: RequestAndReply) -> Row:
     """Return a row: links to the request and its reply, and the purpose of the request.
 
     Without a purpose, it is the first sentence of the note on the request. The size of words that have one follows.

@@ -10,7 +10,7 @@ from ...model import Interface, Layout, Measurement, Register, Spi, Variant, fir
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
-from ...plan.frames import Exchanged, HeldParameter, exchanges, held_parameters
+from ...plan.frames import HeldParameter, RequestAndReply, exchanges, held_parameters
 from ...plan.values import (
     ByInterface,
     PositionRange,
@@ -80,14 +80,14 @@ class Variants:
         spi_interfaces = (interface for interface in self.device.interfaces if isinstance(interface, Spi))
         return [interface.name for interface in spi_interfaces if interface.exchanges]
 
-    def exchanged(self, interface: Interface) -> tuple[Exchanged, ...]:
+    def exchanged(self, interface: Interface) -> tuple[RequestAndReply, ...]:
         """Return the requests over an interface with their replies.
 
         There are none if requests and replies form a pipeline of words, which ``interfaces_with_requests`` lists.
         """
         return () if interface.name in self.interfaces_with_requests else exchanges(interface)
 
-    def default_attributes(self, exchange: Exchanged) -> list[tuple[str, int]]:
+    def default_attributes(self, exchange: RequestAndReply) -> list[tuple[str, int]]:
         """Return attribute and factory default of each field in a request that has one: ``[("address", 1)]``."""
         # The layout of a request is not the layout of a register, and names of CRC functions do not matter for
         # attributes.
