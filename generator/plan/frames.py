@@ -40,7 +40,7 @@ class Branch:
 
 
 @dataclass(frozen=True, slots=True)
-class Dispatch:
+class FrameDispatch:
     """The frames of one sender, identified by ``selector``. ``fallback`` is the frame for all other values, or None.
 
     The selector has the same position in all of them. ``needs`` is the number of bytes needed to read it.
@@ -54,7 +54,7 @@ class Dispatch:
     fallback: Layout | None
 
 
-def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
+def dispatches(layouts: Sequence[Layout]) -> Iterator[FrameDispatch]:
     """Yield a dispatch for each sender on an interface whose frames are distinguished by a selector.
 
     The first frame of a sender decides. If it has no selector, every frame of the sender is decoded as the first, and
@@ -68,7 +68,7 @@ def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
             yield _dispatch_of(sender, sender_layouts)
 
 
-def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> Dispatch:
+def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> FrameDispatch:
     """Return the dispatch of a sender. The first frame without a selector is the fallback.
 
     Frames after the fallback are omitted, since it accepts all values that the frames before it do not.
@@ -83,7 +83,7 @@ def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> Dispatch:
     # The selector has the same position in all frames, so the position in the first frame applies.
     selector = layouts[0].field(layouts[0].selector)
     last_byte = max((piece.byte for piece in selector.pieces), default=0)
-    return Dispatch(
+    return FrameDispatch(
         sender=sender,
         selector=selector,
         bits=bits_of(layouts[0], selector),

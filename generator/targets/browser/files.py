@@ -31,7 +31,7 @@ from ...model.known_crcs import KNOWN_CRCS
 from ...model.layout import have_lengths
 from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, expression_of_code
 from ...plan.crcs import Carrier, carriers
-from ...plan.frames import Dispatch, HeldParameter, dispatches, held_parameters
+from ...plan.frames import FrameDispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
 from ...say import notations, report
@@ -268,7 +268,7 @@ def _position_unit(device: Device, interface: Interface) -> Data:
     )
 
 
-def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
+def _dispatch_data(interface: Interface, dispatch: FrameDispatch) -> Data:
     """Return the pieces of bytes that form the selector of a sender's frames, and the values that select each frame.
 
     A frame is ``[index of the layout, value, …]``. ``fallback`` is the index of the frame for all other values, or -1.

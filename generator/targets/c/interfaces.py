@@ -22,7 +22,7 @@ from ...model import (
 )
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
-from ...plan.frames import Branch, Dispatch, RequestAndReply, dispatches, exchanges, reply_to_data_id
+from ...plan.frames import Branch, FrameDispatch, RequestAndReply, dispatches, exchanges, reply_to_data_id
 from ...say.errata import errata, erratum
 from ...say.names_and_places import title
 from ...say.order_code import control_field, data_id, exchange, settings, timing
@@ -54,7 +54,7 @@ _KINDS = {"encoder": "reply", "master": "request"}
 class FrameTeller:
     """The functions that distinguish the frames of one sender, by bytes and by the value of the selecting field."""
 
-    def __init__(self, context: Context, prefix: str, dispatch: Dispatch) -> None:
+    def __init__(self, context: Context, prefix: str, dispatch: FrameDispatch) -> None:
         self.dispatch = dispatch
         self.by_bytes = f"{prefix}_{_KINDS[dispatch.sender]}_frame"
         self.by_value = f"{prefix}_{_KINDS[dispatch.sender]}_for"

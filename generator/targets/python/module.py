@@ -9,7 +9,7 @@ from itertools import chain
 
 from ...model import Device, Field, Interface, Register, Spi, Value
 from ...model.record import dataclass
-from ...plan.frames import Dispatch, dispatches, identities
+from ...plan.frames import FrameDispatch, dispatches, identities
 from ...say.names_and_places import words
 from ...say.plain_text import plain
 from . import docstrings, facts
@@ -51,7 +51,7 @@ class Enumeration:
 class Dispatcher:
     """Function that decodes any frame from one sender."""
 
-    plan: Dispatch
+    plan: FrameDispatch
     name: str
     union: str
     interface: str
@@ -309,7 +309,7 @@ class Module:
             dispatchers=tuple(dispatchers),
         )
 
-    def _sender_dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
+    def _sender_dispatcher(self, interface: Interface, plan: FrameDispatch, coders: Sequence[Coder]) -> Dispatcher:
         """Return the function that decodes all frames of a sender, such as ``decode_reply``.
 
         With a selector over several interfaces, it is ``decode_spi_reply``. ``coders`` are the frames of the interface.
