@@ -32,7 +32,7 @@ from .values import UnsignedNumber, ZeroMeans, meaning_of
 
 
 @dataclass(frozen=True, slots=True)
-class Branch:
+class SelectedFrame:
     """A frame, and the selector values that identify it."""
 
     layout: Layout
@@ -50,7 +50,7 @@ class FrameDispatch:
     selector: Field
     bits: FieldBits
     needs: int
-    branches: tuple[Branch, ...]
+    branches: tuple[SelectedFrame, ...]
     fallback: Layout | None
 
 
@@ -79,7 +79,7 @@ def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> FrameDispatch:
         if not layout.selector:
             fallback = layout
             break
-        branches.append(Branch(layout, layout.selects))
+        branches.append(SelectedFrame(layout, layout.selects))
     # The selector has the same position in all frames, so the position in the first frame applies.
     selector = layouts[0].field(layouts[0].selector)
     last_byte = max((piece.byte for piece in selector.pieces), default=0)

@@ -22,7 +22,7 @@ from ...model import (
 )
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
-from ...plan.frames import Branch, FrameDispatch, RequestAndReply, dispatches, exchanges, reply_to_data_id
+from ...plan.frames import FrameDispatch, RequestAndReply, SelectedFrame, dispatches, exchanges, reply_to_data_id
 from ...say.errata import errata, erratum
 from ...say.names_and_places import title
 from ...say.order_code import control_field, data_id, exchange, settings, timing
@@ -67,7 +67,7 @@ class FrameTeller:
         _, bits = of_bytes(self.dispatch.bits.pieces)
         return bits
 
-    def values(self, branch: Branch) -> list[str]:
+    def values(self, branch: SelectedFrame) -> list[str]:
         """Return the values that select a frame, as constants of an enumeration or as numbers such as ``0x1AU``."""
         return [self._names.get(value, number(value, hexadecimal=True)) for value in branch.values]
 
