@@ -19,7 +19,7 @@ from ..model.record import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Residual:
+class UndetectedErrors:
     """Errors that a CRC misses in a frame of ``bits`` bits. It detects every error of fewer than ``distance`` bits.
 
     Of ``patterns`` errors of exactly ``distance`` bits, it misses ``missed``. Errors of more than four bits are not
@@ -35,7 +35,7 @@ class Residual:
         return comb(self.bits, self.distance)
 
 
-def residual_of(crc: Crc, bits: int) -> Residual:
+def residual_of(crc: Crc, bits: int) -> UndetectedErrors:
     """Return the errors that ``crc`` misses in a frame of ``bits`` bits, including the CRC itself.
 
     Start value, final XOR and order of the bits do not matter, since they are the same in the sent and in the received
@@ -60,8 +60,8 @@ def residual_of(crc: Crc, bits: int) -> Residual:
     missed_fours = sum(comb(number_of_pairs, 2) for number_of_pairs in pairs_by_remainder.values()) // 3
     for distance, missed in ((2, missed_pairs), (3, missed_triples), (4, missed_fours)):
         if missed:
-            return Residual(bits=bits, distance=distance, missed=missed)
-    return Residual(bits=bits, distance=5, missed=0)
+            return UndetectedErrors(bits=bits, distance=distance, missed=missed)
+    return UndetectedErrors(bits=bits, distance=5, missed=0)
 
 
 @dataclass(frozen=True, slots=True)

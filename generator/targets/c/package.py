@@ -9,7 +9,7 @@ from typing import Annotated, TypedDict
 
 from ...model import Biss, Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, channel_frame, choices, first_of
 from ...model.record import dataclass
-from ...plan.crcs import Residual, residual_of
+from ...plan.crcs import UndetectedErrors, residual_of
 from ...plan.verdicts import reportings
 from ...say.names_and_places import words
 from .. import main_manufacturer, manufacturers
@@ -30,7 +30,7 @@ class Frames:
 
     crc: Crc
     names: tuple[str, ...]
-    residual: Residual
+    residual: UndetectedErrors
 
 
 class Assumptions(TypedDict):
