@@ -154,7 +154,7 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
 _WORD, _WIDEST_FOLD = 64, 32
 
 
-class Form(Enum):
+class CrcMethod(Enum):
     """Method by which code computes a CRC.
 
     FOLD is for x^n + x^m + 1 and x^n + 1 with start value 0, most significant bit first. XOR is for x^8 + 1 over whole
@@ -183,14 +183,14 @@ class CrcFunction:
 
     crc: Crc
     carrier: Carrier
-    form: Form
+    form: CrcMethod
     alone: bool
     in_words: bool
 
     @property
     def steps(self) -> tuple[FoldStep, ...]:
         """Steps that reduce any 64-bit word to its remainder. Empty if the CRC cannot be folded."""
-        return fold_plan(self.crc.width, self.crc.poly, _WORD) if self.form is Form.FOLD else ()
+        return fold_plan(self.crc.width, self.crc.poly, _WORD) if self.form is CrcMethod.FOLD else ()
 
 
 def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
@@ -222,7 +222,7 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
             form = form_of(crc, carrier)
             # Folding needs a frame of which the CRC covers everything.
             if carrier is Carrier.BITS and not checks_whole_words(device, crc):
-                form = Form.TABLE
+                form = CrcMethod.TABLE
             is_alone = len(crc_carriers) == 1
             yield CrcFunction(crc=crc, carrier=carrier, form=form, alone=is_alone, in_words=in_words)
 
@@ -256,11 +256,11 @@ def is_checked_by_division(crc: Crc, layout: Layout) -> bool:
     return is_remainder_of_word and (can_be_folded(crc) or 8 <= crc.width <= 32)
 
 
-def form_of(crc: Crc, carrier: Carrier) -> Form:
+def form_of(crc: Crc, carrier: Carrier) -> CrcMethod:
     """Return the form in which code computes a CRC over this carrier. A wide CRC is not folded."""
     if carrier is Carrier.BITS:
-        return Form.FOLD if can_be_folded(crc) and crc.width <= _WIDEST_FOLD else Form.TABLE
-    return Form.XOR if crc.is_xor else Form.TABLE
+        return CrcMethod.FOLD if can_be_folded(crc) and crc.width <= _WIDEST_FOLD else CrcMethod.TABLE
+    return CrcMethod.XOR if crc.is_xor else CrcMethod.TABLE
 
 
 def _has_crc(layout: Layout, crc: Crc) -> bool:

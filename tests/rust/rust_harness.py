@@ -23,7 +23,7 @@ from pathlib import Path
 from codewheel.language.schema_files import is_second
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Device, Flag, Layout, Text
-from codewheel.plan.crcs import Carrier, CrcFunction, Form
+from codewheel.plan.crcs import Carrier, CrcFunction, CrcMethod
 from codewheel.targets import Library
 from codewheel_rust import TARGET
 from codewheel_rust.family import Family, Struct, crc_name
@@ -211,7 +211,7 @@ def _path(struct: Struct) -> str:
 def _crc_arguments(crc: CrcFunction) -> str:
     if crc.carrier is Carrier.BYTES:
         return "&bytes(words.next().unwrap())"
-    bits = "" if crc.form is Form.FOLD else ", number(words) as u32"
+    bits = "" if crc.form is CrcMethod.FOLD else ", number(words) as u32"
     return f"word(words.next().unwrap()){bits}"
 
 

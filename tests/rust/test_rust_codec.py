@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from codewheel.model import Choice, Decimal, Flag, PlacedField, Register, Text, Variant, Verdict, number_to_bytes
 from codewheel.order_codes.parameters import RegisterError, with_registers
-from codewheel.plan.crcs import Carrier, Form
+from codewheel.plan.crcs import Carrier, CrcMethod
 from codewheel.plan.frames import HoldingRegister
 from codewheel.reference import codec
 from codewheel.reference.bits import compute_bits, compute_bytes
@@ -189,7 +189,7 @@ def test_crcs(program: Program) -> None:
             else:
                 bits = min(2 * length, 64)
                 number = random_.getrandbits(bits)
-                expected = compute_bits(function.crc, number, 64 if function.form is Form.FOLD else bits)
+                expected = compute_bits(function.crc, number, 64 if function.form is CrcMethod.FOLD else bits)
                 pairs.append((f"c {index} {number:X} {bits}", f"{expected:X}"))
     check(program, pairs)
 

@@ -17,7 +17,7 @@ from ...model import (
     Register,
     assert_never,
 )
-from ...plan.crcs import Carrier, CrcFunction, Form
+from ...plan.crcs import Carrier, CrcFunction, CrcMethod
 from ...plan.steps import (
     MasterCall,
     PlannedStep,
@@ -105,7 +105,7 @@ def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     if function.carrier is Carrier.BITS:
         return ["Return the CRC of bits. Bit 0 is the last one sent.", *facts]
     paragraphs: list[Paragraph] = ["Return the CRC of bytes in the order sent.", *facts]
-    if function.form is Form.XOR:
+    if function.form is CrcMethod.XOR:
         paragraphs.append("With this polynomial, the CRC of whole bytes is their XOR.")
     return paragraphs
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Crc
 from ...model.record import dataclass
-from ...plan.crcs import Carrier, CrcFunction, Form, byte_table, carrier_of, reflect, word_table
+from ...plan.crcs import Carrier, CrcFunction, CrcMethod, byte_table, carrier_of, reflect, word_table
 from .about import about_crc
 from .codec import StructCodec
 from .comments import Paragraph
@@ -50,11 +50,11 @@ class CrcCode:
 
     @property
     def is_fold(self) -> bool:
-        return self.function.form is Form.FOLD
+        return self.function.form is CrcMethod.FOLD
 
     @property
     def by_bits(self) -> bool:
-        return self.function.form is Form.TABLE
+        return self.function.form is CrcMethod.TABLE
 
     @property
     def is_reflected(self) -> bool:
@@ -107,9 +107,9 @@ def _table_entries(function: CrcFunction) -> tuple[int, ...]:
     A folded CRC has a table only for frames that are words.
     """
     crc = function.crc
-    if function.form is Form.TABLE:
+    if function.form is CrcMethod.TABLE:
         is_reflected = function.carrier is Carrier.BYTES and crc.refin
         return byte_table(crc.width, crc.poly, is_reflected)
-    if function.form is Form.FOLD and function.in_words:
+    if function.form is CrcMethod.FOLD and function.in_words:
         return word_table(crc.width, crc.poly)
     return ()
