@@ -166,7 +166,7 @@ class CrcMethod(Enum):
     TABLE = "table"
 
 
-class Carrier(Enum):
+class CoveredData(Enum):
     """Kind of data that a CRC covers."""
 
     BITS = "bits"
@@ -182,7 +182,7 @@ class CrcFunction:
     """
 
     crc: Crc
-    carrier: Carrier
+    carrier: CoveredData
     form: CrcMethod
     alone: bool
     in_words: bool
@@ -193,7 +193,7 @@ class CrcFunction:
         return fold_plan(self.crc.width, self.crc.poly, _WORD) if self.form is CrcMethod.FOLD else ()
 
 
-def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
+def carriers(device: Device, crc: Crc) -> tuple[CoveredData, ...]:
     """Return the carriers of a CRC in frames and registers.
 
     For an unused CRC, the parameters decide. Reflected input is defined only for bytes, and a width of whole bytes
@@ -204,13 +204,13 @@ def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
     used_carriers = [carrier_of(layout) for layout in layouts if _has_crc(layout, crc)]
     if not used_carriers:
         suggests_bytes = crc.refin or crc.width % 8 == 0
-        return (Carrier.BYTES,) if suggests_bytes else (Carrier.BITS,)
-    return tuple(carrier for carrier in (Carrier.BYTES, Carrier.BITS) if carrier in used_carriers)
+        return (CoveredData.BYTES,) if suggests_bytes else (CoveredData.BITS,)
+    return tuple(carrier for carrier in (CoveredData.BYTES, CoveredData.BITS) if carrier in used_carriers)
 
 
-def carrier_of(layout: Layout) -> Carrier:
+def carrier_of(layout: Layout) -> CoveredData:
     """Return the carrier of the CRC at the end of a layout."""
-    return Carrier.BYTES if layout.crc_covers_bytes else Carrier.BITS
+    return CoveredData.BYTES if layout.crc_covers_bytes else CoveredData.BITS
 
 
 def crc_functions(device: Device) -> Iterator[CrcFunction]:
@@ -221,7 +221,7 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
         for carrier in crc_carriers:
             form = form_of(crc, carrier)
             # Folding needs a frame of which the CRC covers everything.
-            if carrier is Carrier.BITS and not checks_whole_words(device, crc):
+            if carrier is CoveredData.BITS and not checks_whole_words(device, crc):
                 form = CrcMethod.TABLE
             is_alone = len(crc_carriers) == 1
             yield CrcFunction(crc=crc, carrier=carrier, form=form, alone=is_alone, in_words=in_words)
@@ -256,9 +256,9 @@ def is_checked_by_division(crc: Crc, layout: Layout) -> bool:
     return is_remainder_of_word and (can_be_folded(crc) or 8 <= crc.width <= 32)
 
 
-def form_of(crc: Crc, carrier: Carrier) -> CrcMethod:
+def form_of(crc: Crc, carrier: CoveredData) -> CrcMethod:
     """Return the form in which code computes a CRC over this carrier. A wide CRC is not folded."""
-    if carrier is Carrier.BITS:
+    if carrier is CoveredData.BITS:
         return CrcMethod.FOLD if can_be_folded(crc) and crc.width <= _WIDEST_FOLD else CrcMethod.TABLE
     return CrcMethod.XOR if crc.is_xor else CrcMethod.TABLE
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device
-from codewheel.plan.crcs import Carrier, crc_functions
+from codewheel.plan.crcs import CoveredData, crc_functions
 from codewheel.reference.bits import compute_bits, compute_bytes
 from codewheel.targets import Library
 
@@ -46,7 +46,7 @@ def test_each_is_the_one_of_the_model(crcs: tuple[Device, Any]) -> None:
     assert {crc.name for crc in device.crcs} - used >= {"usb", "g_704"}
     for function_plan in crc_functions(device):
         function = getattr(module, f"crc_{function_plan.crc.name}")
-        if function_plan.carrier is Carrier.BYTES:
+        if function_plan.carrier is CoveredData.BYTES:
             assert function(b"\x12\x34\x56") == compute_bytes(function_plan.crc, b"\x12\x34\x56"), (
                 function_plan.crc.name
             )

@@ -23,7 +23,7 @@ from pathlib import Path
 from codewheel.language.schema_files import is_second
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Device, Flag, Layout, Text
-from codewheel.plan.crcs import Carrier, CrcFunction, CrcMethod
+from codewheel.plan.crcs import CoveredData, CrcFunction, CrcMethod
 from codewheel.targets import Library
 from codewheel_rust import TARGET
 from codewheel_rust.family import Family, Struct, crc_name
@@ -209,7 +209,7 @@ def _path(struct: Struct) -> str:
 
 
 def _crc_arguments(crc: CrcFunction) -> str:
-    if crc.carrier is Carrier.BYTES:
+    if crc.carrier is CoveredData.BYTES:
         return "&bytes(words.next().unwrap())"
     bits = "" if crc.form is CrcMethod.FOLD else ", number(words) as u32"
     return f"word(words.next().unwrap()){bits}"

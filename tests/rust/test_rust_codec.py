@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from codewheel.model import Choice, Decimal, Flag, PlacedField, Register, Text, Variant, Verdict, number_to_bytes
 from codewheel.order_codes.parameters import RegisterError, with_registers
-from codewheel.plan.crcs import Carrier, CrcMethod
+from codewheel.plan.crcs import CoveredData, CrcMethod
 from codewheel.plan.frames import HoldingRegister
 from codewheel.reference import codec
 from codewheel.reference.bits import compute_bits, compute_bytes
@@ -183,7 +183,7 @@ def test_crcs(program: Program) -> None:
     pairs = []
     for index, function in enumerate(program.family.crcs):
         for length in range(33):
-            if function.carrier is Carrier.BYTES:
+            if function.carrier is CoveredData.BYTES:
                 data = random_.randbytes(length)
                 pairs.append((f"c {index} x{data.hex()}", f"{compute_bytes(function.crc, data):X}"))
             else:

@@ -30,7 +30,7 @@ from ...model import (
 from ...model.known_crcs import KNOWN_CRCS
 from ...model.layout import have_lengths
 from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, expression_of_code
-from ...plan.crcs import Carrier, carriers
+from ...plan.crcs import CoveredData, carriers
 from ...plan.frames import FrameDispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
@@ -200,8 +200,8 @@ def _crc_data(device: Device, crc: Crc) -> Data:
     """
     carriers_of_crc = carriers(device, crc)
     similar_crcs = {
-        "others": other_crcs_over_bits(crc) if Carrier.BITS in carriers_of_crc else (),
-        "byte_others": other_crcs_over_bytes(crc) if Carrier.BYTES in carriers_of_crc else (),
+        "others": other_crcs_over_bits(crc) if CoveredData.BITS in carriers_of_crc else (),
+        "byte_others": other_crcs_over_bytes(crc) if CoveredData.BYTES in carriers_of_crc else (),
     }
     others = {name: _similar_crcs(crc, similar) for name, similar in similar_crcs.items()}
     return _crc_parameters(crc) | {"text": crc.polynomial} | without_empty(**others)

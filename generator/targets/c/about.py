@@ -17,7 +17,7 @@ from ...model import (
     Register,
     assert_never,
 )
-from ...plan.crcs import Carrier, CrcFunction, CrcMethod
+from ...plan.crcs import CoveredData, CrcFunction, CrcMethod
 from ...plan.steps import (
     MasterCall,
     PlannedStep,
@@ -102,7 +102,7 @@ def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     """Return the comment on the function of a CRC: its argument, the facts of the CRC, and a special form."""
     facts = list(map(HEADER_STYLE.sentence, say_crc.crc(device, function.crc)))
-    if function.carrier is Carrier.BITS:
+    if function.carrier is CoveredData.BITS:
         return ["Return the CRC of bits. Bit 0 is the last one sent.", *facts]
     paragraphs: list[Paragraph] = ["Return the CRC of bytes in the order sent.", *facts]
     if function.form is CrcMethod.XOR:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Crc
 from ...model.record import dataclass
-from ...plan.crcs import Carrier, CrcFunction, CrcMethod, byte_table, carrier_of, reflect, word_table
+from ...plan.crcs import CoveredData, CrcFunction, CrcMethod, byte_table, carrier_of, reflect, word_table
 from .about import about_crc
 from .codec import StructCodec
 from .comments import Paragraph
@@ -46,7 +46,7 @@ class CrcCode:
 
     @property
     def in_bytes(self) -> bool:
-        return self.function.carrier is Carrier.BYTES
+        return self.function.carrier is CoveredData.BYTES
 
     @property
     def is_fold(self) -> bool:
@@ -108,7 +108,7 @@ def _table_entries(function: CrcFunction) -> tuple[int, ...]:
     """
     crc = function.crc
     if function.form is CrcMethod.TABLE:
-        is_reflected = function.carrier is Carrier.BYTES and crc.refin
+        is_reflected = function.carrier is CoveredData.BYTES and crc.refin
         return byte_table(crc.width, crc.poly, is_reflected)
     if function.form is CrcMethod.FOLD and function.in_words:
         return word_table(crc.width, crc.poly)

@@ -9,7 +9,7 @@ from functools import cached_property
 
 from ...model import Alternative, Crc, Device, Digits, Field, Layout, Register, RegisterMeaning
 from ...model.record import dataclass
-from ...plan.crcs import Carrier, CrcFunction, carriers, crc_functions
+from ...plan.crcs import CoveredData, CrcFunction, carriers, crc_functions
 from ...plan.values import is_named, meaning_of
 from ...plan.verdicts import ReportsAndVerdict, reportings
 from ...say.text import sentence
@@ -363,13 +363,13 @@ class Context:
         """Functions that compute CRCs, by name."""
         return {self.crc_name(function.crc, function.carrier): function for function in crc_functions(self.device)}
 
-    def crc_name(self, crc: Crc, carrier: Carrier) -> str:
+    def crc_name(self, crc: Crc, carrier: CoveredData) -> str:
         """Return the function for a CRC, such as ``crc_check``.
 
         The function for bits is ``crc_check_of_bits`` if the module also has a function for bytes.
         """
         has_function_for_bytes = crc in self._crcs_of_both
-        suffix = "_of_bits" if carrier is Carrier.BITS and has_function_for_bytes else ""
+        suffix = "_of_bits" if carrier is CoveredData.BITS and has_function_for_bytes else ""
         return self.crcs[crc.name] + suffix
 
     @cached_property
