@@ -15,7 +15,7 @@ from .operations import IsBetween, JoinedNumber, NotAbove
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class NumberLimits:
     """The limits of a register, or of one of its meanings.
 
     ``member`` is the limited field or join, or empty if the limits apply to the whole register. ``low`` and ``high``
@@ -44,7 +44,7 @@ class Limits:
         return tuple(binding_limits)
 
 
-def limits_of(device: Device, register: Register, meaning: RegisterMeaning | None = None) -> Limits:
+def limits_of(device: Device, register: Register, meaning: RegisterMeaning | None = None) -> NumberLimits:
     """Return the limits of a register, or of one of its meanings.
 
     ``binds_low`` and ``binds_high`` compare them with the numbers that fit in the bits, for every order code.
@@ -65,7 +65,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     # 0 may encode a number that does not fit in the bits, such as 256 in 8 bits.
     zero_means = fields[0].number.zero_means if fields and not is_join else 0
     is_above_range = all(zero_means > representable.highest for representable in representable_ranges)
-    return Limits(
+    return NumberLimits(
         member=member,
         signed=signed,
         width=width,
@@ -255,7 +255,7 @@ def powers_of_two(codec: LayoutPlan) -> frozenset[str]:
     return frozenset(refusal.field.name for refusal in refusals(codec) if isinstance(refusal, NoPowerOfTwo))
 
 
-def outside(codec: LayoutPlan, limits: Limits) -> OutsideLimits | None:
+def outside(codec: LayoutPlan, limits: NumberLimits) -> OutsideLimits | None:
     """Return the check of a register's limits if they apply to a member and a value that fits can be outside, or None.
 
     A minimum of 1 is omitted if 0 is already rejected: a field in which 0 encodes a number, or with powers of two.

@@ -31,7 +31,7 @@ from ..model.record import dataclass
 from .closing_steps import closing_steps
 from .codec import allowed_values, codec_of
 from .frames import Reply, reply_to
-from .limits import Limits, NotOneOf, TooWide, limited_member, limits_of
+from .limits import NotOneOf, NumberLimits, TooWide, limited_member, limits_of
 
 
 class MasterCall(Enum):
@@ -182,7 +182,7 @@ class OutsideArgumentLimits:
 
     register: Register
     meaning: RegisterMeaning | None
-    limits: Limits
+    limits: NumberLimits
 
 
 @dataclass(frozen=True, slots=True)

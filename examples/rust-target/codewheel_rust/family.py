@@ -9,7 +9,7 @@ from codewheel.model import Answer, Device, Field, Interface, Layout, Register, 
 from codewheel.plan.codec import LayoutPlan, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches, held_parameters
-from codewheel.plan.limits import Limits, limits_of
+from codewheel.plan.limits import NumberLimits, limits_of
 from codewheel.plan.operations import AlwaysIs, ConstantNumber, FieldBits, FieldToEncode, ParityIs, ParityOf
 from codewheel.plan.values import Latin1Text, meaning_of
 from codewheel.plan.verdicts import VerdictRules, reportings
@@ -43,7 +43,7 @@ class Struct:
     crc: CrcFunction | None
     enums: Mapping[str, Enum]
     register: Register | None = None
-    limits: Limits | None = None
+    limits: NumberLimits | None = None
     receiver: str = ""
     judgement: VerdictRules | None = None
     position_member: str = ""

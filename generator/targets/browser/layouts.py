@@ -28,7 +28,7 @@ from ...model.lookup import assert_never
 from ...order_codes.labels import edition_before, tests_of
 from ...plan.codec import LayoutPlan, codec_of
 from ...plan.description import DescribedReportCause, Description, Name, describe
-from ...plan.limits import Limits, limits_of
+from ...plan.limits import NumberLimits, limits_of
 from ...plan.operations import (
     AlwaysIs,
     AtMost,
@@ -392,7 +392,7 @@ def _report_texts(field: Field, alarm: Alarm | None) -> Data:
     return without_empty(meaning=meaning(field, alarm), remedy=remedy(field, alarm), source=cite(source(field, alarm)))
 
 
-def _limits_data(register_meaning: RegisterMeaning | None, limits: Limits) -> Data:
+def _limits_data(register_meaning: RegisterMeaning | None, limits: NumberLimits) -> Data:
     """Return the limits of a register, or of one of its meanings. ``low`` and ``high`` are None without a limit."""
     data = without_empty(
         name=register_meaning.name if register_meaning is not None else "",

@@ -12,7 +12,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.codec import codec_of
 from ...plan.crcs import carrier_of
-from ...plan.limits import Limits, limits_of, powers_of_two
+from ...plan.limits import NumberLimits, limits_of, powers_of_two
 from ...plan.operations import FieldToDecode, FrameCrc, JoinedNumber
 from ...plan.values import (
     ActiveFlag,
@@ -365,7 +365,7 @@ class Coder:
     # -- limits of registers
 
     @cached_property
-    def limits(self) -> Limits | None:
+    def limits(self) -> NumberLimits | None:
         """Limits of the register, or None without any. The functions of its meanings are in ``limits_functions``."""
         register = self.register
         if register is None or (register.min is None and register.max is None):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...plan.limits import Limits
+from ...plan.limits import NumberLimits
 from .literals import Expr, Negative, Operation, Scope, number
 
 
@@ -19,7 +19,7 @@ class LimitsFunction:
     takes_variant: bool
 
 
-def limit_expressions(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
+def limit_expressions(scope: Scope, limits: NumberLimits) -> tuple[Expr, Expr]:
     """Return the lowest and the highest value. A missing limit follows from the width."""
     low, high = _limits_of_width(scope, limits)
     if limits.low is not None:
@@ -29,7 +29,7 @@ def limit_expressions(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
     return low, high
 
 
-def _limits_of_width(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
+def _limits_of_width(scope: Scope, limits: NumberLimits) -> tuple[Expr, Expr]:
     """Return the lowest and the highest value that the width allows.
 
     If 0 stands for a number above all other values, the values are 1 to this number.
@@ -42,7 +42,7 @@ def _limits_of_width(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
     return number(0), Operation(scope.power(limits.width), "-", number(1))
 
 
-def limits_depend(limits: Limits) -> bool:
+def limits_depend(limits: NumberLimits) -> bool:
     """Return whether limits depend on the order code."""
     bounds = [bound for bound in (limits.low, limits.high) if bound is not None]
     # A missing limit follows from the width.
