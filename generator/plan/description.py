@@ -53,7 +53,7 @@ class Name(str):
     __slots__ = ()
 
 
-class Place(NamedTuple):
+class BitSpan(NamedTuple):
     """``width`` bits, starting at bit ``low``."""
 
     low: Expression
@@ -117,7 +117,7 @@ class Check:
     fault: Fault
     values: tuple[int, ...] = ()
     limit: Expression | None = None
-    parity_of: tuple[Place, ...] = ()
+    parity_of: tuple[BitSpan, ...] = ()
     odd: bool = False
     mask: int = 0
     lowest: Expression = Expression(0)
@@ -185,7 +185,7 @@ class Description:
     fields: tuple[BitField, ...]
     crcs: tuple[FrameCrc, ...]
     gray: Gray | None
-    fixed: tuple[tuple[Place, int], ...]
+    fixed: tuple[tuple[BitSpan, int], ...]
     otherwise: Verdict | None
     judging_bits: Expression | None
 
@@ -248,11 +248,11 @@ def _computed_parities(codec: LayoutPlan) -> Iterator[Check]:
             yield _describe_parity(term.field, term.value)
 
 
-def _constant_ones(codec: LayoutPlan) -> Iterator[tuple[Place, int]]:
+def _constant_ones(codec: LayoutPlan) -> Iterator[tuple[BitSpan, int]]:
     """Yield the constants that are not all 0. An encoder of frames starts from 0, so it need not set constants of 0."""
     for term in codec.terms:
         if isinstance(term.value, ConstantNumber) and term.value.number:
-            yield Place(term.field.low, term.field.width), term.value.number
+            yield BitSpan(term.field.low, term.field.width), term.value.number
 
 
 def _describe_column(field: Field, is_power: bool) -> Column:
@@ -323,8 +323,8 @@ def _describe_parity(parity_bit: Field, parity: ParityOf) -> Check:
     )
 
 
-def _list_places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
-    return tuple(Place(field.low, field.width) for field in fields)
+def _list_places(fields: tuple[Field, ...]) -> tuple[BitSpan, ...]:
+    return tuple(BitSpan(field.low, field.width) for field in fields)
 
 
 def _describe_verdict_causes(judgement: verdicts.VerdictRules) -> Iterator[DescribedVerdictCause]:
