@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ..language.document import Path
 from ..model import Biss, channel_frame
 from ..say.names_and_places import bits
-from .reading import Case, Fact, Reading, Sort
+from .reading import Case, Fact, FactClass, Reading
 
 
 def channel_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
@@ -20,7 +20,7 @@ def channel_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
         return
     place: Path = ("interfaces", interface.name, "channels")
     yield Fact(
-        sort=Sort.POSITION,
+        sort=FactClass.POSITION,
         key=("channels", "order"),
         value=", ".join(f"{layout.channel}" for layout in frame.layouts),
         description="order of the data channels in a frame",
@@ -36,7 +36,7 @@ def channel_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
             bits_by_case[case] = bits(field.high, lowest_compared)
         channel = compared.layout.channel or 0
         yield Fact(
-            sort=Sort.POSITION,
+            sort=FactClass.POSITION,
             key=("channels", "compared", channel),
             value=bits_by_case,
             description=f"compared bits of data channel {channel}",

@@ -15,11 +15,11 @@ from .compare_facts import CHOSEN_BY_READER, compare_facts, compare_names, missi
 from .compare_words import compare_word
 from .comparison import Comparison, Disagreement, Read
 from .pairing import with_order_of, with_rows_of
-from .reading import NOTHING, Fact, Facts, Key, Sort, use_same_names
+from .reading import NOTHING, Fact, FactClass, Facts, Key, use_same_names
 from .texts import NUMBERS, dotted_path
 
 #: Classes of facts in texts, which a second reading can also give by their paths.
-_TEXT_SORTS = frozenset((Sort.TEXT, Sort.SECTION))
+_TEXT_SORTS = frozenset((FactClass.TEXT, FactClass.SECTION))
 
 
 def compare(spec: Facts, second: Facts) -> Comparison:
@@ -103,10 +103,12 @@ def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
     for path, (numbers, second_place) in second.printed_numbers.items():
         spec_fact = spec_fact_by_path.get(path)
         if spec_fact is None:
-            spec_fact = Fact(sort=Sort.TEXT, key=(NUMBERS, path), value="", description=f"numbers in {path}", place=())
+            spec_fact = Fact(
+                sort=FactClass.TEXT, key=(NUMBERS, path), value="", description=f"numbers in {path}", place=()
+            )
         yield spec_fact.key, replace(spec_fact, value=numbers, place=second_place)
     for key, spec_fact in spec.facts.items():
-        if spec_fact.sort is Sort.SECTION and dotted_path(spec_fact.place) not in second.printed_numbers:
+        if spec_fact.sort is FactClass.SECTION and dotted_path(spec_fact.place) not in second.printed_numbers:
             sections = _sections_at(spec_fact.place, second)
             if sections:
                 second_place = ("sections", sections[0])
@@ -133,7 +135,7 @@ def _count_undecided(comparison: Comparison, spec: Facts, second: Facts) -> None
             continue
         path = dotted_path(place)
         # The place of a characteristic itself, such as ("characteristics", "weight").
-        is_characteristic = sort is Sort.CHARACTERISTIC and len(place) == 2
+        is_characteristic = sort is FactClass.CHARACTERISTIC and len(place) == 2
         is_only_name = is_characteristic and (NUMBERS, *place, "value") not in spec.facts
         is_from_path = sort in _TEXT_SORTS and path in second.printed_numbers
         if is_only_name or is_from_path:
@@ -142,7 +144,7 @@ def _count_undecided(comparison: Comparison, spec: Facts, second: Facts) -> None
             comparison.read_by_place[sort, place] = Read.DECIDED
 
 
-def _is_decided(sort: Sort, path: str, decided: Sequence[str]) -> bool:
+def _is_decided(sort: FactClass, path: str, decided: Sequence[str]) -> bool:
     """Return whether ``decided`` contains the class of a fact, such as "time", its path or a path above it."""
     if sort.value in decided:
         return True

@@ -14,9 +14,9 @@ from .reading import (
     NOTHING,
     Case,
     Fact,
+    FactClass,
     Key,
     Names,
-    Sort,
     Value,
     in_hex,
     mistaken_pairs,
@@ -83,7 +83,7 @@ def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) 
         yield from _compare_cases(comparison, spec_fact, spec_value, second_fact, second_value)
         return
     spec_text, second_text = value_text(spec_value), value_text(second_value)
-    is_same_name = spec_fact.sort is Sort.PRINTED and same_name(spec_text, second_text)
+    is_same_name = spec_fact.sort is FactClass.PRINTED and same_name(spec_text, second_text)
     if spec_value == second_value or is_same_name:
         comparison.count_fact(spec_fact.sort, spec_fact.place, Read.TWICE)
     else:
@@ -150,7 +150,7 @@ def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second
         second_value=second_text,
         spec_place=spec_fact.place,
         second_place=second_fact.place,
-        is_name=spec_fact.sort is Sort.PRINTED,
+        is_name=spec_fact.sort is FactClass.PRINTED,
         resized_frame=_frame_text(spec_fact.key) if is_length else "",
     )
 

@@ -12,11 +12,11 @@ from ..say.names_and_places import bits as bits_text
 from .compare_facts import cases_text, compare_facts, compare_names
 from .comparison import Comparison, Disagreement, Read
 from .frame_bits import continues_item, describe_bits
-from .reading import FACTORY_DEFAULTS, Bit, Case, Fact, Sort, Word, WordCase
+from .reading import FACTORY_DEFAULTS, Bit, Case, Fact, FactClass, Word, WordCase
 
 #: Identity of a disagreement in all cases: its places, its class, and its number among the disagreements of a case with
 #: the same places and class.
-_DisagreementKey = tuple[Path, Path, Sort, int]
+_DisagreementKey = tuple[Path, Path, FactClass, int]
 
 
 def compare_word(comparison: Comparison, spec_word: Word, second_word: Word | None) -> None:
@@ -54,7 +54,7 @@ def _second_cases(spec_word: Word, second_word: Word | None) -> Mapping[Case, Wo
 def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
     """Count all facts of a word whose case occurs only in the spec."""
     for bit in spec_case.bits:
-        comparison.count_fact(Sort.POSITION, bit.place, Read.ONCE)
+        comparison.count_fact(FactClass.POSITION, bit.place, Read.ONCE)
     for properties in spec_case.fields.values():
         for fact in properties.values():
             comparison.count_fact(fact.sort, fact.place, Read.ONCE)
@@ -88,7 +88,7 @@ def _with_keys(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_Disagre
 
     Those with the same places and class are numbered from 1.
     """
-    counts_so_far: Counter[tuple[Path, Path, Sort]] = Counter()
+    counts_so_far: Counter[tuple[Path, Path, FactClass]] = Counter()
     for disagreement in disagreements:
         places_and_sort = disagreement.spec_place, disagreement.second_place, disagreement.sort
         counts_so_far[places_and_sort] += 1
@@ -129,7 +129,7 @@ def _compare_bits(
         spec_range = spec_bits[low : high + 1][::-1]
         second_range = second_bits[low : high + 1][::-1]
         yield Disagreement(
-            sort=Sort.POSITION,
+            sort=FactClass.POSITION,
             description=f"{bits_text(high, low)} of {spec_word.description}",
             spec_value=describe_bits(spec_range),
             second_value=describe_bits(second_range),
@@ -138,7 +138,7 @@ def _compare_bits(
         )
     for spec_bit, second_bit in zip(spec_bits, second_bits, strict=True):
         if _have_same_meaning(spec_bit, second_bit):
-            comparison.count_fact(Sort.POSITION, spec_bit.place, Read.TWICE)
+            comparison.count_fact(FactClass.POSITION, spec_bit.place, Read.TWICE)
 
 
 def _have_same_meaning(bit: Bit, other_bit: Bit) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 from ..language.document import Path
-from .reading import Sort
+from .reading import FactClass
 
 
 class Read(IntEnum):
@@ -28,7 +28,7 @@ class Disagreement:
     with another length. ``order_codes`` contains the codes with different values, or none if the values apply to all.
     """
 
-    sort: Sort
+    sort: FactClass
     description: str
     spec_value: str
     second_value: str
@@ -52,11 +52,11 @@ class Comparison:
     ``has_names_of_spec`` is set if the second reading uses the names of the spec.
     """
 
-    read_by_place: dict[tuple[Sort, Path], Read] = field(default_factory=dict)
+    read_by_place: dict[tuple[FactClass, Path], Read] = field(default_factory=dict)
     disagreements: list[Disagreement] = field(default_factory=list)
     has_names_of_spec: bool = False
 
-    def count_fact(self, sort: Sort, spec_place: Path, read: Read) -> None:
+    def count_fact(self, sort: FactClass, spec_place: Path, read: Read) -> None:
         """Count a fact of the spec. Of several facts of one class with this place, the worst count remains."""
         key = sort, spec_place
         self.read_by_place[key] = max(read, self.read_by_place.get(key, Read.TWICE))

@@ -24,7 +24,19 @@ from ..model import (
 )
 from ..order_codes.parameters import deciding_parameters
 from ..say.names_and_places import bits
-from .reading import Bit, Case, Fact, Facts, Parameters, Sort, Word, WordCase, as_delivered, in_hex, interface_label
+from .reading import (
+    Bit,
+    Case,
+    Fact,
+    FactClass,
+    Facts,
+    Parameters,
+    Word,
+    WordCase,
+    as_delivered,
+    in_hex,
+    interface_label,
+)
 from .stated import Subject
 
 
@@ -41,7 +53,7 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
     has_name_at_place = place[-2:] == ("fields", field_name)
     if has_name_at_place:
         name_fact = Fact(
-            sort=Sort.POSITION,
+            sort=FactClass.POSITION,
             key=low_and_width,
             value=field_name,
             description=f"name of {bits_text}",
@@ -50,7 +62,7 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
         facts.add_name(("field",), name_fact)
     for named_value in placed_field.field.values:
         value_name_fact = Fact(
-            sort=Sort.VALUE,
+            sort=FactClass.VALUE,
             key=(named_value.value,),
             value=named_value.name,
             description=f"name of value {in_hex(named_value.value)} of {bits_text}",
@@ -72,14 +84,16 @@ def properties(
     if field.equals is not None:
         fixed_value = field.documented(parameters)
         value_text = in_hex(fixed_value) if isinstance(fixed_value, int) else str(fixed_value)
-        yield subject.detail_fact(Sort.VALUE, "equals", value_text, "fixed value")
+        yield subject.detail_fact(FactClass.VALUE, "equals", value_text, "fixed value")
     if register is None:
         default = field.default
         is_implied = False
     else:
         default, is_implied = _default_and_is_implied(placed_field, register)
     if default is not None:
-        yield replace(subject.detail_fact(Sort.DEFAULT, "default", in_hex(default), "default"), is_implied=is_implied)
+        yield replace(
+            subject.detail_fact(FactClass.DEFAULT, "default", in_hex(default), "default"), is_implied=is_implied
+        )
     yield from subject.stated_facts(field)
 
 
@@ -90,7 +104,7 @@ def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
     """
     reading = subject.reading
     for fact in subject.stated_facts(field.kind):
-        if fact.sort is Sort.VERDICT:
+        if fact.sort is FactClass.VERDICT:
             # The verdict of a flag that the interface defines is not in the spec.
             verdict_place = reading.first_existing(fact.place, subject.place)
             yield replace(fact, place=verdict_place, may_be_missing=isinstance(field.kind, Unused))
@@ -107,7 +121,7 @@ def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
             place=reading.first_existing((*subject.place, "values", named_value.name), subject.place),
             description=f"value {in_hex(named_value.value)} of {subject.description}",
         )
-        yield value_subject.existence_fact(Sort.VALUE, "named")
+        yield value_subject.existence_fact(FactClass.VALUE, "named")
         yield from value_subject.stated_facts(named_value)
 
 

@@ -27,10 +27,10 @@ from .frame_bits import word
 from .reading import (
     Case,
     Fact,
+    FactClass,
     Facts,
     Key,
     Reading,
-    Sort,
     Value,
     comparable_text,
     in_hex,
@@ -58,7 +58,7 @@ def add_interfaces(reading: Reading, facts: Facts) -> None:
             identity = constants_by_frame.get(layout.name, _NOT_EXCHANGED)
             _add_frames(reading, interface, layout, identity, facts)
             # The bits of a joined number follow from its fields.
-            facts.derived[Sort.POSITION] += len(layout.joins)
+            facts.derived[FactClass.POSITION] += len(layout.joins)
         facts.add(_interface_facts(reading, interface))
         facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
     facts.add(timings(reading.device.timings, "", ("timings",)))
@@ -106,7 +106,7 @@ def _group_name(frame: Subject, field: Field) -> Fact:
     """Return the name of the group that a field of a frame belongs to."""
     bits_text = frame.reading.bits_of(frame.interface, field)
     return Fact(
-        sort=Sort.POSITION,
+        sort=FactClass.POSITION,
         key=(*frame.key, bits_text),
         value=field.group,
         description=f"group of {bits_text} of {frame.description}",
@@ -120,19 +120,19 @@ def _frame_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
     A frame of one byte needs no byte order. If only one reading states it, they do not disagree.
     """
     reading = frame.reading
-    yield from frame.all_facts(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
+    yield from frame.all_facts(FactClass.POSITION, layout, f"sent by the {layout.sender}", at="name")
     carried_place = reading.first_existing((*frame.place, "carried_as"), frame.place)
-    yield frame.detail_fact(Sort.POSITION, "carried", layout.carried_as, "units", carried_place)
+    yield frame.detail_fact(FactClass.POSITION, "carried", layout.carried_as, "units", carried_place)
     has_several_bytes = layout.widest > 8
     is_stated = reading.document.has((*frame.place, "byte_order"))
     if layout.in_bytes and (has_several_bytes or is_stated):
         order_place = (*frame.place, "byte_order") if is_stated else frame.place
         may_be_missing = not has_several_bytes
         yield frame.detail_fact(
-            Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, may_be_missing=may_be_missing
+            FactClass.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, may_be_missing=may_be_missing
         )
     lengths = {case: str(layout.bits.value(parameters)) for case, parameters in reading.cases(frame.interface).items()}
-    yield frame.detail_fact(Sort.POSITION, "length", lengths, "bits", frame.place)
+    yield frame.detail_fact(FactClass.POSITION, "length", lengths, "bits", frame.place)
     yield from _combination_facts(frame, layout)
 
 
@@ -156,7 +156,7 @@ def _combination_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
             place=("combinations", combination.name),
             description=f"the combination of {conditions} in {frame.description}",
         )
-        yield subject.existence_fact(Sort.VERDICT, combination.makes_position.value, "makes_position")
+        yield subject.existence_fact(FactClass.VERDICT, combination.makes_position.value, "makes_position")
         yield from subject.stated_facts(combination)
 
 
@@ -218,7 +218,7 @@ def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
         rows = [row for row in interface.cable_lengths if row.shorter_than_m == length]
         rows_with_texts = [(row, f"below {row.below_hz} Hz") for row in rows]
         yield Fact(
-            sort=Sort.CLOCK,
+            sort=FactClass.CLOCK,
             key=("cable", "ssi", length),
             value=_value_by_code(reading, interface.name, rows_with_texts),
             description=f"clock for a cable shorter than {length} m",
@@ -248,7 +248,7 @@ def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
         for index, printed in enumerate(timeout.printed):
             row_with_text = (timeout, f"{printed.timeout_ns} ns")
             yield Fact(
-                sort=Sort.TIME,
+                sort=FactClass.TIME,
                 key=("timeout", "at", printed.clock_hz),
                 value=_value_by_code(reading, interface.name, [row_with_text]),
                 description=f"time-out over BiSS at {printed.clock_hz} Hz",
@@ -269,11 +269,11 @@ def _control_field_facts(reading: Reading, control_field: ControlField, offset: 
     subject = Subject(
         reading, key=("control", offset), place=place, description=f"field of the control frame from bit {offset + 1}"
     )
-    yield from subject.all_facts(Sort.POSITION, control_field, f"{control_field.bits} bits")
+    yield from subject.all_facts(FactClass.POSITION, control_field, f"{control_field.bits} bits")
     for named_value in control_field.values:
         description = f"value {in_hex(named_value.value)} of {subject.description}"
         value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
-        yield from value_subject.all_facts(Sort.VALUE, named_value, "named")
+        yield from value_subject.all_facts(FactClass.VALUE, named_value, "named")
     if control_field.crc:
         # The parameters of a CRC are in the list of CRCs, outside the field.
         crc_subject = subject.inside(("crc",), (), "the control frame's CRC over BiSS")
@@ -291,10 +291,10 @@ def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
     for data_id in interface.data_ids:
         id_place = (*place, "data_ids", data_id.name)
         subject = Subject(reading, key=("data id", data_id.id), place=id_place, description=f"data ID {data_id.id:X}")
-        yield from subject.all_facts(Sort.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
+        yield from subject.all_facts(FactClass.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
     for index, access in enumerate(interface.memory_access):
         yield Fact(
-            sort=Sort.SETTING,
+            sort=FactClass.SETTING,
             key=("memory", access.access, access.busy),
             value=f"address {comparable_text(access.address)}, data {comparable_text(access.data)}",
             description=f"reply to a {access.access} while the busy flag is {access.busy}",
@@ -315,7 +315,7 @@ def _exchange_facts(interface: Rs485 | Spi) -> Iterator[Fact]:
         if exchange.word_bits is not None:
             exchange_text += f", words of {exchange.word_bits.render()} bits"
         yield Fact(
-            sort=Sort.SETTING,
+            sort=FactClass.SETTING,
             key=("exchange", interface.name, constants),
             value=exchange_text,
             description=f"request with {constants or 'no constant'}",
@@ -345,7 +345,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
             times_text = ", ".join(f"{bound_words[bound]} {time}" for bound, time in time_by_bound.items())
             key: Key = ("time", interface, times_text)
             yield Fact(
-                sort=Sort.TIME,
+                sort=FactClass.TIME,
                 key=key,
                 value=times_text,
                 description=f"a time{interface_text}",
@@ -357,7 +357,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
         symbol = comparable_text(timing.symbol).replace(" ", "")
         for bound_name, bound_time in time_by_bound.items():
             yield Fact(
-                sort=Sort.TIME,
+                sort=FactClass.TIME,
                 key=("time", interface, symbol, bound_name),
                 value=bound_time,
                 description=f"time {timing.symbol}{interface_text}, '{bound_name}'",

@@ -9,7 +9,7 @@ from ..language.problems import Path
 from ..model import CodePart, Interface, Layout, Parameter, Spelling, Variant
 from ..order_codes.labels import values_by_spelling
 from ..say.names_and_places import bits
-from .reading import FACTORY_DEFAULTS, Case, Fact, Facts, Reading, Sort, count_text
+from .reading import FACTORY_DEFAULTS, Case, Fact, FactClass, Facts, Reading, count_text
 from .stated import Subject
 
 
@@ -32,7 +32,7 @@ def add_codes(reading: Reading, facts: Facts) -> None:
         iter(
             (
                 Fact(
-                    sort=Sort.MEASUREMENT,
+                    sort=FactClass.MEASUREMENT,
                     key=("movement",),
                     value=movement,
                     description="movement",
@@ -41,7 +41,7 @@ def add_codes(reading: Reading, facts: Facts) -> None:
             )
         )
     )
-    facts.derived[Sort.LIMIT] += len(reading.device.definitions)
+    facts.derived[FactClass.LIMIT] += len(reading.device.definitions)
 
 
 def _order_code_facts(reading: Reading) -> Iterator[Fact]:
@@ -54,7 +54,7 @@ def _order_code_facts(reading: Reading) -> Iterator[Fact]:
     for variant in reading.device.variants:
         description = f"interface of the order code {variant.code}"
         yield Fact(
-            sort=Sort.ORDER_CODE,
+            sort=FactClass.ORDER_CODE,
             key=("code", variant.code),
             value=variant.interface,
             description=description,
@@ -67,7 +67,7 @@ def _order_code_facts(reading: Reading) -> Iterator[Fact]:
         with_text = f" with {', '.join(allowed_values)}" if allowed_values else ""
         printed_values = ", ".join(sorted(part_value.text for part_value in part.values))
         yield Fact(
-            sort=Sort.ORDER_CODE,
+            sort=FactClass.ORDER_CODE,
             key=("open", printed_values),
             value=part.open + with_text,
             description=f"other values than {printed_values}",
@@ -84,7 +84,7 @@ def _supply_facts(reading: Reading) -> Iterator[Fact]:
             supplies[Case(variant.code, FACTORY_DEFAULTS)] = f"{supply.min_mv} to {supply.max_mv} mV"
     if supplies:
         yield Fact(
-            sort=Sort.SUPPLY,
+            sort=FactClass.SUPPLY,
             key=("supply",),
             value=supplies,
             description="supply",
@@ -107,7 +107,7 @@ def _parameter_facts(reading: Reading) -> Iterator[Fact]:
         subject = Subject(
             reading, key=("parameter", parameter.name), place=place, description=f"the parameter '{parameter.name}'"
         )
-        yield replace(subject.existence_fact(Sort.ORDER_CODE, value_by_case), may_be_missing=True)
+        yield replace(subject.existence_fact(FactClass.ORDER_CODE, value_by_case), may_be_missing=True)
         yield from subject.stated_facts(parameter)
 
 
@@ -119,7 +119,7 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
         facts.add_name(
             ("alternative",),
             Fact(
-                sort=Sort.ORDER_CODE,
+                sort=FactClass.ORDER_CODE,
                 key=(number,),
                 value=alternative.name,
                 description=description,
@@ -131,7 +131,7 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
             path = (*place, "values", answer.name)
             facts.add_name(
                 ("answer", number),
-                Fact(sort=Sort.ORDER_CODE, key=(index,), value=answer.name, description=description, place=path),
+                Fact(sort=FactClass.ORDER_CODE, key=(index,), value=answer.name, description=description, place=path),
             )
 
 
@@ -146,7 +146,9 @@ def _spelling_facts(reading: Reading) -> Iterator[Fact]:
             label = _label_with_spelling(spelling, variant, reading.device.order_code.parts)
             if label is not None:
                 key = ("label", label, spelling.then)
-                yield Fact(sort=Sort.ORDER_CODE, key=key, value=variant.code, description=f"label {label}", place=place)
+                yield Fact(
+                    sort=FactClass.ORDER_CODE, key=key, value=variant.code, description=f"label {label}", place=place
+                )
 
 
 def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[CodePart]) -> str | None:
@@ -177,7 +179,7 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fa
     for bound_name, bound in (("min", parameter.min), ("max", parameter.max)):
         if bound is not None:
             yield Fact(
-                sort=Sort.LIMIT,
+                sort=FactClass.LIMIT,
                 key=("held", bits_text, bound_name),
                 value=count_text(bound),
                 description=f"{bound_name}imum held in {bits_text}",  # minimum or maximum
@@ -205,7 +207,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
         interface=interface.name,
         joint=" of the ",
     )
-    yield from subject.all_facts(Sort.MEASUREMENT, measurement)
+    yield from subject.all_facts(FactClass.MEASUREMENT, measurement)
     for layout in interface.layouts:
         yield from _range_facts(subject, interface, layout)
         position_bits: dict[Case, str] = {}
@@ -219,7 +221,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
             position_key = (*subject.key, "of", layout.sender, *layout.selects)
             description = f"measured bits of '{layout.name}'"
             yield Fact(
-                sort=Sort.MEASUREMENT,
+                sort=FactClass.MEASUREMENT,
                 key=position_key,
                 value=position_bits,
                 description=description,
@@ -236,4 +238,4 @@ def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Ite
     key = (*measured.key, "range", layout.sender, *layout.selects)
     description = f"position range of '{layout.name}'"
     subject = replace(measured, key=key, place=place, description=description, depends_on=measured.key)
-    yield from subject.all_facts(Sort.MEASUREMENT, layout.position_range)
+    yield from subject.all_facts(FactClass.MEASUREMENT, layout.position_range)

@@ -21,7 +21,7 @@ from ..say.names_and_places import bits
 NOTHING = "nothing"
 
 
-class Sort(Enum):
+class FactClass(Enum):
     """Classes of facts, in the order of display."""
 
     POSITION = "position"
@@ -60,7 +60,7 @@ class Sort(Enum):
         return self in _NEEDED
 
 
-_NEEDED = frozenset(list(Sort)[: list(Sort).index(Sort.VALUE)])  # from POSITION up to WAIT
+_NEEDED = frozenset(list(FactClass)[: list(FactClass).index(FactClass.VALUE)])  # from POSITION up to WAIT
 
 #: Key that identifies a fact within its family, without names.
 Key = tuple[str | int, ...]
@@ -94,7 +94,7 @@ class Fact:
     another fact. If one reader still states it, the other must, too.
     """
 
-    sort: Sort
+    sort: FactClass
     key: Key
     value: Value
     description: str
@@ -160,7 +160,7 @@ class Facts:
 
     facts: dict[Key, Fact] = dataclasses.field(default_factory=dict)
     words: dict[Key, Word] = dataclasses.field(default_factory=dict)
-    derived: Counter[Sort] = dataclasses.field(default_factory=Counter)
+    derived: Counter[FactClass] = dataclasses.field(default_factory=Counter)
     names: dict[Key, Names] = dataclasses.field(default_factory=dict)
     printed_numbers: Mapping[str, tuple[str, Path]] = dataclasses.field(default_factory=dict)
     sections: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)

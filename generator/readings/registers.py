@@ -15,9 +15,9 @@ from .frame_bits import word
 from .reading import (
     NOTHING,
     Fact,
+    FactClass,
     Facts,
     Reading,
-    Sort,
     as_delivered,
     in_hex,
     register_text,
@@ -35,7 +35,7 @@ def add_registers(reading: Reading, facts: Facts) -> None:
         facts.add(_register_facts(subject, register))
         _add_names(subject, register, facts)
         # The bits of a joined number follow from its fields.
-        facts.derived[Sort.POSITION] += len(register.layout.joins)
+        facts.derived[FactClass.POSITION] += len(register.layout.joins)
         facts.words[key] = word(subject, register.layout, register)
 
 
@@ -46,7 +46,7 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
     register.
     """
     name_of_limited_field = Fact(
-        sort=Sort.LIMIT,
+        sort=FactClass.LIMIT,
         key=subject.key,
         value=register.limits_of,
         description=f"field that the limits of {subject.description} apply to",
@@ -55,7 +55,7 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
     facts.add_name(("bounded",), name_of_limited_field)
     if register.opened_by:
         name_of_opening_field = Fact(
-            sort=Sort.BEHAVIOUR,
+            sort=FactClass.BEHAVIOUR,
             key=subject.key,
             value=register.opened_by_field or NOTHING,
             description=f"field that opens {subject.description}",
@@ -67,7 +67,7 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
 def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
     """Yield the facts of a register: its address and length, its stated members, default, opener and limits."""
     length_text = counted(register.length, "byte")
-    yield subject.existence_fact(Sort.ADDRESS, length_text, at="address", name=register.name)
+    yield subject.existence_fact(FactClass.ADDRESS, length_text, at="address", name=register.name)
     # A single byte has no byte order.
     members_without_fact = ("byte_order",) if register.length == 1 else ()
     yield from subject.stated_facts(register, without=members_without_fact)
@@ -76,9 +76,9 @@ def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
         # Without a stated default, it is computed from the fixed values of the fields.
         stated_at = "fields" if register.default is None else "default"
         place = (*subject.place, stated_at)
-        yield subject.detail_fact(Sort.DEFAULT, "default", in_hex(default), "default", place)
+        yield subject.detail_fact(FactClass.DEFAULT, "default", in_hex(default), "default", place)
     if register.opened_by:
-        yield subject.detail_fact(Sort.BEHAVIOUR, "opened_by", _opener_text(subject.reading, register), "opener")
+        yield subject.detail_fact(FactClass.BEHAVIOUR, "opened_by", _opener_text(subject.reading, register), "opener")
     yield from _limit_facts(subject, register)
 
 
@@ -110,7 +110,7 @@ def _limit_facts(subject: Subject, register: Register) -> Iterator[Fact]:
     if any(part.min is not None or part.max is not None for part in limited_parts):
         cases = reading.cases(register.interface)
         yield Fact(
-            sort=Sort.LIMIT,
+            sort=FactClass.LIMIT,
             key=(*subject.key, "bounded"),
             value={case: _limited_bits_text(register, parameters) for case, parameters in cases.items()},
             description=f"bits that the limits of {subject.description} apply to",

@@ -8,16 +8,24 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from .comparison import Disagreement
-from .reading import NOTHING, Sort
+from .reading import NOTHING, FactClass
 
 #: Classes of facts in words, of which a second reading may list some that the spec no longer has.
-_TEXTS = (Sort.TEXT, Sort.SECTION)
+_TEXTS = (FactClass.TEXT, FactClass.SECTION)
 
 
 #: Classes of facts whose values are places or words, with numbers that mean nothing elsewhere.
-_SORTS_WITH_OWN_NUMBERS = (Sort.SECTION, Sort.CONTENTS, Sort.PRINTED, Sort.ADDRESS, Sort.POSITION)
+_SORTS_WITH_OWN_NUMBERS = (
+    FactClass.SECTION,
+    FactClass.CONTENTS,
+    FactClass.PRINTED,
+    FactClass.ADDRESS,
+    FactClass.POSITION,
+)
 #: Classes of facts that can follow from the parameters of an order code.
-_SORTS_FROM_PARAMETERS = frozenset((Sort.POSITION, Sort.LIMIT, Sort.MEASUREMENT, Sort.ORDER_CODE, Sort.DEFAULT))
+_SORTS_FROM_PARAMETERS = frozenset(
+    (FactClass.POSITION, FactClass.LIMIT, FactClass.MEASUREMENT, FactClass.ORDER_CODE, FactClass.DEFAULT)
+)
 
 
 #: A number in decimal, or in hexadecimal with its mark.
@@ -82,7 +90,7 @@ def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool]:
     spec.
     """
     is_open_value = disagreement.second_place[-1:] == ("open",)
-    is_time_without_spec = disagreement.sort is Sort.TIME and disagreement.spec_value == NOTHING
+    is_time_without_spec = disagreement.sort is FactClass.TIME and disagreement.spec_value == NOTHING
     return not disagreement.is_name, disagreement.sort in _TEXTS, is_open_value, is_time_without_spec
 
 
@@ -115,14 +123,14 @@ def _own_cause(disagreement: Disagreement) -> object:
         return "text that only the second reading has"
     if disagreement.is_name:
         return _Renaming(_plain_name(disagreement.spec_value), _plain_name(disagreement.second_value))
-    if disagreement.sort is Sort.ORDER_CODE and NOTHING in (disagreement.spec_value, disagreement.second_value):
+    if disagreement.sort is FactClass.ORDER_CODE and NOTHING in (disagreement.spec_value, disagreement.second_value):
         return "order codes"
-    if disagreement.sort is Sort.HISTORY:
+    if disagreement.sort is FactClass.HISTORY:
         edition = _EDITION.search(disagreement.description)
         return edition[0] if edition is not None else None
     # The place of a whole table is ("tables", name), and the place of a row is longer.
     is_whole_table = len(disagreement.spec_place) == 2
-    if disagreement.sort is Sort.TABLE and (is_whole_table or disagreement.spec_value == NOTHING):
+    if disagreement.sort is FactClass.TABLE and (is_whole_table or disagreement.spec_value == NOTHING):
         _, table_name, *_ = disagreement.second_place
         return "rows of a table", table_name
     return _changed_values(disagreement)
@@ -139,7 +147,7 @@ def _changed_values(disagreement: Disagreement) -> object:
     only_in_spec, only_in_second = spec_digits - second_digits, second_digits - spec_digits
     if only_in_spec and only_in_second and disagreement.sort not in _SORTS_WITH_OWN_NUMBERS:
         return "numbers", frozenset(only_in_spec), frozenset(only_in_second)
-    if disagreement.sort is Sort.PIN:
+    if disagreement.sort is FactClass.PIN:
         return "signals", frozenset((disagreement.spec_value, disagreement.second_value))
     return None
 
@@ -169,7 +177,7 @@ def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[
 
     Only the second reading contains the entry, under the second name.
     """
-    if disagreement.sort is not Sort.CONTENTS or disagreement.spec_value != NOTHING:
+    if disagreement.sort is not FactClass.CONTENTS or disagreement.spec_value != NOTHING:
         return None
     entry_name = _plain_name(str(disagreement.second_place[-1]))
     for cause in known_causes:
@@ -195,7 +203,7 @@ def _known_change_of_time(disagreement: Disagreement, known_causes: Iterable[obj
     A time without a symbol is identified by its value, so a different value looks like another time. The cause is
     ``("numbers", spec digits, second digits)``.
     """
-    if disagreement.sort is not Sort.TIME or disagreement.spec_value != NOTHING:
+    if disagreement.sort is not FactClass.TIME or disagreement.spec_value != NOTHING:
         return None
     digits = _digits_of_numbers(disagreement.second_value)
     for cause in known_causes:

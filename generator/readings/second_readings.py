@@ -20,7 +20,7 @@ from ..model.record import dataclass
 from . import interfaces, order_codes, registers, stated, surroundings, texts
 from .compare import compare
 from .comparison import Comparison, Disagreement, Read
-from .reading import NOTHING, Facts, Reading, Sort
+from .reading import NOTHING, FactClass, Facts, Reading
 from .related import Related, group_by_cause
 
 
@@ -49,18 +49,18 @@ class Coverage:
 
     family: Family
     outcome: Comparison
-    derived: Mapping[Sort, int]
+    derived: Mapping[FactClass, int]
 
     @property
     def spec(self) -> Document:
         return self.family.document
 
     @cached_property
-    def counts(self) -> Mapping[Sort, TimesRead]:
+    def counts(self) -> Mapping[FactClass, TimesRead]:
         """Counts of each class."""
-        return {sort: self._count_times_read(sort) for sort in Sort}
+        return {sort: self._count_times_read(sort) for sort in FactClass}
 
-    def _count_times_read(self, sort: Sort) -> TimesRead:
+    def _count_times_read(self, sort: FactClass) -> TimesRead:
         """Return how many facts of a class were read how often. Facts that were read differently are not counted."""
         all_reads = self.outcome.read_by_place.items()
         reads_of_sort = [read for (read_sort, _), read in all_reads if read_sort is sort]
@@ -78,18 +78,18 @@ class Coverage:
         return add_counts(self.counts.values())
 
     @cached_property
-    def once(self) -> Sequence[tuple[Sort, Path]]:
+    def once(self) -> Sequence[tuple[FactClass, Path]]:
         """Facts that were read once, in the order of the file."""
         facts_read_once = [fact for fact, read in self.outcome.read_by_place.items() if read is Read.ONCE]
         return sorted(facts_read_once, key=self._order_in_file)
 
-    def _order_in_file(self, fact: tuple[Sort, Path]) -> tuple[tuple[int, int], str]:
+    def _order_in_file(self, fact: tuple[FactClass, Path]) -> tuple[tuple[int, int], str]:
         """Return line, column and class of a fact, by which facts are sorted."""
         sort, place = fact
         return self.spec.position(place), sort.value
 
     @property
-    def lacking(self) -> list[tuple[Sort, Path]]:
+    def lacking(self) -> list[tuple[FactClass, Path]]:
         """Facts that must be read twice but were read once."""
         return [(sort, place) for sort, place in self.once if sort.is_needed]
 

@@ -26,13 +26,13 @@ from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, Member
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
-from .reading import Case, Fact, Key, Reading, Sort, Value, count_text, in_hex, interface_label, register_text
+from .reading import Case, Fact, FactClass, Key, Reading, Value, count_text, in_hex, interface_label, register_text
 
 
 class _Detail(NamedTuple):
     """A fact about part of a procedure. Its key and its place are within the procedure."""
 
-    sort: Sort
+    sort: FactClass
     key: Key
     place: Path
     value: str
@@ -49,7 +49,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
         procedure_key: Key = ("procedure", procedure.interface, steps_text)
         procedure_place: Path = ("procedures", procedure.name)
         yield Fact(
-            sort=Sort.PROCEDURE,
+            sort=FactClass.PROCEDURE,
             key=procedure_key,
             value=steps_text,
             description=f"a procedure over {interface_label(procedure.interface)}",
@@ -80,7 +80,7 @@ def _argument_limits(reading: Reading, procedure: Procedure) -> Iterator[_Detail
             if meaning.name == argument.meant_as:
                 while_text = f" while {reading.state(meaning.when, meaning.value)}"
         yield _Detail(
-            sort=Sort.LIMIT,
+            sort=FactClass.LIMIT,
             key=("argument", number),
             place=("arguments", argument.name, "of"),
             value=f"{register_text(register)}{while_text}",
@@ -105,7 +105,7 @@ def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_
                 description = f"wait {position_text} in the procedure '{procedure.name}'"
                 wait_text = f"{total_wait_us // 1000} ms"
                 yield _Detail(
-                    sort=Sort.WAIT,
+                    sort=FactClass.WAIT,
                     key=("wait", step_number),
                     place=(*step_place, "at_least_ms"),
                     value=wait_text,
@@ -119,7 +119,7 @@ def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_
             bits_read = _register_and_bits(reading, step.register, step.field)
             description = f"bits used by {step_text}"
             yield _Detail(
-                sort=Sort.PROCEDURE,
+                sort=FactClass.PROCEDURE,
                 key=("bits", step_number),
                 place=(*step_place, "field"),
                 value=bits_read,
@@ -134,7 +134,7 @@ def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_
 def _repetition_details(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
     """Yield how often a request is sent, at which interval, and whether in succession without other requests."""
     yield _Detail(
-        sort=Sort.PROCEDURE,
+        sort=FactClass.PROCEDURE,
         key=("times", step_number),
         place=(*place, "times"),
         value=str(step.times),
@@ -142,7 +142,7 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
     )
     if step.microseconds:
         yield _Detail(
-            sort=Sort.WAIT,
+            sort=FactClass.WAIT,
             key=("every", step_number),
             place=(*place, "every_at_least_us"),
             value=f"{step.microseconds} µs",
@@ -150,7 +150,7 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
         )
     if step.in_succession:
         yield _Detail(
-            sort=Sort.PROCEDURE,
+            sort=FactClass.PROCEDURE,
             key=("succession", step_number),
             place=(*place, "in_succession"),
             value="yes",
@@ -246,7 +246,7 @@ class Subject:
             depends_on=self.key,
         )
 
-    def existence_fact(self, sort: Sort, value: Value, at: str = "", name: str = "", depends_on: Key = ()) -> Fact:
+    def existence_fact(self, sort: FactClass, value: Value, at: str = "", name: str = "", depends_on: Key = ()) -> Fact:
         """Return the fact that the subject exists, with a value such as "present".
 
         ``at`` is the member at which the file states it, and ``name`` is the reader's name of the subject.
@@ -263,13 +263,13 @@ class Subject:
             name_place=(*self.place, "name"),
         )
 
-    def all_facts(self, sort: Sort, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
+    def all_facts(self, sort: FactClass, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
         """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
         yield self.existence_fact(sort, value, at, getattr(model_part, "name", ""))
         yield from self.stated_facts(model_part)
 
     def detail_fact(
-        self, sort: Sort, name: str, value: Value, noun: str, at: Path | None = None, may_be_missing: bool = False
+        self, sort: FactClass, name: str, value: Value, noun: str, at: Path | None = None, may_be_missing: bool = False
     ) -> Fact:
         """Return another fact about the subject, whose description is ``noun``, ``joint`` and the subject's.
 
@@ -304,12 +304,12 @@ class Subject:
                 place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
                 text = _value_text(self.reading, member, member_value, self.interface)
                 noun = member.noun or member.words
-                yield self.detail_fact(Sort(member.read), member.name, text, noun, place)
+                yield self.detail_fact(FactClass(member.read), member.name, text, noun, place)
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
             place = self.reading.first_existing(*places)
             yield self.detail_fact(
-                Sort.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True
+                FactClass.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True
             )
 
     def stated_facts_by_code(self, rows: Sequence[Any]) -> Iterator[Fact]:
@@ -322,7 +322,9 @@ class Subject:
                     if member.read and member.is_stated(member_value):
                         values[case] = str(_value_text(self.reading, member, member_value, self.interface))
             if values:
-                yield self.detail_fact(Sort(member.read), member.name, values, member.noun or member.words, self.place)
+                yield self.detail_fact(
+                    FactClass(member.read), member.name, values, member.noun or member.words, self.place
+                )
 
 
 def _value_text(reading: Reading, member: Member, member_value: Any, interface: str) -> Value:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ..language.document import Path
 from ..model import Alarm, Connector, Edition, Manual
-from .reading import Fact, Key, Reading, Sort, comparable_text, interface_label, register_text
+from .reading import Fact, FactClass, Key, Reading, comparable_text, interface_label, register_text
 from .stated import Subject
 from .texts import numbers_in
 
@@ -25,14 +25,14 @@ def surroundings(reading: Reading) -> Iterator[Fact]:
                 reading, key=("alarm", bits_text), place=("alarms", alarm.name), description=f"the alarm '{alarm.name}'"
             )
             yield replace(
-                subject.existence_fact(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {bits_text}"
+                subject.existence_fact(FactClass.ALARM, "present", name=alarm.name), description=f"alarm at {bits_text}"
             )
             yield from subject.stated_facts(alarm)
     for number, hardware_input in enumerate(reading.device.inputs, 1):
         subject = Subject(
             reading, key=("input", number), place=("inputs", hardware_input.name), description=f"input {number}"
         )
-        yield from subject.all_facts(Sort.INPUT, hardware_input)
+        yield from subject.all_facts(FactClass.INPUT, hardware_input)
     yield from _history_facts(reading, reading.device.manual)
     yield from _characteristic_facts(reading)
     yield from _table_facts(reading)
@@ -61,7 +61,7 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, conne
         connector_text += f" for {interface_label(interface)}"
     key: Key = ("connector", interface, connector.kind, connector_number)
     owner = Subject(reading, key=key, place=("connectors", connector.name), description=connector_text)
-    yield from owner.all_facts(Sort.PIN, connector)
+    yield from owner.all_facts(FactClass.PIN, connector)
     for contact in connector.contacts:
         subject = Subject(
             reading,
@@ -72,7 +72,7 @@ def _contact_facts(reading: Reading, connector: Connector, interface: str, conne
         )
         # Two readers differ in capitals and blanks, but not in the sign of a signal.
         signal = "".join(contact.signal.casefold().split())
-        yield subject.existence_fact(Sort.PIN, signal, at="signal", depends_on=owner.key)
+        yield subject.existence_fact(FactClass.PIN, signal, at="signal", depends_on=owner.key)
         yield from subject.stated_facts(contact)
 
 
@@ -103,7 +103,7 @@ def _history_facts(reading: Reading, manual: Manual) -> Iterator[Fact]:
         subject = Subject(
             reading, key=("edition", edition.language), place=place, description=f"the edition '{edition.language}'"
         )
-        revision = subject.existence_fact(Sort.HISTORY, edition.revision, at="revision")
+        revision = subject.existence_fact(FactClass.HISTORY, edition.revision, at="revision")
         yield replace(revision, description=f"revision of {subject.description}")
         yield from subject.stated_facts(edition)
     for row in manual.history:
@@ -111,7 +111,7 @@ def _history_facts(reading: Reading, manual: Manual) -> Iterator[Fact]:
         row_subject = Subject(
             reading, key=("revision", row.revision), place=row_place, description=f"revision {row.revision}"
         )
-        yield from row_subject.all_facts(Sort.HISTORY, row, "listed")
+        yield from row_subject.all_facts(FactClass.HISTORY, row, "listed")
 
 
 def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
@@ -120,7 +120,7 @@ def _characteristic_facts(reading: Reading) -> Iterator[Fact]:
         key = ("characteristic", characteristic.name)
         place = ("characteristics", characteristic.name)
         subject = Subject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
-        yield from subject.all_facts(Sort.CHARACTERISTIC, characteristic)
+        yield from subject.all_facts(FactClass.CHARACTERISTIC, characteristic)
         for index, quantity_value in enumerate(characteristic.values):
             description = f"{quantity_value.quantity} {index + 1} of {subject.description}"
             yield from subject.inside((index,), ("values", index), description).stated_facts(quantity_value)
@@ -132,14 +132,14 @@ def _table_facts(reading: Reading) -> Iterator[Fact]:
         subject = Subject(
             reading, key=("table", table.name), place=("tables", table.name), description=f"the table '{table.name}'"
         )
-        yield from subject.all_facts(Sort.TABLE, table, f"{len(table.rows)} rows")
+        yield from subject.all_facts(FactClass.TABLE, table, f"{len(table.rows)} rows")
         for row_index, row in enumerate(table.rows):
             for column_index, cell in enumerate(row):
                 cell_numbers = numbers_in(cell)  # A text, such as "5V 10ms", or "".
                 if cell_numbers:
                     place = (*subject.place, "rows", row_index, column_index)
                     noun = f"row {row_index + 1}, column {column_index + 1}"
-                    yield subject.detail_fact(Sort.TABLE, f"{row_index} {column_index}", cell_numbers, noun, place)
+                    yield subject.detail_fact(FactClass.TABLE, f"{row_index} {column_index}", cell_numbers, noun, place)
 
 
 def _led_facts(reading: Reading) -> Iterator[Fact]:
@@ -148,12 +148,12 @@ def _led_facts(reading: Reading) -> Iterator[Fact]:
         led_subject = Subject(
             reading, key=("led", led.name), place=("leds", led.name), description=f"the LED '{led.name}'"
         )
-        yield from led_subject.all_facts(Sort.LED, led, f"{len(led.states)} states")
+        yield from led_subject.all_facts(FactClass.LED, led, f"{len(led.states)} states")
         for index, led_state in enumerate(led.states):
             state_subject = led_subject.inside(
                 key=(index,),
                 place=("states", index),
                 description=f"state {index + 1} of {led_subject.description}",
             )
-            yield state_subject.detail_fact(Sort.LED, "state", led_state.state.casefold(), noun="words")
+            yield state_subject.detail_fact(FactClass.LED, "state", led_state.state.casefold(), noun="words")
             yield from state_subject.stated_facts(led_state)

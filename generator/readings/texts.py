@@ -12,7 +12,7 @@ from typing import Any
 from ..language.document import Path, label_of
 from ..language.schema_files import PROSE
 from ..loading.from_mapping import parse_sources
-from .reading import Fact, Reading, Sort
+from .reading import Fact, FactClass, Reading
 
 #: First part of the keys of numbers in texts, and of cited sections.
 NUMBERS, CITED = "numbers", "cited"
@@ -46,7 +46,7 @@ def content_facts(reading: Reading) -> Iterator[Fact]:
             if page is not None:
                 description = f"page of {dotted_path(page_place[2:])} in the contents"
                 yield Fact(
-                    sort=Sort.CONTENTS,
+                    sort=FactClass.CONTENTS,
                     key=("contents", *page_place),
                     value=str(page),
                     description=description,
@@ -62,7 +62,7 @@ def text_facts(reading: Reading) -> Iterator[Fact]:
             continue
         if is_source(place[-1]):
             yield Fact(
-                sort=Sort.SECTION,
+                sort=FactClass.SECTION,
                 key=(CITED, *place),
                 value=numbers_or_sections,
                 description=f"section cited at {dotted_path(place)}",
@@ -70,7 +70,7 @@ def text_facts(reading: Reading) -> Iterator[Fact]:
             )
         else:
             yield Fact(
-                sort=Sort.TEXT,
+                sort=FactClass.TEXT,
                 key=(NUMBERS, *place),
                 value=numbers_or_sections,
                 description=f"numbers in {dotted_path(place)}",

@@ -22,7 +22,7 @@ from codewheel.model.members import PARTS, PARTS_BY_CLASS, Member, Part
 from codewheel.model.record import dataclass
 from codewheel.readings import stated
 from codewheel.readings.compare import compare
-from codewheel.readings.reading import Reading, Sort
+from codewheel.readings.reading import FactClass, Reading
 from codewheel.readings.second_readings import facts_of
 from codewheel.targets.python import records
 from codewheel.targets.python.facts import register_rows
@@ -67,7 +67,7 @@ def test_every_member_of_the_model_is_in_the_table(kind: str) -> None:
 def test_the_table_names_rules_and_classes_of_facts_that_exist() -> None:
     members = [member for part in PARTS for member in part.members]
     assert {member.rule for member in members} - {""} <= set(RULES)
-    assert {member.read for member in members} - {""} <= {sort.value for sort in Sort}
+    assert {member.read for member in members} - {""} <= {sort.value for sort in FactClass}
 
 
 def parts_of_records() -> Iterator[tuple[str, Part]]:

@@ -18,7 +18,7 @@ from codewheel.language.read import read_document
 from codewheel.language.schema_files import is_only_in_device_files
 from codewheel.loading.library import load_families
 from codewheel.model.members import PARTS_BY_CLASS
-from codewheel.readings.reading import Reading, Sort
+from codewheel.readings.reading import FactClass, Reading
 from codewheel.readings.surroundings import surroundings
 
 # Reads whole specs twice, which does not depend on wording or rules of check.
@@ -463,8 +463,10 @@ def test_requests_and_replies_are_compared(
         assert any(words in line for line in reported), reported
 
 
-@pytest.mark.parametrize(("part", "sort"), [("Led", Sort.LED), ("Connector", Sort.PIN)])
-def test_a_member_with_a_class_of_facts_is_compared(part: str, sort: Sort, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("part", "sort"), [("Led", FactClass.LED), ("Connector", FactClass.PIN)])
+def test_a_member_with_a_class_of_facts_is_compared(
+    part: str, sort: FactClass, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """No member of these parts has a class today. A new key with one must not be left out."""
     (family,), _ = load_families([HERE.parents[1] / "specs/lika/amm5.yaml"])
     members = []

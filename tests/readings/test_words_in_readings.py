@@ -9,7 +9,7 @@ import pytest
 from codewheel.commands.check.specs import check_specs
 from codewheel.language.problems import ProblemReport
 from codewheel.loading.library import load_families
-from codewheel.readings.reading import Sort
+from codewheel.readings.reading import FactClass
 from codewheel.readings.second_readings import Coverage, comparable_specs, compare_readings
 from codewheel.readings.texts import numbers_in
 
@@ -127,13 +127,13 @@ def coverage(folder: pathlib.Path) -> Coverage:
 def test_what_was_not_read_twice_does_not_count_as_such(folder: pathlib.Path) -> None:
     """Without numbers only a name is compared. Numbers that were found, and decisions, were not read twice."""
     counts = coverage(folder).counts
-    once = {path for sort, path in coverage(folder).once if sort in (Sort.CHARACTERISTIC, Sort.TEXT)}
+    once = {path for sort, path in coverage(folder).once if sort in (FactClass.CHARACTERISTIC, FactClass.TEXT)}
     assert ("characteristics", "handling") in once
     assert ("leds", "power", "states", 0, "meaning") in once
     # Name, kind, bound and unit of the torque are compared.
-    assert (counts[Sort.CHARACTERISTIC].twice, counts[Sort.CHARACTERISTIC].once) == (4, 1)
-    assert (counts[Sort.VERDICT].twice, counts[Sort.VERDICT].decided) == (0, 3)
-    assert (counts[Sort.CRC].decided, counts[Sort.SECTION].twice) == (1, 3)
+    assert (counts[FactClass.CHARACTERISTIC].twice, counts[FactClass.CHARACTERISTIC].once) == (4, 1)
+    assert (counts[FactClass.VERDICT].twice, counts[FactClass.VERDICT].decided) == (0, 3)
+    assert (counts[FactClass.CRC].decided, counts[FactClass.SECTION].twice) == (1, 3)
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from ...loading.overlays import Family
 from ...model import TimesRead
 from ...readings.cloze import Reader as SheetReader
 from ...readings.cloze import check_sheets, read_sheet
-from ...readings.reading import Sort
+from ...readings.reading import FactClass
 from ...readings.second_readings import (
     Coverage,
     Reader,
@@ -209,11 +209,11 @@ def _family_data(family_coverage: Coverage) -> dict[str, Any]:
     }
 
 
-def _class_data(sort: Sort, times_read: TimesRead) -> dict[str, Any]:
+def _class_data(sort: FactClass, times_read: TimesRead) -> dict[str, Any]:
     return asdict(times_read) | {"needed": sort.is_needed}
 
 
-def _fact_data(family_coverage: Coverage, sort: Sort, place: SpecPath) -> dict[str, Any]:
+def _fact_data(family_coverage: Coverage, sort: FactClass, place: SpecPath) -> dict[str, Any]:
     """Return the data about a fact that was read only once."""
     spec = family_coverage.spec
     line_number, _ = spec.position(place)
@@ -245,7 +245,7 @@ def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
 
 def _rows_of_table(covered: Sequence[Coverage]) -> Iterator[tuple[str, TimesRead]]:
     """Yield a name and counts for each class of facts, with ``*`` if it needs two readings, each family, and all."""
-    for sort in Sort:
+    for sort in FactClass:
         name = f"{sort.value} *" if sort.is_needed else sort.value
         yield name, add_counts(family_coverage.counts[sort] for family_coverage in covered)
     for family_coverage in covered:
