@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from ..language.document import Path
 from ..model import Biss, channel_frame
 from ..say.names_and_places import bits
-from .reading import Case, Fact, FactClass, Reading
+from .reading import Case, ComparedFact, FactClass, Reading
 
 
-def channel_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
+def channel_facts(reading: Reading, interface: Biss) -> Iterator[ComparedFact]:
     """Yield the order of the data channels in a frame, and the bits of each channel that are compared.
 
     Channels are identified by their numbers: ``1, 2``.
@@ -19,7 +19,7 @@ def channel_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
     if frame is None:
         return
     place: Path = ("interfaces", interface.name, "channels")
-    yield Fact(
+    yield ComparedFact(
         sort=FactClass.POSITION,
         key=("channels", "order"),
         value=", ".join(f"{layout.channel}" for layout in frame.layouts),
@@ -35,7 +35,7 @@ def channel_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
             lowest_compared = field.high + 1 - compared_bits
             bits_by_case[case] = bits(field.high, lowest_compared)
         channel = compared.layout.channel or 0
-        yield Fact(
+        yield ComparedFact(
             sort=FactClass.POSITION,
             key=("channels", "compared", channel),
             value=bits_by_case,

@@ -15,7 +15,7 @@ from .compare_facts import CHOSEN_BY_READER, compare_facts, compare_names, missi
 from .compare_words import compare_word
 from .comparison import Comparison, Disagreement, Read
 from .pairing import with_order_of, with_rows_of
-from .reading import NOTHING, Fact, FactClass, Facts, Key, use_same_names
+from .reading import NOTHING, ComparedFact, FactClass, Facts, Key, use_same_names
 from .texts import NUMBERS, dotted_path
 
 #: Classes of facts in texts, which a second reading can also give by their paths.
@@ -56,7 +56,7 @@ def _has_two_byte_orders(word_key: Key, spec: Facts, second: Facts) -> bool:
     return str(spec.facts[order_key].value) != str(second.facts[order_key].value)
 
 
-def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fact: Fact) -> Path | None:
+def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fact: ComparedFact) -> Path | None:
     """Return the place where the spec would state a fact of the second reading, or None if the spec may lack it.
 
     For a fact that depends on another fact, such as the register of a default, this is the place of the other fact, or
@@ -71,7 +71,7 @@ def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fa
     if second_fact.depends_on:
         subject_fact = spec.facts.get(second_fact.depends_on)
         return subject_fact.place if subject_fact is not None else None
-    unmatched_facts: list[Fact] = []
+    unmatched_facts: list[ComparedFact] = []
     for spec_key, spec_fact in spec.facts.items():
         is_of_same_kind = spec_key[:2] == second_fact.key[:2] and spec_fact.sort is second_fact.sort
         if is_of_same_kind and not spec_fact.depends_on and spec_fact.key not in second.facts:
@@ -93,7 +93,7 @@ def _nearest_container(fact_place: Path) -> Path:
     return fact_place[:3] if has_name_inside else fact_place[:2]
 
 
-def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
+def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, ComparedFact]]:
     """Yield the facts that the second reading gives by paths, as copies of the spec's facts with its values and places.
 
     These are numbers in texts, and sections of sources. A path that the spec lacks leads to a separate fact.
@@ -103,7 +103,7 @@ def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
     for path, (numbers, second_place) in second.printed_numbers.items():
         spec_fact = spec_fact_by_path.get(path)
         if spec_fact is None:
-            spec_fact = Fact(
+            spec_fact = ComparedFact(
                 sort=FactClass.TEXT, key=(NUMBERS, path), value="", description=f"numbers in {path}", place=()
             )
         yield spec_fact.key, replace(spec_fact, value=numbers, place=second_place)
@@ -178,15 +178,15 @@ def _compare_order_codes(spec: Facts, second: Facts) -> Iterator[Disagreement]:
         yield missing_in_spec(described_fact, _first_place(spec_codes))
 
 
-def _order_codes_of(facts: Facts) -> dict[Key, Fact]:
+def _order_codes_of(facts: Facts) -> dict[Key, ComparedFact]:
     return {key: fact for key, fact in facts.facts.items() if key[0] == "code"}
 
 
-def _first_place(facts: dict[Key, Fact]) -> Path:
+def _first_place(facts: dict[Key, ComparedFact]) -> Path:
     return next(iter(facts.values())).place
 
 
-def _describe_with_count(facts: Sequence[Fact]) -> str:
+def _describe_with_count(facts: Sequence[ComparedFact]) -> str:
     """Return the description of the first of several facts, and how many more there are."""
     description = facts[0].description
     if len(facts) == 1:

@@ -13,7 +13,7 @@ from .reading import (
     FACTORY_DEFAULTS,
     NOTHING,
     Case,
-    Fact,
+    ComparedFact,
     FactClass,
     Key,
     Names,
@@ -29,9 +29,9 @@ CHOSEN_BY_READER = frozenset(("parameter",))
 
 def compare_facts(
     comparison: Comparison,
-    spec_facts: Mapping[Key, Fact],
-    second_facts: Mapping[Key, Fact],
-    place_in_spec: Callable[[Fact], Path | None],
+    spec_facts: Mapping[Key, ComparedFact],
+    second_facts: Mapping[Key, ComparedFact],
+    place_in_spec: Callable[[ComparedFact], Path | None],
 ) -> Iterator[Disagreement]:
     """Yield the disagreements on facts, which are identified by their keys, and count the facts of the spec.
 
@@ -52,7 +52,7 @@ def compare_facts(
                 yield missing_in_spec(second_fact, nearest_place)
 
 
-def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
+def missing_in_spec(second_fact: ComparedFact, nearest_place: Path) -> Disagreement:
     """Return the disagreement on a fact that only the second reading has.
 
     ``nearest_place`` is the place where the spec would state the fact.
@@ -68,7 +68,9 @@ def missing_in_spec(second_fact: Fact, nearest_place: Path) -> Disagreement:
     )
 
 
-def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) -> Iterator[Disagreement]:
+def _compare_values(
+    comparison: Comparison, spec_fact: ComparedFact, second_fact: ComparedFact
+) -> Iterator[Disagreement]:
     """Compare the values of a fact: one value, or one for each case. Of several differences, yield the first.
 
     If all cases of both readings have one value each, only these two are compared. Printed names count as equal if the
@@ -108,9 +110,9 @@ def value_text(value_or_cases: Value) -> str:
 
 def _compare_cases(
     comparison: Comparison,
-    spec_fact: Fact,
+    spec_fact: ComparedFact,
     spec_values: Mapping[Case, str],
-    second_fact: Fact,
+    second_fact: ComparedFact,
     second_values: Mapping[Case, str],
 ) -> Iterator[Disagreement]:
     """Yield a disagreement if a fact has different values in cases that both readings have, and count the fact.
@@ -137,7 +139,9 @@ def _is_as_by_default(values: Mapping[Case, str], case: Case) -> bool:
     return case.state != FACTORY_DEFAULTS and values[case] == values.get(case.by_default)
 
 
-def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second_text: str) -> Disagreement:
+def _different_values(
+    spec_fact: ComparedFact, spec_text: str, second_fact: ComparedFact, second_text: str
+) -> Disagreement:
     """Return the disagreement on two values of a fact.
 
     For the length of a frame, ``resized_frame`` contains the words for the frame, and it is empty for any other fact.

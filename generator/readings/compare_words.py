@@ -12,7 +12,7 @@ from ..say.names_and_places import bits as bits_text
 from .compare_facts import cases_text, compare_facts, compare_names
 from .comparison import Comparison, Disagreement, Read
 from .frame_bits import continues_item, describe_bits
-from .reading import FACTORY_DEFAULTS, Bit, Case, Fact, FactClass, Word, WordCase
+from .reading import FACTORY_DEFAULTS, Bit, Case, ComparedFact, FactClass, Word, WordCase
 
 #: Identity of a disagreement in all cases: its places, its class, and its number among the disagreements of a case with
 #: the same places and class.
@@ -115,7 +115,7 @@ def _compare_in_case(
     yield from compare_names(comparison, spec_case.names, second_case.names)
 
 
-def _place_unless_optional(field_place: Path, second_fact: Fact) -> Path | None:
+def _place_unless_optional(field_place: Path, second_fact: ComparedFact) -> Path | None:
     """Return the place of the field if the spec must have a fact about it that the second reading has, or else None."""
     return None if second_fact.may_be_missing else field_place
 

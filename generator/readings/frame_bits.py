@@ -27,7 +27,7 @@ from ..say.names_and_places import bits
 from .reading import (
     Bit,
     Case,
-    Fact,
+    ComparedFact,
     FactClass,
     Facts,
     Parameters,
@@ -52,7 +52,7 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
     low_and_width = placed_field.low, placed_field.width
     has_name_at_place = place[-2:] == ("fields", field_name)
     if has_name_at_place:
-        name_fact = Fact(
+        name_fact = ComparedFact(
             sort=FactClass.POSITION,
             key=low_and_width,
             value=field_name,
@@ -61,7 +61,7 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
         )
         facts.add_name(("field",), name_fact)
     for named_value in placed_field.field.values:
-        value_name_fact = Fact(
+        value_name_fact = ComparedFact(
             sort=FactClass.VALUE,
             key=(named_value.value,),
             value=named_value.name,
@@ -73,7 +73,7 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
 
 def properties(
     subject: Subject, placed_field: PlacedField, parameters: Parameters, register: Register | None
-) -> Iterator[Fact]:
+) -> Iterator[ComparedFact]:
     """Yield the facts of a field other than its bits: the facts of its kind, a fixed value, a default, stated members.
 
     ``parameters`` are the parameters of an order code. ``register`` is the register that contains the field, or None in
@@ -97,7 +97,7 @@ def properties(
     yield from subject.stated_facts(field)
 
 
-def _facts_of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
+def _facts_of_kind(subject: Subject, field: Field) -> Iterator[ComparedFact]:
     """Yield the facts that depend on the kind of the field: about its bits, its CRC, and its named values.
 
     The other reading may lack the verdict of unused bits (``may_be_missing``), but no other of these facts.

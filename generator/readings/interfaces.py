@@ -26,7 +26,7 @@ from .channels import channel_facts
 from .frame_bits import word
 from .reading import (
     Case,
-    Fact,
+    ComparedFact,
     FactClass,
     Facts,
     Key,
@@ -102,10 +102,10 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity
                 facts.add_name(("group", interface.name), _group_name(frame_subject, field))
 
 
-def _group_name(frame: Subject, field: Field) -> Fact:
+def _group_name(frame: Subject, field: Field) -> ComparedFact:
     """Return the name of the group that a field of a frame belongs to."""
     bits_text = frame.reading.bits_of(frame.interface, field)
-    return Fact(
+    return ComparedFact(
         sort=FactClass.POSITION,
         key=(*frame.key, bits_text),
         value=field.group,
@@ -114,7 +114,7 @@ def _group_name(frame: Subject, field: Field) -> Fact:
     )
 
 
-def _frame_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
+def _frame_facts(frame: Subject, layout: Layout) -> Iterator[ComparedFact]:
     """Yield the facts about a frame as a whole: its sender, units, byte order, length and combinations of values.
 
     A frame of one byte needs no byte order. If only one reading states it, they do not disagree.
@@ -136,7 +136,7 @@ def _frame_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
     yield from _combination_facts(frame, layout)
 
 
-def _combination_facts(frame: Subject, layout: Layout) -> Iterator[Fact]:
+def _combination_facts(frame: Subject, layout: Layout) -> Iterator[ComparedFact]:
     """Yield the verdict and the stated facts of each combination of field values.
 
     A combination is identified by its bits for the first order code: ``bit 3 = 1, bits 7:4 = 0``.
@@ -170,7 +170,7 @@ def _condition_text(field: PlacedField, needed_value: int) -> str:
     return f"{bits(field.high, field.low)} = {bit_value}"
 
 
-def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
+def _interface_facts(reading: Reading, interface: Interface) -> Iterator[ComparedFact]:
     """Yield the facts about an interface other than its frames: its members, its parts, and the facts of its kind."""
     place: Path = ("interfaces", interface.name)
     interface_subject = Subject(
@@ -205,7 +205,7 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
             yield from _exchange_facts(interface)
 
 
-def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
+def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[ComparedFact]:
     """Yield a fact for each length of the cable: its highest clock, such as ``below 400000 Hz``.
 
     If that depends on the order code, the value is a map with the text for each code.
@@ -217,7 +217,7 @@ def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[Fact]:
     for length, index in first_index_by_length.items():
         rows = [row for row in interface.cable_lengths if row.shorter_than_m == length]
         rows_with_texts = [(row, f"below {row.below_hz} Hz") for row in rows]
-        yield Fact(
+        yield ComparedFact(
             sort=FactClass.CLOCK,
             key=("cable", "ssi", length),
             value=_value_by_code(reading, interface.name, rows_with_texts),
@@ -239,7 +239,7 @@ def _value_by_code(reading: Reading, interface: str, rows_with_texts: Sequence[t
     return values
 
 
-def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
+def _biss_facts(reading: Reading, interface: Biss) -> Iterator[ComparedFact]:
     """Yield the printed time-outs, each identified by its clock, and the fields of the control frame.
 
     A field of the control frame is identified by the number of bits sent before it.
@@ -247,7 +247,7 @@ def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
     for timeout in interface.timeouts:
         for index, printed in enumerate(timeout.printed):
             row_with_text = (timeout, f"{printed.timeout_ns} ns")
-            yield Fact(
+            yield ComparedFact(
                 sort=FactClass.TIME,
                 key=("timeout", "at", printed.clock_hz),
                 value=_value_by_code(reading, interface.name, [row_with_text]),
@@ -260,7 +260,7 @@ def _biss_facts(reading: Reading, interface: Biss) -> Iterator[Fact]:
         bits_before += control_field.bits
 
 
-def _control_field_facts(reading: Reading, control_field: ControlField, offset: int) -> Iterator[Fact]:
+def _control_field_facts(reading: Reading, control_field: ControlField, offset: int) -> Iterator[ComparedFact]:
     """Yield the facts of a field of the control frame: its bits, its values, and its CRC.
 
     ``offset`` is the number of bits sent before the field.
@@ -281,7 +281,7 @@ def _control_field_facts(reading: Reading, control_field: ControlField, offset: 
         yield from crc_subject.stated_facts(reading.device.crc(control_field.crc))
 
 
-def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
+def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[ComparedFact]:
     """Yield the data IDs, and the contents of replies to memory accesses, such as while the memory is busy.
 
     A data ID is identified by its number, ``("data id", 3)``, with the value ``control field 0x1A``. A reply is
@@ -293,7 +293,7 @@ def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
         subject = Subject(reading, key=("data id", data_id.id), place=id_place, description=f"data ID {data_id.id:X}")
         yield from subject.all_facts(FactClass.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
     for index, access in enumerate(interface.memory_access):
-        yield Fact(
+        yield ComparedFact(
             sort=FactClass.SETTING,
             key=("memory", access.access, access.busy),
             value=f"address {comparable_text(access.address)}, data {comparable_text(access.data)}",
@@ -302,7 +302,7 @@ def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[Fact]:
         )
 
 
-def _exchange_facts(interface: Rs485 | Spi) -> Iterator[Fact]:
+def _exchange_facts(interface: Rs485 | Spi) -> Iterator[ComparedFact]:
     """Yield the exchanges, such as ``read, with a reply, words of 8 bits``.
 
     An exchange is identified by the constants of its request: ``0x1A from bit 0``.
@@ -314,7 +314,7 @@ def _exchange_facts(interface: Rs485 | Spi) -> Iterator[Fact]:
         exchange_text = f"{exchange.purpose}, {with_or_without} a reply"
         if exchange.word_bits is not None:
             exchange_text += f", words of {exchange.word_bits.render()} bits"
-        yield Fact(
+        yield ComparedFact(
             sort=FactClass.SETTING,
             key=("exchange", interface.name, constants),
             value=exchange_text,
@@ -323,7 +323,7 @@ def _exchange_facts(interface: Rs485 | Spi) -> Iterator[Fact]:
         )
 
 
-def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[Fact]:
+def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[ComparedFact]:
     """Yield a fact for each bound of a timing with a symbol, and one fact for a timing without a symbol.
 
     With a symbol, the key has it and the bound: ``("time", "ssi", "tm", "at_least_us")``. Without one, only the numbers
@@ -344,7 +344,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
             bound_words = {bound: bound.removesuffix("_us").replace("_", " ") for bound in time_by_bound}
             times_text = ", ".join(f"{bound_words[bound]} {time}" for bound, time in time_by_bound.items())
             key: Key = ("time", interface, times_text)
-            yield Fact(
+            yield ComparedFact(
                 sort=FactClass.TIME,
                 key=key,
                 value=times_text,
@@ -356,7 +356,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
             continue
         symbol = comparable_text(timing.symbol).replace(" ", "")
         for bound_name, bound_time in time_by_bound.items():
-            yield Fact(
+            yield ComparedFact(
                 sort=FactClass.TIME,
                 key=("time", interface, symbol, bound_name),
                 value=bound_time,

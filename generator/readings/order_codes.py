@@ -9,7 +9,7 @@ from ..language.problems import Path
 from ..model import CodePart, Interface, Layout, Parameter, Spelling, Variant
 from ..order_codes.labels import values_by_spelling
 from ..say.names_and_places import bits
-from .reading import FACTORY_DEFAULTS, Case, Fact, FactClass, Facts, Reading, count_text
+from .reading import FACTORY_DEFAULTS, Case, ComparedFact, FactClass, Facts, Reading, count_text
 from .stated import Subject
 
 
@@ -31,7 +31,7 @@ def add_codes(reading: Reading, facts: Facts) -> None:
     facts.add(
         iter(
             (
-                Fact(
+                ComparedFact(
                     sort=FactClass.MEASUREMENT,
                     key=("movement",),
                     value=movement,
@@ -44,7 +44,7 @@ def add_codes(reading: Reading, facts: Facts) -> None:
     facts.derived[FactClass.LIMIT] += len(reading.device.definitions)
 
 
-def _order_code_facts(reading: Reading) -> Iterator[Fact]:
+def _order_code_facts(reading: Reading) -> Iterator[ComparedFact]:
     """Yield each order code with its interface, and each part whose values the manual leaves open.
 
     Such a part is identified by the values that the manual prints. If these values combine only with certain values of
@@ -53,7 +53,7 @@ def _order_code_facts(reading: Reading) -> Iterator[Fact]:
     place: Path = ("order_code", "parts")
     for variant in reading.device.variants:
         description = f"interface of the order code {variant.code}"
-        yield Fact(
+        yield ComparedFact(
             sort=FactClass.ORDER_CODE,
             key=("code", variant.code),
             value=variant.interface,
@@ -66,7 +66,7 @@ def _order_code_facts(reading: Reading) -> Iterator[Fact]:
         allowed_values = sorted(value for values in part.open_only_with.values() for value in values)
         with_text = f" with {', '.join(allowed_values)}" if allowed_values else ""
         printed_values = ", ".join(sorted(part_value.text for part_value in part.values))
-        yield Fact(
+        yield ComparedFact(
             sort=FactClass.ORDER_CODE,
             key=("open", printed_values),
             value=part.open + with_text,
@@ -75,7 +75,7 @@ def _order_code_facts(reading: Reading) -> Iterator[Fact]:
         )
 
 
-def _supply_facts(reading: Reading) -> Iterator[Fact]:
+def _supply_facts(reading: Reading) -> Iterator[ComparedFact]:
     """Yield one fact with the supply of each order code: ``5000 to 30000 mV``, or nothing if none is stated."""
     supplies: dict[Case, str] = {}
     for variant in reading.device.variants:
@@ -83,7 +83,7 @@ def _supply_facts(reading: Reading) -> Iterator[Fact]:
         if supply is not None:
             supplies[Case(variant.code, FACTORY_DEFAULTS)] = f"{supply.min_mv} to {supply.max_mv} mV"
     if supplies:
-        yield Fact(
+        yield ComparedFact(
             sort=FactClass.SUPPLY,
             key=("supply",),
             value=supplies,
@@ -92,7 +92,7 @@ def _supply_facts(reading: Reading) -> Iterator[Fact]:
         )
 
 
-def _parameter_facts(reading: Reading) -> Iterator[Fact]:
+def _parameter_facts(reading: Reading) -> Iterator[ComparedFact]:
     """Yield a fact for each parameter, with its value in each case of each order code.
 
     A parameter may be missing from the other reading, since readers choose their own. One name has one meaning.
@@ -118,7 +118,7 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
         description = f"name of alternative {number}"
         facts.add_name(
             ("alternative",),
-            Fact(
+            ComparedFact(
                 sort=FactClass.ORDER_CODE,
                 key=(number,),
                 value=alternative.name,
@@ -131,11 +131,13 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
             path = (*place, "values", answer.name)
             facts.add_name(
                 ("answer", number),
-                Fact(sort=FactClass.ORDER_CODE, key=(index,), value=answer.name, description=description, place=path),
+                ComparedFact(
+                    sort=FactClass.ORDER_CODE, key=(index,), value=answer.name, description=description, place=path
+                ),
             )
 
 
-def _spelling_facts(reading: Reading) -> Iterator[Fact]:
+def _spelling_facts(reading: Reading) -> Iterator[ComparedFact]:
     """Yield each label in an additional notation, with the order code that it stands for.
 
     A label is identified by its text and by what follows it (``then``).
@@ -146,7 +148,7 @@ def _spelling_facts(reading: Reading) -> Iterator[Fact]:
             label = _label_with_spelling(spelling, variant, reading.device.order_code.parts)
             if label is not None:
                 key = ("label", label, spelling.then)
-                yield Fact(
+                yield ComparedFact(
                     sort=FactClass.ORDER_CODE, key=key, value=variant.code, description=f"label {label}", place=place
                 )
 
@@ -169,7 +171,7 @@ def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[C
     return label
 
 
-def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
+def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[ComparedFact]:
     """Yield the limits of a parameter in a register, such as ``minimum held in register 0x49 bits 7:4``.
 
     They are identified by the bits that hold the parameter.
@@ -178,7 +180,7 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fa
     register = reading.register(parameter.register)
     for bound_name, bound in (("min", parameter.min), ("max", parameter.max)):
         if bound is not None:
-            yield Fact(
+            yield ComparedFact(
                 sort=FactClass.LIMIT,
                 key=("held", bits_text, bound_name),
                 value=count_text(bound),
@@ -188,7 +190,7 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fa
             )
 
 
-def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
+def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[ComparedFact]:
     """Yield the facts about the position over an interface, and its bits in each frame that contains it.
 
     The measurement belongs to the interface, or else to the device.
@@ -220,7 +222,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
         if position_bits:
             position_key = (*subject.key, "of", layout.sender, *layout.selects)
             description = f"measured bits of '{layout.name}'"
-            yield Fact(
+            yield ComparedFact(
                 sort=FactClass.MEASUREMENT,
                 key=position_key,
                 value=position_bits,
@@ -230,7 +232,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]
             )
 
 
-def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:
+def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Iterator[ComparedFact]:
     """Yield the facts about the range of the position in a layout, if the layout states its own."""
     if layout.position_range is None:
         return

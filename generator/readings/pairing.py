@@ -8,7 +8,7 @@ from dataclasses import replace
 from difflib import SequenceMatcher
 from typing import Any
 
-from .reading import Fact, Facts, Key, Value
+from .reading import ComparedFact, Facts, Key, Value
 
 #: Cells with numbers of a row, by column.
 _Row = tuple[tuple[int, Value], ...]
@@ -104,10 +104,10 @@ def with_order_of(spec: Facts, second: Facts) -> Facts:
     def renumbered(key: Key) -> Key:
         return (*new_keys.get(key[:_STEPS], key[:_STEPS]), *key[_STEPS:])
 
-    facts: dict[Key, Fact] = {}
+    facts: dict[Key, ComparedFact] = {}
     for key, fact in spec.facts.items():
         facts[renumbered(key)] = replace(fact, key=renumbered(fact.key), depends_on=renumbered(fact.depends_on))
-    names: dict[Key, dict[Key, Fact]] = {}
+    names: dict[Key, dict[Key, ComparedFact]] = {}
     for kind, names_of_kind in spec.names.items():
         names[kind] = {}
         for key, name_fact in names_of_kind.items():

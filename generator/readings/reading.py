@@ -85,7 +85,7 @@ Value = str | Mapping[Case, str]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Fact:
+class ComparedFact:
     """A fact. ``description`` is its name in messages, ``place`` its place in the spec.
 
     ``depends_on`` is the key of the fact on which this fact depends, such as the register of a default. A fact that
@@ -107,7 +107,7 @@ class Fact:
 
 
 #: Facts about the names that a reader gives to items of one kind.
-Names = dict[Key, Fact]
+Names = dict[Key, ComparedFact]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -128,7 +128,7 @@ class WordCase:
     """
 
     bits: tuple[Bit, ...]
-    fields: Mapping[tuple[int, int], Mapping[Key, Fact]]
+    fields: Mapping[tuple[int, int], Mapping[Key, ComparedFact]]
     names: Mapping[Key, Names]
 
 
@@ -158,7 +158,7 @@ class Facts:
     ``sections``. ``decided`` contains the paths and classes of facts that no manual prints.
     """
 
-    facts: dict[Key, Fact] = dataclasses.field(default_factory=dict)
+    facts: dict[Key, ComparedFact] = dataclasses.field(default_factory=dict)
     words: dict[Key, Word] = dataclasses.field(default_factory=dict)
     derived: Counter[FactClass] = dataclasses.field(default_factory=Counter)
     names: dict[Key, Names] = dataclasses.field(default_factory=dict)
@@ -166,7 +166,7 @@ class Facts:
     sections: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
     decided: Sequence[str] = ()
 
-    def add(self, facts: Iterator[Fact]) -> None:
+    def add(self, facts: Iterator[ComparedFact]) -> None:
         """Add facts. A key that already exists gets the first free number: ``(*key, 2)``, ``(*key, 3)``."""
         for fact in facts:
             key = fact.key
@@ -178,14 +178,16 @@ class Facts:
             if fact.name:
                 self._add_name_of(key, fact)
 
-    def _add_name_of(self, key: Key, fact: Fact) -> None:
+    def _add_name_of(self, key: Key, fact: ComparedFact) -> None:
         """Add ``fact.name`` as the name of an item, under its kind: ``("register", "ssi")``, or ``("alarm",)``."""
         kind = key[:2] if key[0] in _BY_INTERFACE else key[:1]
         description = f"name of {fact.description}"
-        name_fact = Fact(sort=fact.sort, key=key, value=fact.name, description=description, place=fact.name_place)
+        name_fact = ComparedFact(
+            sort=fact.sort, key=key, value=fact.name, description=description, place=fact.name_place
+        )
         self.add_name(kind, name_fact)
 
-    def add_name(self, kind: Key, name: Fact) -> None:
+    def add_name(self, kind: Key, name: ComparedFact) -> None:
         """Add the name of an item."""
         self.names.setdefault(kind, {}).setdefault(name.key, name)
 
@@ -224,7 +226,9 @@ def _names_by_kind(spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> It
         yield spec[kind], second[kind]
 
 
-def mistaken_pairs(spec_names: Names, second_names: Names, *, must_be_equal: bool) -> Iterator[tuple[Fact, Fact]]:
+def mistaken_pairs(
+    spec_names: Names, second_names: Names, *, must_be_equal: bool
+) -> Iterator[tuple[ComparedFact, ComparedFact]]:
     """Yield the names of an item in the spec and the second reading if they differ and one must be a mistake.
 
     This is the case if the second reader uses the name for another item, if the two differ in one letter, or if all

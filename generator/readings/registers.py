@@ -14,7 +14,7 @@ from ..say.plain_text import counted
 from .frame_bits import word
 from .reading import (
     NOTHING,
-    Fact,
+    ComparedFact,
     FactClass,
     Facts,
     Reading,
@@ -45,7 +45,7 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
     The first name is empty if the limits name no field, and the second name is "nothing" if no field opens the
     register.
     """
-    name_of_limited_field = Fact(
+    name_of_limited_field = ComparedFact(
         sort=FactClass.LIMIT,
         key=subject.key,
         value=register.limits_of,
@@ -54,7 +54,7 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
     )
     facts.add_name(("bounded",), name_of_limited_field)
     if register.opened_by:
-        name_of_opening_field = Fact(
+        name_of_opening_field = ComparedFact(
             sort=FactClass.BEHAVIOUR,
             key=subject.key,
             value=register.opened_by_field or NOTHING,
@@ -64,7 +64,7 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
         facts.add_name(("opener",), name_of_opening_field)
 
 
-def _register_facts(subject: Subject, register: Register) -> Iterator[Fact]:
+def _register_facts(subject: Subject, register: Register) -> Iterator[ComparedFact]:
     """Yield the facts of a register: its address and length, its stated members, default, opener and limits."""
     length_text = counted(register.length, "byte")
     yield subject.existence_fact(FactClass.ADDRESS, length_text, at="address", name=register.name)
@@ -100,7 +100,7 @@ def _opener_text(reading: Reading, register: Register) -> str:
     return register_text(opener)
 
 
-def _limit_facts(subject: Subject, register: Register) -> Iterator[Fact]:
+def _limit_facts(subject: Subject, register: Register) -> Iterator[ComparedFact]:
     """Yield the bits that limits of the register or its meanings apply to, and the facts of each meaning.
 
     A meaning is how the register is read while another register has a given value.
@@ -109,7 +109,7 @@ def _limit_facts(subject: Subject, register: Register) -> Iterator[Fact]:
     limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]
     if any(part.min is not None or part.max is not None for part in limited_parts):
         cases = reading.cases(register.interface)
-        yield Fact(
+        yield ComparedFact(
             sort=FactClass.LIMIT,
             key=(*subject.key, "bounded"),
             value={case: _limited_bits_text(register, parameters) for case, parameters in cases.items()},

@@ -26,7 +26,18 @@ from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, Member
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
-from .reading import Case, Fact, FactClass, Key, Reading, Value, count_text, in_hex, interface_label, register_text
+from .reading import (
+    Case,
+    ComparedFact,
+    FactClass,
+    Key,
+    Reading,
+    Value,
+    count_text,
+    in_hex,
+    interface_label,
+    register_text,
+)
 
 
 class _Detail(NamedTuple):
@@ -39,7 +50,7 @@ class _Detail(NamedTuple):
     description: str
 
 
-def procedures(reading: Reading) -> Iterator[Fact]:
+def procedures(reading: Reading) -> Iterator[ComparedFact]:
     """Yield the facts of every procedure: its steps as text, and its argument limits, waits and repetitions.
 
     A procedure is identified by its interface and the text of its steps, such as ``write 0x49 = 05; read 0x4A``.
@@ -48,7 +59,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
         steps_text = program_text(reading, procedure)
         procedure_key: Key = ("procedure", procedure.interface, steps_text)
         procedure_place: Path = ("procedures", procedure.name)
-        yield Fact(
+        yield ComparedFact(
             sort=FactClass.PROCEDURE,
             key=procedure_key,
             value=steps_text,
@@ -58,7 +69,7 @@ def procedures(reading: Reading) -> Iterator[Fact]:
             name_place=(*procedure_place, "name"),
         )
         for detail in (*_argument_limits(reading, procedure), *_waits_and_repetitions(reading, procedure)):
-            yield Fact(
+            yield ComparedFact(
                 sort=detail.sort,
                 key=(*procedure_key, *detail.key),
                 value=detail.value,
@@ -246,13 +257,15 @@ class Subject:
             depends_on=self.key,
         )
 
-    def existence_fact(self, sort: FactClass, value: Value, at: str = "", name: str = "", depends_on: Key = ()) -> Fact:
+    def existence_fact(
+        self, sort: FactClass, value: Value, at: str = "", name: str = "", depends_on: Key = ()
+    ) -> ComparedFact:
         """Return the fact that the subject exists, with a value such as "present".
 
         ``at`` is the member at which the file states it, and ``name`` is the reader's name of the subject.
         """
         place = (*self.place, at) if at else self.place
-        return Fact(
+        return ComparedFact(
             sort=sort,
             key=self.key,
             value=value,
@@ -263,14 +276,16 @@ class Subject:
             name_place=(*self.place, "name"),
         )
 
-    def all_facts(self, sort: FactClass, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
+    def all_facts(
+        self, sort: FactClass, model_part: Any, value: str = "present", at: str = ""
+    ) -> Iterator[ComparedFact]:
         """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
         yield self.existence_fact(sort, value, at, getattr(model_part, "name", ""))
         yield from self.stated_facts(model_part)
 
     def detail_fact(
         self, sort: FactClass, name: str, value: Value, noun: str, at: Path | None = None, may_be_missing: bool = False
-    ) -> Fact:
+    ) -> ComparedFact:
         """Return another fact about the subject, whose description is ``noun``, ``joint`` and the subject's.
 
         ``name`` identifies it, such as ``default`` for "default of register 0x49". ``at`` is its place, by default the
@@ -278,7 +293,7 @@ class Subject:
         """
         depends_on = self.key if self.depends_on is None else self.depends_on
         place = (*self.place, name) if at is None else at
-        return Fact(
+        return ComparedFact(
             sort=sort,
             key=(*self.key, name),
             value=value,
@@ -288,7 +303,7 @@ class Subject:
             may_be_missing=may_be_missing,
         )
 
-    def stated_facts(self, model_part: Any, without: Collection[str] = ()) -> Iterator[Fact]:
+    def stated_facts(self, model_part: Any, without: Collection[str] = ()) -> Iterator[ComparedFact]:
         """Yield a fact for each member that the spec states, and for each printed name of the part.
 
         The table of members states the class of a fact in ``read``. Members without a class and members in ``without``
@@ -312,7 +327,7 @@ class Subject:
                 FactClass.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True
             )
 
-    def stated_facts_by_code(self, rows: Sequence[Any]) -> Iterator[Fact]:
+    def stated_facts_by_code(self, rows: Sequence[Any]) -> Iterator[ComparedFact]:
         """Yield a fact for each member of rows that apply to different order codes, with its value for each code."""
         for member in PARTS_BY_CLASS[type(rows[0]).__name__].members:
             values: dict[Case, str] = {}

@@ -12,7 +12,7 @@ from typing import Any
 from ..language.document import Path, label_of
 from ..language.schema_files import PROSE
 from ..loading.from_mapping import parse_sources
-from .reading import Fact, FactClass, Reading
+from .reading import ComparedFact, FactClass, Reading
 
 #: First part of the keys of numbers in texts, and of cited sections.
 NUMBERS, CITED = "numbers", "cited"
@@ -35,7 +35,7 @@ def numbers_in(text: str) -> str:
     return " ".join(numbers).replace("−", "-")
 
 
-def content_facts(reading: Reading) -> Iterator[Fact]:
+def content_facts(reading: Reading) -> Iterator[ComparedFact]:
     """Yield the page of every section and of every entry in the table of contents, if it has one."""
     for section, section_contents in reading.document.data["manual"].get("contents", {}).items():
         place: Path = ("manual", "contents", section)
@@ -45,7 +45,7 @@ def content_facts(reading: Reading) -> Iterator[Fact]:
         for page_place, page in pages.items():
             if page is not None:
                 description = f"page of {dotted_path(page_place[2:])} in the contents"
-                yield Fact(
+                yield ComparedFact(
                     sort=FactClass.CONTENTS,
                     key=("contents", *page_place),
                     value=str(page),
@@ -54,14 +54,14 @@ def content_facts(reading: Reading) -> Iterator[Fact]:
                 )
 
 
-def text_facts(reading: Reading) -> Iterator[Fact]:
+def text_facts(reading: Reading) -> Iterator[ComparedFact]:
     """Yield a fact for every text with numbers, and one for every source with sections, identified by their places."""
     for place, text in prose_texts((), reading.document.data):
         numbers_or_sections = _compared_text(place[-1], text)
         if not numbers_or_sections:
             continue
         if is_source(place[-1]):
-            yield Fact(
+            yield ComparedFact(
                 sort=FactClass.SECTION,
                 key=(CITED, *place),
                 value=numbers_or_sections,
@@ -69,7 +69,7 @@ def text_facts(reading: Reading) -> Iterator[Fact]:
                 place=place,
             )
         else:
-            yield Fact(
+            yield ComparedFact(
                 sort=FactClass.TEXT,
                 key=(NUMBERS, *place),
                 value=numbers_or_sections,
