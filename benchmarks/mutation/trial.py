@@ -18,7 +18,7 @@ from codewheel.loading.library import Family, families_of
 from codewheel.loading.repeated_facts import check_shared_facts
 from codewheel.readings.cloze import check_sheets, read_sheet
 from codewheel.readings.compare import compare
-from codewheel.readings.reading import Facts, Reading
+from codewheel.readings.reading import ComparedFacts, Reading
 from codewheel.readings.second_readings import (
     Coverage,
     SecondReading,
@@ -76,7 +76,7 @@ class Trial:
             raise Unfit("\n".join(problem.format() for problem in report.problems))
         self._targets = targets_named()
         self._outputs: dict[str, Outputs] = {}
-        self._facts: dict[str, Facts] = {}
+        self._facts: dict[str, ComparedFacts] = {}
 
     @property
     def second_readings(self) -> list[Document]:
@@ -163,7 +163,7 @@ class Trial:
     def _sheet(self, family: Family, report: ProblemReport) -> Document | None:
         return self._sheets.get(family.document.file)
 
-    def _facts_of(self, family: Family) -> Facts:
+    def _facts_of(self, family: Family) -> ComparedFacts:
         file = family.document.file
         if file not in self._facts:
             self._facts[file] = facts_of(Reading(family.device, family.document))

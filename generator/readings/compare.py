@@ -15,14 +15,14 @@ from .compare_facts import CHOSEN_BY_READER, compare_facts, compare_names, missi
 from .compare_words import compare_word
 from .comparison import Comparison, Disagreement, Read
 from .pairing import with_order_of, with_rows_of
-from .reading import NOTHING, ComparedFact, FactClass, Facts, Key, use_same_names
+from .reading import NOTHING, ComparedFact, ComparedFacts, FactClass, Key, use_same_names
 from .texts import NUMBERS, dotted_path
 
 #: Classes of facts in texts, which a second reading can also give by their paths.
 _TEXT_SORTS = frozenset((FactClass.TEXT, FactClass.SECTION))
 
 
-def compare(spec: Facts, second: Facts) -> Comparison:
+def compare(spec: ComparedFacts, second: ComparedFacts) -> Comparison:
     """Return the comparison of the facts in a spec and in its second reading.
 
     Facts are compared by their keys, and frames and registers bit by bit. Facts that the second reading gives only by a
@@ -48,7 +48,7 @@ def compare(spec: Facts, second: Facts) -> Comparison:
     return comparison
 
 
-def _has_two_byte_orders(word_key: Key, spec: Facts, second: Facts) -> bool:
+def _has_two_byte_orders(word_key: Key, spec: ComparedFacts, second: ComparedFacts) -> bool:
     """Return whether both readings state the byte order of a frame, and differ."""
     order_key = (*word_key, "order")
     if order_key not in spec.facts or order_key not in second.facts:
@@ -56,7 +56,9 @@ def _has_two_byte_orders(word_key: Key, spec: Facts, second: Facts) -> bool:
     return str(spec.facts[order_key].value) != str(second.facts[order_key].value)
 
 
-def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, second_fact: ComparedFact) -> Path | None:
+def _nearest_place(
+    comparison: Comparison, spec: ComparedFacts, second: ComparedFacts, second_fact: ComparedFact
+) -> Path | None:
     """Return the place where the spec would state a fact of the second reading, or None if the spec may lack it.
 
     For a fact that depends on another fact, such as the register of a default, this is the place of the other fact, or
@@ -93,7 +95,7 @@ def _nearest_container(fact_place: Path) -> Path:
     return fact_place[:3] if has_name_inside else fact_place[:2]
 
 
-def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, ComparedFact]]:
+def _facts_by_path(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[Key, ComparedFact]]:
     """Yield the facts that the second reading gives by paths, as copies of the spec's facts with its values and places.
 
     These are numbers in texts, and sections of sources. A path that the spec lacks leads to a separate fact.
@@ -115,7 +117,7 @@ def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, ComparedFa
                 yield key, replace(spec_fact, value=", ".join(sorted(sections)), place=second_place)
 
 
-def _sections_at(fact_place: Path, second: Facts) -> Sequence[str]:
+def _sections_at(fact_place: Path, second: ComparedFacts) -> Sequence[str]:
     """Return the sections that the second reading gives for a place, or else for the nearest place around it."""
     for length in range(len(fact_place), 0, -1):
         path = dotted_path(fact_place[:length])
@@ -124,7 +126,7 @@ def _sections_at(fact_place: Path, second: Facts) -> Sequence[str]:
     return ()
 
 
-def _count_undecided(comparison: Comparison, spec: Facts, second: Facts) -> None:
+def _count_undecided(comparison: Comparison, spec: ComparedFacts, second: ComparedFacts) -> None:
     """Count facts that no manual prints as decided, and texts of which little was compared as read once.
 
     Only facts that count as read twice so far change. Little is compared for a text or source by path, and for a
@@ -152,7 +154,7 @@ def _is_decided(sort: FactClass, path: str, decided: Sequence[str]) -> bool:
     return any(f"{path}.".startswith(f"{decided_path}.") for decided_path in decided)
 
 
-def _compare_order_codes(spec: Facts, second: Facts) -> Iterator[Disagreement]:
+def _compare_order_codes(spec: ComparedFacts, second: ComparedFacts) -> Iterator[Disagreement]:
     """Yield one disagreement for all order codes that only the spec has, and one for order codes that it lacks.
 
     Each has the text of the first code and the number of other codes. If a reading has no order code at all, nothing is
@@ -178,7 +180,7 @@ def _compare_order_codes(spec: Facts, second: Facts) -> Iterator[Disagreement]:
         yield missing_in_spec(described_fact, _first_place(spec_codes))
 
 
-def _order_codes_of(facts: Facts) -> dict[Key, ComparedFact]:
+def _order_codes_of(facts: ComparedFacts) -> dict[Key, ComparedFact]:
     return {key: fact for key, fact in facts.facts.items() if key[0] == "code"}
 
 

@@ -28,8 +28,8 @@ from .reading import (
     Bit,
     Case,
     ComparedFact,
+    ComparedFacts,
     FactClass,
-    Facts,
     Parameters,
     Word,
     WordCase,
@@ -40,7 +40,7 @@ from .reading import (
 from .stated import Subject
 
 
-def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, facts: Facts) -> None:
+def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, facts: ComparedFacts) -> None:
     """Add the names of a field of the frame or register ``owner``, and of the field's values.
 
     A field is identified by low bit and width, ``(3, 5)``, and a value by its number and its field. The names of fields
@@ -172,7 +172,7 @@ def _word_case(
     unspecified_bit = Bit(part="unspecified", weight=None, fixed=None, place=(*owner.place, "other_bits"))
     bits_by_number = [unspecified_bit] * placed_layout.bits
     properties_by_low_and_width = {}
-    name_facts = Facts()
+    name_facts = ComparedFacts()
     for placed_field in placed_layout.fields:
         place = owner.reading.field_place(owner.place, placed_field.field)
         description = f"{bits(placed_field.high, placed_field.low)} of {owner.description}"

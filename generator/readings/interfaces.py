@@ -27,8 +27,8 @@ from .frame_bits import word
 from .reading import (
     Case,
     ComparedFact,
+    ComparedFacts,
     FactClass,
-    Facts,
     Key,
     Reading,
     Value,
@@ -50,7 +50,7 @@ _JOINT_BY_PART = {
 }
 
 
-def add_interfaces(reading: Reading, facts: Facts) -> None:
+def add_interfaces(reading: Reading, facts: ComparedFacts) -> None:
     """Add the facts of all interfaces, and the timings of the device."""
     for interface in reading.device.interfaces:
         constants_by_frame = _exchange_constants(interface)
@@ -86,7 +86,9 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
     return constants_by_frame
 
 
-def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity: str | int, facts: Facts) -> None:
+def _add_frames(
+    reading: Reading, interface: Interface, layout: Layout, identity: str | int, facts: ComparedFacts
+) -> None:
     """Add a frame for each selector of this layout, or one identified by ``identity`` if it has no selector.
 
     ``identity`` is the text from ``_exchange_constants``, or -1 if the frame belongs to no exchange.

@@ -9,11 +9,11 @@ from ..language.problems import Path
 from ..model import CodePart, Interface, Layout, Parameter, Spelling, Variant
 from ..order_codes.labels import values_by_spelling
 from ..say.names_and_places import bits
-from .reading import FACTORY_DEFAULTS, Case, ComparedFact, FactClass, Facts, Reading, count_text
+from .reading import FACTORY_DEFAULTS, Case, ComparedFact, ComparedFacts, FactClass, Reading, count_text
 from .stated import Subject
 
 
-def add_codes(reading: Reading, facts: Facts) -> None:
+def add_codes(reading: Reading, facts: ComparedFacts) -> None:
     """Add the facts about order codes: notations, supplies, parameters, alternatives, measurements and the movement.
 
     Parameters with a formula follow from other parameters, so they only count as derived.
@@ -111,7 +111,7 @@ def _parameter_facts(reading: Reading) -> Iterator[ComparedFact]:
         yield from subject.stated_facts(parameter)
 
 
-def _add_alternatives(reading: Reading, facts: Facts) -> None:
+def _add_alternatives(reading: Reading, facts: ComparedFacts) -> None:
     """Add the names of the alternatives and of their answers, which are identified by their numbers from 1."""
     for number, alternative in enumerate(reading.device.alternatives, 1):
         place: Path = ("alternatives", alternative.name)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from difflib import SequenceMatcher
 from typing import Any
 
-from .reading import ComparedFact, Facts, Key, Value
+from .reading import ComparedFact, ComparedFacts, Key, Value
 
 #: Cells with numbers of a row, by column.
 _Row = tuple[tuple[int, Value], ...]
@@ -16,7 +16,7 @@ _Row = tuple[tuple[int, Value], ...]
 _STEPS = 4
 
 
-def with_rows_of(spec: Facts, second: Facts) -> Facts:
+def with_rows_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
     """Return the facts of a spec, in which a table has the rows numbered as in the second reading.
 
     This concerns tables with another number of rows with numbers than in the second reading, if it has some. Rows that
@@ -44,7 +44,7 @@ def _cell_key(table_key: Key, row_number: int, column: int) -> Key:
     return (*table_key, f"{row_number} {column}")
 
 
-def _rows_of(facts: Facts, table_key: Key) -> Mapping[int, _Row]:
+def _rows_of(facts: ComparedFacts, table_key: Key) -> Mapping[int, _Row]:
     """Return the rows of a table that have numbers, by their number in the file."""
     cells_by_row: dict[int, list[tuple[int, Value]]] = defaultdict(list)
     for key, fact in facts.facts.items():
@@ -82,7 +82,7 @@ def _pairs(spec_rows: Sequence[_Row], second_rows: Sequence[_Row]) -> Iterator[t
         yield from zip(range(spec_start, spec_end), range(second_start, second_end), strict=False)
 
 
-def with_order_of(spec: Facts, second: Facts) -> Facts:
+def with_order_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
     """Return the facts of a spec with its connectors numbered as in a second reading that has the same names.
 
     Connectors that only the spec has come last. The order of a spec stays where a name of the second reading is not in
@@ -115,7 +115,7 @@ def with_order_of(spec: Facts, second: Facts) -> Facts:
     return replace(spec, facts=facts, names=names)
 
 
-def _connector_keys(facts: Facts) -> dict[tuple[Any, ...], dict[str, Key]]:
+def _connector_keys(facts: ComparedFacts) -> dict[tuple[Any, ...], dict[str, Key]]:
     """Return the key of each connector by its name, by interface and kind, in the order of their numbers."""
     keys_by_kind: dict[tuple[Any, ...], dict[str, Key]] = defaultdict(dict)
     for kind, names in facts.names.items():

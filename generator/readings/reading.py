@@ -150,7 +150,7 @@ class Word:
 
 
 @dataclasses.dataclass(slots=True)
-class Facts:
+class ComparedFacts:
     """All facts of a reading. ``derived`` counts the facts that follow from other facts.
 
     ``names`` contains the names of items of one kind, by interface if they belong to an interface. A second reading can
@@ -199,7 +199,7 @@ _BY_INTERFACE = frozenset(("connector", "frame", "procedure", "register", "time"
 _SHARE_OF_EQUAL_NAMES = 0.9
 
 
-def use_same_names(spec: Facts, second: Facts) -> bool:
+def use_same_names(spec: ComparedFacts, second: ComparedFacts) -> bool:
     """Return whether at least 90 % of the common names are equal, so that any other name is a mistake."""
     compared_count, equal_count = 0, 0
     for spec_names, second_names in _name_maps_of_both(spec, second):
@@ -210,7 +210,7 @@ def use_same_names(spec: Facts, second: Facts) -> bool:
     return equal_count >= _SHARE_OF_EQUAL_NAMES * compared_count
 
 
-def _name_maps_of_both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
+def _name_maps_of_both(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[Names, Names]]:
     """Yield the names of each kind in both readings, by key. For fields, the first common case of a word is enough."""
     yield from _names_by_kind(spec.names, second.names)
     for key in spec.words.keys() & second.words.keys():

@@ -15,8 +15,8 @@ from .frame_bits import word
 from .reading import (
     NOTHING,
     ComparedFact,
+    ComparedFacts,
     FactClass,
-    Facts,
     Reading,
     as_delivered,
     in_hex,
@@ -25,7 +25,7 @@ from .reading import (
 from .stated import Subject
 
 
-def add_registers(reading: Reading, facts: Facts) -> None:
+def add_registers(reading: Reading, facts: ComparedFacts) -> None:
     """Add the facts of every register, its names, and its word, bit by bit."""
     for register in reading.device.registers:
         key, place = reading.key_of(register), ("registers", register.name)
@@ -39,7 +39,7 @@ def add_registers(reading: Reading, facts: Facts) -> None:
         facts.words[key] = word(subject, register.layout, register)
 
 
-def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
+def _add_names(subject: Subject, register: Register, facts: ComparedFacts) -> None:
     """Add the names that a register refers to: the field with limits, and the field that opens it.
 
     The first name is empty if the limits name no field, and the second name is "nothing" if no field opens the

@@ -20,16 +20,16 @@ from ..model.record import dataclass
 from . import interfaces, order_codes, registers, stated, surroundings, texts
 from .compare import compare
 from .comparison import Comparison, Disagreement, Read
-from .reading import NOTHING, FactClass, Facts, Reading
+from .reading import NOTHING, ComparedFacts, FactClass, Reading
 from .related import Related, group_by_cause
 
 
-def facts_of(reading: Reading) -> Facts:
+def facts_of(reading: Reading) -> ComparedFacts:
     """Return all facts of a reading that can be compared with another reading.
 
     ``decided`` lists facts that no manual prints, and is only in a second reading.
     """
-    facts = Facts()
+    facts = ComparedFacts()
     order_codes.add_codes(reading, facts)
     interfaces.add_interfaces(reading, facts)
     registers.add_registers(reading, facts)
@@ -120,7 +120,7 @@ class SecondReading:
     """A second reading: its file and its facts, or no facts if it has problems."""
 
     document: Document
-    facts: Facts | None
+    facts: ComparedFacts | None
 
 
 #: Function that reads the second reading of a family, if it has one, and adds its problems to the report.
