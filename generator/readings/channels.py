@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ..language.document import Path
 from ..model import Biss, channel_frame
 from ..say.names_and_places import bits
-from .reading import Case, ComparedFact, FactClass, Reading
+from .reading import CodeAndState, ComparedFact, FactClass, Reading
 
 
 def channel_facts(reading: Reading, interface: Biss) -> Iterator[ComparedFact]:
@@ -27,7 +27,7 @@ def channel_facts(reading: Reading, interface: Biss) -> Iterator[ComparedFact]:
         place=(*place, "order"),
     )
     for compared in frame.compared:
-        bits_by_case: dict[Case, str] = {}
+        bits_by_case: dict[CodeAndState, str] = {}
         for case, parameters in reading.cases(interface.name).items():
             field = compared.layout.place(parameters).field(compared.name)
             compared_bits = frame.compared_bits.value(parameters)

@@ -12,7 +12,7 @@ from .comparison import Comparison, Disagreement, Read
 from .reading import (
     FACTORY_DEFAULTS,
     NOTHING,
-    Case,
+    CodeAndState,
     ComparedFact,
     FactClass,
     Key,
@@ -111,9 +111,9 @@ def value_text(value_or_cases: Value) -> str:
 def _compare_cases(
     comparison: Comparison,
     spec_fact: ComparedFact,
-    spec_values: Mapping[Case, str],
+    spec_values: Mapping[CodeAndState, str],
     second_fact: ComparedFact,
-    second_values: Mapping[Case, str],
+    second_values: Mapping[CodeAndState, str],
 ) -> Iterator[Disagreement]:
     """Yield a disagreement if a fact has different values in cases that both readings have, and count the fact.
 
@@ -134,7 +134,7 @@ def _compare_cases(
     comparison.count_fact(spec_fact.sort, spec_fact.place, Read.ONCE if is_incomplete else Read.TWICE)
 
 
-def _is_as_by_default(values: Mapping[Case, str], case: Case) -> bool:
+def _is_as_by_default(values: Mapping[CodeAndState, str], case: CodeAndState) -> bool:
     """Return whether a fact has the same value in a state of the registers as with the factory defaults."""
     return case.state != FACTORY_DEFAULTS and values[case] == values.get(case.by_default)
 
@@ -175,7 +175,7 @@ def _frame_text(frame_key: Key) -> str:
     return frame_text
 
 
-def cases_text(cases: list[Case]) -> str:
+def cases_text(cases: list[CodeAndState]) -> str:
     """Return the order codes of cases and the state of the first case: ``, for X-24 and 2 more while 0x49 = 3``."""
     order_codes = list(dict.fromkeys(case.code for case in cases))
     text = f", for {first_of(order_codes, 1)}"

@@ -12,7 +12,7 @@ from ..say.names_and_places import bits as bits_text
 from .compare_facts import cases_text, compare_facts, compare_names
 from .comparison import Comparison, Disagreement, Read
 from .frame_bits import continues_item, describe_bits
-from .reading import FACTORY_DEFAULTS, Bit, Case, ComparedFact, FactClass, Word, WordCase
+from .reading import FACTORY_DEFAULTS, Bit, CodeAndState, ComparedFact, FactClass, Word, WordCase
 
 #: Identity of a disagreement in all cases: its places, its class, and its number among the disagreements of a case with
 #: the same places and class.
@@ -39,7 +39,7 @@ def compare_word(comparison: Comparison, spec_word: Word, second_word: Word | No
             comparison.add_disagreement(replace(disagreement, description=description))
 
 
-def _second_cases(spec_word: Word, second_word: Word | None) -> Mapping[Case, WordCase]:
+def _second_cases(spec_word: Word, second_word: Word | None) -> Mapping[CodeAndState, WordCase]:
     """Return the word of the second reading for each case in which the words are compared.
 
     If both words are the same in all of their cases, they are compared even without a common order code.
@@ -61,15 +61,15 @@ def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
 
 
 def _disagreements_with_cases(
-    comparison: Comparison, spec_word: Word, second_cases: Mapping[Case, WordCase]
-) -> Iterable[tuple[Disagreement, list[Case]]]:
+    comparison: Comparison, spec_word: Word, second_cases: Mapping[CodeAndState, WordCase]
+) -> Iterable[tuple[Disagreement, list[CodeAndState]]]:
     """Return each disagreement as in the first case that shows it, with all cases that do.
 
     Disagreements in two cases are one if their keys are equal: places, class and number (see ``_with_keys``).
     """
     # Most cases share one word, so each pair of words is compared once.
     disagreements_by_pair: dict[tuple[int, int], list[Disagreement]] = {}
-    disagreement_and_cases: dict[_DisagreementKey, tuple[Disagreement, list[Case]]] = {}
+    disagreement_and_cases: dict[_DisagreementKey, tuple[Disagreement, list[CodeAndState]]] = {}
     for case, spec_case in spec_word.cases.items():
         second_case = second_cases.get(case)
         if second_case is None:

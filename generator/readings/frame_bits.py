@@ -26,7 +26,7 @@ from ..order_codes.parameters import deciding_parameters
 from ..say.names_and_places import bits
 from .reading import (
     Bit,
-    Case,
+    CodeAndState,
     ComparedFact,
     ComparedFacts,
     FactClass,
@@ -152,7 +152,7 @@ def word(owner: Subject, layout: Layout, register: Register | None = None) -> Wo
     """
     deciding_names = deciding_parameters(layout)
     word_case_by_values: dict[tuple[int, ...], WordCase] = {}
-    word_cases: dict[Case, WordCase] = {}
+    word_cases: dict[CodeAndState, WordCase] = {}
     for case, parameters in owner.reading.cases(owner.interface).items():
         deciding_values = tuple(parameters[name] for name in deciding_names)
         if deciding_values not in word_case_by_values:

@@ -25,7 +25,7 @@ from ..say.names_and_places import bits
 from .channels import channel_facts
 from .frame_bits import word
 from .reading import (
-    Case,
+    CodeAndState,
     ComparedFact,
     ComparedFacts,
     FactClass,
@@ -233,7 +233,7 @@ def _value_by_code(reading: Reading, interface: str, rows_with_texts: Sequence[t
     first_row, first_text = rows_with_texts[0]
     if len(rows_with_texts) == 1 and not first_row.only:
         return first_text
-    values: dict[Case, str] = {}
+    values: dict[CodeAndState, str] = {}
     for case in reading.cases(interface):
         for row, row_text in rows_with_texts:
             if fits(row.only, case.code):

@@ -9,7 +9,7 @@ from ..language.problems import Path
 from ..model import CodePart, Interface, Layout, Parameter, Spelling, Variant
 from ..order_codes.labels import values_by_spelling
 from ..say.names_and_places import bits
-from .reading import FACTORY_DEFAULTS, Case, ComparedFact, ComparedFacts, FactClass, Reading, count_text
+from .reading import FACTORY_DEFAULTS, CodeAndState, ComparedFact, ComparedFacts, FactClass, Reading, count_text
 from .stated import Subject
 
 
@@ -77,11 +77,11 @@ def _order_code_facts(reading: Reading) -> Iterator[ComparedFact]:
 
 def _supply_facts(reading: Reading) -> Iterator[ComparedFact]:
     """Yield one fact with the supply of each order code: ``5000 to 30000 mV``, or nothing if none is stated."""
-    supplies: dict[Case, str] = {}
+    supplies: dict[CodeAndState, str] = {}
     for variant in reading.device.variants:
         supply = reading.device.supply_of(variant)
         if supply is not None:
-            supplies[Case(variant.code, FACTORY_DEFAULTS)] = f"{supply.min_mv} to {supply.max_mv} mV"
+            supplies[CodeAndState(variant.code, FACTORY_DEFAULTS)] = f"{supply.min_mv} to {supply.max_mv} mV"
     if supplies:
         yield ComparedFact(
             sort=FactClass.SUPPLY,
@@ -98,7 +98,7 @@ def _parameter_facts(reading: Reading) -> Iterator[ComparedFact]:
     A parameter may be missing from the other reading, since readers choose their own. One name has one meaning.
     """
     for parameter in reading.device.parameters:
-        value_by_case: dict[Case, str] = {}
+        value_by_case: dict[CodeAndState, str] = {}
         for interface in reading.device.interfaces:
             for case, parameters in reading.cases(interface.name).items():
                 if parameter.name in parameters:
@@ -212,7 +212,7 @@ def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Compa
     yield from subject.all_facts(FactClass.MEASUREMENT, measurement)
     for layout in interface.layouts:
         yield from _range_facts(subject, interface, layout)
-        position_bits: dict[Case, str] = {}
+        position_bits: dict[CodeAndState, str] = {}
         for case, parameters in reading.cases(interface.name).items():
             # The width is 0 if the frame lacks the position in this case.
             low_bit, width = layout.place(parameters).place_of(measurement.of)

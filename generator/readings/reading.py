@@ -68,20 +68,20 @@ Key = tuple[str | int, ...]
 FACTORY_DEFAULTS = ""
 
 
-class Case(NamedTuple):
+class CodeAndState(NamedTuple):
     """An order code, and the state of its registers and alternatives, in words."""
 
     code: str
     state: str
 
     @property
-    def by_default(self) -> Case:
+    def by_default(self) -> CodeAndState:
         """The same order code with the factory defaults."""
-        return Case(self.code, FACTORY_DEFAULTS)
+        return CodeAndState(self.code, FACTORY_DEFAULTS)
 
 
 #: A value as shown in messages: a single value, or a value for each case.
-Value = str | Mapping[Case, str]
+Value = str | Mapping[CodeAndState, str]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -138,7 +138,7 @@ class Word:
 
     description: str
     place: Path
-    cases: Mapping[Case, WordCase]
+    cases: Mapping[CodeAndState, WordCase]
 
     @property
     def everywhere(self) -> WordCase | None:
@@ -275,7 +275,7 @@ class Reading:
     device: Device
     document: Document
 
-    def cases(self, interface: str) -> Mapping[Case, Parameters]:
+    def cases(self, interface: str) -> Mapping[CodeAndState, Parameters]:
         """Return the parameters in each case of an interface, or an empty map if no order code has it.
 
         The cases of an order code are the factory defaults, both ends of the range of each parameter in a register, and
@@ -284,16 +284,18 @@ class Reading:
         return self._parameters_by_case.get(interface, {})
 
     @cached_property
-    def _parameters_by_case(self) -> Mapping[str, Mapping[Case, Parameters]]:
+    def _parameters_by_case(self) -> Mapping[str, Mapping[CodeAndState, Parameters]]:
         """The parameters of every order code by its interface and by case, first with the factory defaults."""
         interfaces = {variant.interface for variant in self.device.variants}
         states_by_interface = {interface: list(self._states_to_compare(interface)) for interface in interfaces}
-        cases_by_interface: dict[str, dict[Case, Parameters]] = {interface: {} for interface in interfaces}
+        cases_by_interface: dict[str, dict[CodeAndState, Parameters]] = {interface: {} for interface in interfaces}
         for variant in self.device.variants:
             parameters_by_case = cases_by_interface[variant.interface]
-            parameters_by_case[Case(variant.code, FACTORY_DEFAULTS)] = variant.parameters
+            parameters_by_case[CodeAndState(variant.code, FACTORY_DEFAULTS)] = variant.parameters
             for state, changed_parameters in states_by_interface[variant.interface]:
-                parameters_by_case[Case(variant.code, state)] = with_changed(self.device, variant, changed_parameters)
+                parameters_by_case[CodeAndState(variant.code, state)] = with_changed(
+                    self.device, variant, changed_parameters
+                )
         return cases_by_interface
 
     def _states_to_compare(self, interface: str) -> Iterator[tuple[str, Parameters]]:

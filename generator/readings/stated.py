@@ -27,7 +27,7 @@ from ..model.members import PARTS_BY_CLASS, Member
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
 from .reading import (
-    Case,
+    CodeAndState,
     ComparedFact,
     FactClass,
     Key,
@@ -330,7 +330,7 @@ class Subject:
     def stated_facts_by_code(self, rows: Sequence[Any]) -> Iterator[ComparedFact]:
         """Yield a fact for each member of rows that apply to different order codes, with its value for each code."""
         for member in PARTS_BY_CLASS[type(rows[0]).__name__].members:
-            values: dict[Case, str] = {}
+            values: dict[CodeAndState, str] = {}
             for case in self.reading.cases(self.interface):
                 for row in facts_for_code(rows, case.code):
                     member_value = getattr(row, member.attribute)
