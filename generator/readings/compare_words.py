@@ -12,14 +12,14 @@ from ..say.names_and_places import bits as bits_text
 from .compare_facts import cases_text, compare_facts, compare_names
 from .comparison import Comparison, Disagreement, Read
 from .frame_bits import continues_item, describe_bits
-from .reading import FACTORY_DEFAULTS, Bit, CodeAndState, ComparedFact, FactClass, Word, WordCase
+from .reading import FACTORY_DEFAULTS, Bit, CodeAndState, ComparedFact, FactClass, WordBits, WordCase
 
 #: Identity of a disagreement in all cases: its places, its class, and its number among the disagreements of a case with
 #: the same places and class.
 _DisagreementKey = tuple[Path, Path, FactClass, int]
 
 
-def compare_word(comparison: Comparison, spec_word: Word, second_word: Word | None) -> None:
+def compare_word(comparison: Comparison, spec_word: WordBits, second_word: WordBits | None) -> None:
     """Compare a frame or register in every case. Each difference is reported for the first case that shows it.
 
     ``second_word`` is None if the second reading lacks it. Facts of cases that only the spec has are counted as read
@@ -39,7 +39,7 @@ def compare_word(comparison: Comparison, spec_word: Word, second_word: Word | No
             comparison.add_disagreement(replace(disagreement, description=description))
 
 
-def _second_cases(spec_word: Word, second_word: Word | None) -> Mapping[CodeAndState, WordCase]:
+def _second_cases(spec_word: WordBits, second_word: WordBits | None) -> Mapping[CodeAndState, WordCase]:
     """Return the word of the second reading for each case in which the words are compared.
 
     If both words are the same in all of their cases, they are compared even without a common order code.
@@ -61,7 +61,7 @@ def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
 
 
 def _disagreements_with_cases(
-    comparison: Comparison, spec_word: Word, second_cases: Mapping[CodeAndState, WordCase]
+    comparison: Comparison, spec_word: WordBits, second_cases: Mapping[CodeAndState, WordCase]
 ) -> Iterable[tuple[Disagreement, list[CodeAndState]]]:
     """Return each disagreement as in the first case that shows it, with all cases that do.
 
@@ -96,7 +96,7 @@ def _with_keys(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_Disagre
 
 
 def _compare_in_case(
-    comparison: Comparison, spec_word: Word, spec_case: WordCase, second_case: WordCase
+    comparison: Comparison, spec_word: WordBits, spec_case: WordCase, second_case: WordCase
 ) -> Iterator[Disagreement]:
     """Yield the differences in one case: of bits, of the properties of fields, and of names.
 
@@ -121,7 +121,7 @@ def _place_unless_optional(field_place: Path, second_fact: ComparedFact) -> Path
 
 
 def _compare_bits(
-    comparison: Comparison, spec_word: Word, spec_bits: tuple[Bit, ...], second_bits: tuple[Bit, ...]
+    comparison: Comparison, spec_word: WordBits, spec_bits: tuple[Bit, ...], second_bits: tuple[Bit, ...]
 ) -> Iterator[Disagreement]:
     """Yield the ranges of bits with different meanings, and count the bits with the same meaning as read twice."""
     for high, low in _different_ranges(spec_bits, second_bits):

@@ -31,7 +31,7 @@ from .reading import (
     ComparedFacts,
     FactClass,
     Parameters,
-    Word,
+    WordBits,
     WordCase,
     as_delivered,
     in_hex,
@@ -145,7 +145,7 @@ def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tu
     return default_in_register, True
 
 
-def word(owner: Subject, layout: Layout, register: Register | None = None) -> Word:
+def word(owner: Subject, layout: Layout, register: Register | None = None) -> WordBits:
     """Return the word of a frame or register in each case of its interface, for comparing it bit by bit.
 
     Cases in which the layout is the same share one ``WordCase``. ``register`` is None for a frame.
@@ -159,7 +159,7 @@ def word(owner: Subject, layout: Layout, register: Register | None = None) -> Wo
             word_case = _word_case(owner, layout.place(parameters), parameters, register)
             word_case_by_values[deciding_values] = word_case
         word_cases[case] = word_case_by_values[deciding_values]
-    return Word(description=owner.description, place=owner.place, cases=word_cases)
+    return WordBits(description=owner.description, place=owner.place, cases=word_cases)
 
 
 def _word_case(

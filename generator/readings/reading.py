@@ -133,7 +133,7 @@ class WordCase:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Word:
+class WordBits:
     """A frame or a register, bit by bit, in each case."""
 
     description: str
@@ -159,7 +159,7 @@ class ComparedFacts:
     """
 
     facts: dict[Key, ComparedFact] = dataclasses.field(default_factory=dict)
-    words: dict[Key, Word] = dataclasses.field(default_factory=dict)
+    words: dict[Key, WordBits] = dataclasses.field(default_factory=dict)
     derived: Counter[FactClass] = dataclasses.field(default_factory=Counter)
     names: dict[Key, Names] = dataclasses.field(default_factory=dict)
     printed_numbers: Mapping[str, tuple[str, Path]] = dataclasses.field(default_factory=dict)
