@@ -12,7 +12,7 @@ from ..say.names_and_places import bits as bits_text
 from .compare_facts import cases_text, compare_facts, compare_names
 from .comparison import Comparison, Disagreement, Read
 from .frame_bits import continues_item, describe_bits
-from .reading import FACTORY_DEFAULTS, Bit, CodeAndState, ComparedFact, FactClass, WordBits, WordCase
+from .reading import FACTORY_DEFAULTS, BitMeaning, CodeAndState, ComparedFact, FactClass, WordBits, WordCase
 
 #: Identity of a disagreement in all cases: its places, its class, and its number among the disagreements of a case with
 #: the same places and class.
@@ -121,7 +121,7 @@ def _place_unless_optional(field_place: Path, second_fact: ComparedFact) -> Path
 
 
 def _compare_bits(
-    comparison: Comparison, spec_word: WordBits, spec_bits: tuple[Bit, ...], second_bits: tuple[Bit, ...]
+    comparison: Comparison, spec_word: WordBits, spec_bits: tuple[BitMeaning, ...], second_bits: tuple[BitMeaning, ...]
 ) -> Iterator[Disagreement]:
     """Yield the ranges of bits with different meanings, and count the bits with the same meaning as read twice."""
     for high, low in _different_ranges(spec_bits, second_bits):
@@ -141,11 +141,11 @@ def _compare_bits(
             comparison.count_fact(FactClass.POSITION, spec_bit.place, Read.TWICE)
 
 
-def _have_same_meaning(bit: Bit, other_bit: Bit) -> bool:
+def _have_same_meaning(bit: BitMeaning, other_bit: BitMeaning) -> bool:
     return (bit.part, bit.weight, bit.fixed) == (other_bit.part, other_bit.weight, other_bit.fixed)
 
 
-def _different_ranges(spec_bits: tuple[Bit, ...], second_bits: tuple[Bit, ...]) -> list[tuple[int, int]]:
+def _different_ranges(spec_bits: tuple[BitMeaning, ...], second_bits: tuple[BitMeaning, ...]) -> list[tuple[int, int]]:
     """Return the high and low bits of ranges of different bits, highest first: ``[(7, 4), (2, 2)]``.
 
     Adjacent bits are in one range if they belong to one item in the spec, and also to one in the second reading.

@@ -25,7 +25,7 @@ from ..model import (
 from ..order_codes.parameters import deciding_parameters
 from ..say.names_and_places import bits
 from .reading import (
-    Bit,
+    BitMeaning,
     CodeAndState,
     ComparedFact,
     ComparedFacts,
@@ -169,7 +169,7 @@ def _word_case(
 
     Bits without a field are "unspecified". Bits are in the order of their numbers, from 0.
     """
-    unspecified_bit = Bit(part="unspecified", weight=None, fixed=None, place=(*owner.place, "other_bits"))
+    unspecified_bit = BitMeaning(part="unspecified", weight=None, fixed=None, place=(*owner.place, "other_bits"))
     bits_by_number = [unspecified_bit] * placed_layout.bits
     properties_by_low_and_width = {}
     name_facts = ComparedFacts()
@@ -184,7 +184,7 @@ def _word_case(
     return WordCase(bits=tuple(bits_by_number), fields=properties_by_low_and_width, names=name_facts.names)
 
 
-def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[Bit]:
+def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[BitMeaning]:
     """Yield each bit of a field, lowest first, with its meaning.
 
     Constants and unused bits have a fixed value. The bits of a number have weights, which continue across the fields of
@@ -200,13 +200,13 @@ def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: P
     for index in range(placed_field.width):
         match kind:
             case Constant(value) | Unused(value):
-                yield Bit(owner_text, weight=None, fixed=(value >> index) & 1, place=place)
+                yield BitMeaning(owner_text, weight=None, fixed=(value >> index) & 1, place=place)
             case Flag() | Parity() if weight_in_join is None:
-                yield Bit(owner_text, weight=None, fixed=None, place=place)
+                yield BitMeaning(owner_text, weight=None, fixed=None, place=place)
             case Text():
-                yield Bit(owner_text, weight=index % 8, fixed=None, place=place)
+                yield BitMeaning(owner_text, weight=index % 8, fixed=None, place=place)
             case _:
-                yield Bit(owner_text, weight=lowest_weight + index, fixed=None, place=place)
+                yield BitMeaning(owner_text, weight=lowest_weight + index, fixed=None, place=place)
 
 
 def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
@@ -276,7 +276,7 @@ def _weight_in_join(placed_field: PlacedField, placed_layout: PlacedLayout) -> i
     return weight
 
 
-def describe_bits(adjacent_bits: Sequence[Bit]) -> str:
+def describe_bits(adjacent_bits: Sequence[BitMeaning]) -> str:
     """Describe adjacent bits of one item, such as ``bits 7:0 of a number``, ``constant 0010`` or ``a flag``.
 
     ``adjacent_bits`` has the highest bit first.
@@ -291,7 +291,7 @@ def describe_bits(adjacent_bits: Sequence[Bit]) -> str:
     return f"{bits(highest_bit.weight, lowest_bit.weight)} of {highest_bit.part}"
 
 
-def continues_item(bit: Bit, above: Bit) -> bool:
+def continues_item(bit: BitMeaning, above: BitMeaning) -> bool:
     """Return whether a bit continues the same item as ``above``, the next higher bit.
 
     Both have the same part and place, both or neither are constant, and their weights are consecutive if they have any.

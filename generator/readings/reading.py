@@ -111,7 +111,7 @@ Names = dict[Key, ComparedFact]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Bit:
+class BitMeaning:
     """Meaning of a bit, such as ``bit 5 of a number``. ``fixed`` is its value if it is constant."""
 
     part: str
@@ -127,7 +127,7 @@ class WordCase:
     ``names`` contains the names of the fields, and of the values of each field.
     """
 
-    bits: tuple[Bit, ...]
+    bits: tuple[BitMeaning, ...]
     fields: Mapping[tuple[int, int], Mapping[Key, ComparedFact]]
     names: Mapping[Key, Names]
 
