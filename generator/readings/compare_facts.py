@@ -15,8 +15,8 @@ from .reading import (
     CodeAndState,
     ComparedFact,
     FactClass,
+    FactNames,
     Key,
-    Names,
     Value,
     in_hex,
     mistaken_pairs,
@@ -184,7 +184,7 @@ def cases_text(cases: list[CodeAndState]) -> str:
 
 
 def compare_names(
-    comparison: Comparison, spec_names_by_kind: Mapping[Key, Names], second_names_by_kind: Mapping[Key, Names]
+    comparison: Comparison, spec_names_by_kind: Mapping[Key, FactNames], second_names_by_kind: Mapping[Key, FactNames]
 ) -> Iterator[Disagreement]:
     """Yield the different names of one item if one of them must be a mistake.
 

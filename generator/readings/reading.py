@@ -107,7 +107,7 @@ class ComparedFact:
 
 
 #: Facts about the names that a reader gives to items of one kind.
-Names = dict[Key, ComparedFact]
+FactNames = dict[Key, ComparedFact]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -129,7 +129,7 @@ class WordCase:
 
     bits: tuple[BitMeaning, ...]
     fields: Mapping[tuple[int, int], Mapping[Key, ComparedFact]]
-    names: Mapping[Key, Names]
+    names: Mapping[Key, FactNames]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -161,7 +161,7 @@ class ComparedFacts:
     facts: dict[Key, ComparedFact] = dataclasses.field(default_factory=dict)
     words: dict[Key, WordBits] = dataclasses.field(default_factory=dict)
     derived: Counter[FactClass] = dataclasses.field(default_factory=Counter)
-    names: dict[Key, Names] = dataclasses.field(default_factory=dict)
+    names: dict[Key, FactNames] = dataclasses.field(default_factory=dict)
     printed_numbers: Mapping[str, tuple[str, Path]] = dataclasses.field(default_factory=dict)
     sections: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
     decided: Sequence[str] = ()
@@ -210,7 +210,7 @@ def use_same_names(spec: ComparedFacts, second: ComparedFacts) -> bool:
     return equal_count >= _SHARE_OF_EQUAL_NAMES * compared_count
 
 
-def _name_maps_of_both(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[Names, Names]]:
+def _name_maps_of_both(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[FactNames, FactNames]]:
     """Yield the names of each kind in both readings, by key. For fields, the first common case of a word is enough."""
     yield from _names_by_kind(spec.names, second.names)
     for key in spec.words.keys() & second.words.keys():
@@ -221,13 +221,15 @@ def _name_maps_of_both(spec: ComparedFacts, second: ComparedFacts) -> Iterator[t
             yield from _names_by_kind(spec_cases[first_case].names, second_cases[first_case].names)
 
 
-def _names_by_kind(spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> Iterator[tuple[Names, Names]]:
+def _names_by_kind(
+    spec: Mapping[Key, FactNames], second: Mapping[Key, FactNames]
+) -> Iterator[tuple[FactNames, FactNames]]:
     for kind in spec.keys() & second.keys():
         yield spec[kind], second[kind]
 
 
 def mistaken_pairs(
-    spec_names: Names, second_names: Names, *, must_be_equal: bool
+    spec_names: FactNames, second_names: FactNames, *, must_be_equal: bool
 ) -> Iterator[tuple[ComparedFact, ComparedFact]]:
     """Yield the names of an item in the spec and the second reading if they differ and one must be a mistake.
 
