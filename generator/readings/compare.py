@@ -15,7 +15,7 @@ from .compare_facts import CHOSEN_BY_READER, compare_facts, compare_names, missi
 from .compare_words import compare_word
 from .comparison import Comparison, Disagreement, Read
 from .pairing import with_order_of, with_rows_of
-from .reading import NOTHING, ComparedFact, ComparedFacts, FactClass, Key, use_same_names
+from .reading import NOTHING, ComparedFact, ComparedFacts, FactClass, FactKey, use_same_names
 from .texts import NUMBERS, dotted_path
 
 #: Classes of facts in texts, which a second reading can also give by their paths.
@@ -48,7 +48,7 @@ def compare(spec: ComparedFacts, second: ComparedFacts) -> Comparison:
     return comparison
 
 
-def _has_two_byte_orders(word_key: Key, spec: ComparedFacts, second: ComparedFacts) -> bool:
+def _has_two_byte_orders(word_key: FactKey, spec: ComparedFacts, second: ComparedFacts) -> bool:
     """Return whether both readings state the byte order of a frame, and differ."""
     order_key = (*word_key, "order")
     if order_key not in spec.facts or order_key not in second.facts:
@@ -95,7 +95,7 @@ def _nearest_container(fact_place: Path) -> Path:
     return fact_place[:3] if has_name_inside else fact_place[:2]
 
 
-def _facts_by_path(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[Key, ComparedFact]]:
+def _facts_by_path(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[FactKey, ComparedFact]]:
     """Yield the facts that the second reading gives by paths, as copies of the spec's facts with its values and places.
 
     These are numbers in texts, and sections of sources. A path that the spec lacks leads to a separate fact.
@@ -180,11 +180,11 @@ def _compare_order_codes(spec: ComparedFacts, second: ComparedFacts) -> Iterator
         yield missing_in_spec(described_fact, _first_place(spec_codes))
 
 
-def _order_codes_of(facts: ComparedFacts) -> dict[Key, ComparedFact]:
+def _order_codes_of(facts: ComparedFacts) -> dict[FactKey, ComparedFact]:
     return {key: fact for key, fact in facts.facts.items() if key[0] == "code"}
 
 
-def _first_place(facts: dict[Key, ComparedFact]) -> Path:
+def _first_place(facts: dict[FactKey, ComparedFact]) -> Path:
     return next(iter(facts.values())).place
 
 

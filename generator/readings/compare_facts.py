@@ -15,8 +15,8 @@ from .reading import (
     CodeAndState,
     ComparedFact,
     FactClass,
+    FactKey,
     FactNames,
-    Key,
     Value,
     in_hex,
     mistaken_pairs,
@@ -29,8 +29,8 @@ CHOSEN_BY_READER = frozenset(("parameter",))
 
 def compare_facts(
     comparison: Comparison,
-    spec_facts: Mapping[Key, ComparedFact],
-    second_facts: Mapping[Key, ComparedFact],
+    spec_facts: Mapping[FactKey, ComparedFact],
+    second_facts: Mapping[FactKey, ComparedFact],
     place_in_spec: Callable[[ComparedFact], Path | None],
 ) -> Iterator[Disagreement]:
     """Yield the disagreements on facts, which are identified by their keys, and count the facts of the spec.
@@ -159,7 +159,7 @@ def _different_values(
     )
 
 
-def _frame_text(frame_key: Key) -> str:
+def _frame_text(frame_key: FactKey) -> str:
     """Return the words for a frame in descriptions of its bits: ``of the encoder's frame with 0x1A``.
 
     ``frame_key`` is the key of the frame's length. For a register, the text is empty.
@@ -184,7 +184,9 @@ def cases_text(cases: list[CodeAndState]) -> str:
 
 
 def compare_names(
-    comparison: Comparison, spec_names_by_kind: Mapping[Key, FactNames], second_names_by_kind: Mapping[Key, FactNames]
+    comparison: Comparison,
+    spec_names_by_kind: Mapping[FactKey, FactNames],
+    second_names_by_kind: Mapping[FactKey, FactNames],
 ) -> Iterator[Disagreement]:
     """Yield the different names of one item if one of them must be a mistake.
 

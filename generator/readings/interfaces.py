@@ -29,7 +29,7 @@ from .reading import (
     ComparedFact,
     ComparedFacts,
     FactClass,
-    Key,
+    FactKey,
     Reading,
     Value,
     comparable_text,
@@ -95,7 +95,7 @@ def _add_frames(
     """
     place: Path = ("interfaces", interface.name, "layouts", layout.name)
     for frame_identity in layout.selects or (identity,):
-        key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, frame_identity)
+        key: FactKey = ("frame", interface.name, layout.sender, layout.channel or 0, frame_identity)
         frame_subject = Subject(reading, key=key, place=place, description=f"'{layout.name}'", interface=interface.name)
         facts.add(_frame_facts(frame_subject, layout))
         facts.words[key] = word(frame_subject, layout)
@@ -345,7 +345,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
         if not timing.symbol:
             bound_words = {bound: bound.removesuffix("_us").replace("_", " ") for bound in time_by_bound}
             times_text = ", ".join(f"{bound_words[bound]} {time}" for bound, time in time_by_bound.items())
-            key: Key = ("time", interface, times_text)
+            key: FactKey = ("time", interface, times_text)
             yield ComparedFact(
                 sort=FactClass.TIME,
                 key=key,

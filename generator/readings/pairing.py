@@ -8,7 +8,7 @@ from dataclasses import replace
 from difflib import SequenceMatcher
 from typing import Any
 
-from .reading import ComparedFact, ComparedFacts, Key, Value
+from .reading import ComparedFact, ComparedFacts, FactKey, Value
 
 #: Cells with numbers of a row, by column.
 _Row = tuple[tuple[int, Value], ...]
@@ -22,7 +22,7 @@ def with_rows_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
     This concerns tables with another number of rows with numbers than in the second reading, if it has some. Rows that
     only the spec has come last.
     """
-    new_keys: dict[Key, Key] = {}
+    new_keys: dict[FactKey, FactKey] = {}
     for table_key in [key for key in spec.facts if key[0] == "table" and len(key) == 2]:
         spec_rows, second_rows = _rows_of(spec, table_key), _rows_of(second, table_key)
         if len(spec_rows) == len(second_rows) or not second_rows:
@@ -40,11 +40,11 @@ def with_rows_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
     return replace(spec, facts=facts)
 
 
-def _cell_key(table_key: Key, row_number: int, column: int) -> Key:
+def _cell_key(table_key: FactKey, row_number: int, column: int) -> FactKey:
     return (*table_key, f"{row_number} {column}")
 
 
-def _rows_of(facts: ComparedFacts, table_key: Key) -> Mapping[int, _Row]:
+def _rows_of(facts: ComparedFacts, table_key: FactKey) -> Mapping[int, _Row]:
     """Return the rows of a table that have numbers, by their number in the file."""
     cells_by_row: dict[int, list[tuple[int, Value]]] = defaultdict(list)
     for key, fact in facts.facts.items():
@@ -88,7 +88,7 @@ def with_order_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
     Connectors that only the spec has come last. The order of a spec stays where a name of the second reading is not in
     the spec, because each reader chooses names freely.
     """
-    new_keys: dict[Key, Key] = {}
+    new_keys: dict[FactKey, FactKey] = {}
     for (_, interface, kind), keys_by_name in _connector_keys(spec).items():
         second_keys_by_name = _connector_keys(second).get(("connector", interface, kind), {})
         are_names_of_spec = second_keys_by_name.keys() <= keys_by_name.keys()
@@ -101,13 +101,13 @@ def with_order_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
     if all(key == new_key for key, new_key in new_keys.items()):
         return spec
 
-    def renumbered(key: Key) -> Key:
+    def renumbered(key: FactKey) -> FactKey:
         return (*new_keys.get(key[:_STEPS], key[:_STEPS]), *key[_STEPS:])
 
-    facts: dict[Key, ComparedFact] = {}
+    facts: dict[FactKey, ComparedFact] = {}
     for key, fact in spec.facts.items():
         facts[renumbered(key)] = replace(fact, key=renumbered(fact.key), depends_on=renumbered(fact.depends_on))
-    names: dict[Key, dict[Key, ComparedFact]] = {}
+    names: dict[FactKey, dict[FactKey, ComparedFact]] = {}
     for kind, names_of_kind in spec.names.items():
         names[kind] = {}
         for key, name_fact in names_of_kind.items():
@@ -115,9 +115,9 @@ def with_order_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
     return replace(spec, facts=facts, names=names)
 
 
-def _connector_keys(facts: ComparedFacts) -> dict[tuple[Any, ...], dict[str, Key]]:
+def _connector_keys(facts: ComparedFacts) -> dict[tuple[Any, ...], dict[str, FactKey]]:
     """Return the key of each connector by its name, by interface and kind, in the order of their numbers."""
-    keys_by_kind: dict[tuple[Any, ...], dict[str, Key]] = defaultdict(dict)
+    keys_by_kind: dict[tuple[Any, ...], dict[str, FactKey]] = defaultdict(dict)
     for kind, names in facts.names.items():
         for key, name in names.items() if kind[0] == "connector" else ():
             keys_by_kind[key[: _STEPS - 1]].setdefault(str(name.value), key)

@@ -63,7 +63,7 @@ class FactClass(Enum):
 _NEEDED = frozenset(list(FactClass)[: list(FactClass).index(FactClass.VALUE)])  # from POSITION up to WAIT
 
 #: Key that identifies a fact within its family, without names.
-Key = tuple[str | int, ...]
+FactKey = tuple[str | int, ...]
 #: State of an encoder whose registers have the factory defaults.
 FACTORY_DEFAULTS = ""
 
@@ -95,11 +95,11 @@ class ComparedFact:
     """
 
     sort: FactClass
-    key: Key
+    key: FactKey
     value: Value
     description: str
     place: Path
-    depends_on: Key = ()
+    depends_on: FactKey = ()
     may_be_missing: bool = False
     name: str = ""
     name_place: Path = ()
@@ -107,7 +107,7 @@ class ComparedFact:
 
 
 #: Facts about the names that a reader gives to items of one kind.
-FactNames = dict[Key, ComparedFact]
+FactNames = dict[FactKey, ComparedFact]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -128,8 +128,8 @@ class WordCase:
     """
 
     bits: tuple[BitMeaning, ...]
-    fields: Mapping[tuple[int, int], Mapping[Key, ComparedFact]]
-    names: Mapping[Key, FactNames]
+    fields: Mapping[tuple[int, int], Mapping[FactKey, ComparedFact]]
+    names: Mapping[FactKey, FactNames]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -158,10 +158,10 @@ class ComparedFacts:
     ``sections``. ``decided`` contains the paths and classes of facts that no manual prints.
     """
 
-    facts: dict[Key, ComparedFact] = dataclasses.field(default_factory=dict)
-    words: dict[Key, WordBits] = dataclasses.field(default_factory=dict)
+    facts: dict[FactKey, ComparedFact] = dataclasses.field(default_factory=dict)
+    words: dict[FactKey, WordBits] = dataclasses.field(default_factory=dict)
     derived: Counter[FactClass] = dataclasses.field(default_factory=Counter)
-    names: dict[Key, FactNames] = dataclasses.field(default_factory=dict)
+    names: dict[FactKey, FactNames] = dataclasses.field(default_factory=dict)
     printed_numbers: Mapping[str, tuple[str, Path]] = dataclasses.field(default_factory=dict)
     sections: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
     decided: Sequence[str] = ()
@@ -178,7 +178,7 @@ class ComparedFacts:
             if fact.name:
                 self._add_name_of(key, fact)
 
-    def _add_name_of(self, key: Key, fact: ComparedFact) -> None:
+    def _add_name_of(self, key: FactKey, fact: ComparedFact) -> None:
         """Add ``fact.name`` as the name of an item, under its kind: ``("register", "ssi")``, or ``("alarm",)``."""
         kind = key[:2] if key[0] in _BY_INTERFACE else key[:1]
         description = f"name of {fact.description}"
@@ -187,7 +187,7 @@ class ComparedFacts:
         )
         self.add_name(kind, name_fact)
 
-    def add_name(self, kind: Key, name: ComparedFact) -> None:
+    def add_name(self, kind: FactKey, name: ComparedFact) -> None:
         """Add the name of an item."""
         self.names.setdefault(kind, {}).setdefault(name.key, name)
 
@@ -222,7 +222,7 @@ def _name_maps_of_both(spec: ComparedFacts, second: ComparedFacts) -> Iterator[t
 
 
 def _names_by_kind(
-    spec: Mapping[Key, FactNames], second: Mapping[Key, FactNames]
+    spec: Mapping[FactKey, FactNames], second: Mapping[FactKey, FactNames]
 ) -> Iterator[tuple[FactNames, FactNames]]:
     for kind in spec.keys() & second.keys():
         yield spec[kind], second[kind]
@@ -391,7 +391,7 @@ class Reading:
                 return place
         return places[-1]
 
-    def key_of(self, register: Register) -> Key:
+    def key_of(self, register: Register) -> FactKey:
         """Return the key of a register: interface, bank, address, and readability if several share the address."""
         bank = -1 if register.bank is None else register.bank
         address_key = ("register", register.interface, bank, register.address)

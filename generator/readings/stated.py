@@ -30,7 +30,7 @@ from .reading import (
     CodeAndState,
     ComparedFact,
     FactClass,
-    Key,
+    FactKey,
     Reading,
     Value,
     count_text,
@@ -44,7 +44,7 @@ class _Detail(NamedTuple):
     """A fact about part of a procedure. Its key and its place are within the procedure."""
 
     sort: FactClass
-    key: Key
+    key: FactKey
     place: Path
     value: str
     description: str
@@ -57,7 +57,7 @@ def procedures(reading: Reading) -> Iterator[ComparedFact]:
     """
     for procedure in reading.device.procedures:
         steps_text = program_text(reading, procedure)
-        procedure_key: Key = ("procedure", procedure.interface, steps_text)
+        procedure_key: FactKey = ("procedure", procedure.interface, steps_text)
         procedure_place: Path = ("procedures", procedure.name)
         yield ComparedFact(
             sort=FactClass.PROCEDURE,
@@ -236,14 +236,14 @@ class Subject:
     """
 
     reading: Reading
-    key: Key
+    key: FactKey
     place: Path
     description: str
     interface: str = ""
-    depends_on: Key | None = None
+    depends_on: FactKey | None = None
     joint: str = " of "
 
-    def inside(self, key: Key, place: Path, description: str) -> Subject:
+    def inside(self, key: FactKey, place: Path, description: str) -> Subject:
         """Return a part of the subject, whose facts depend on the fact that the subject exists.
 
         Key and place are within the key and place of the subject.
@@ -258,7 +258,7 @@ class Subject:
         )
 
     def existence_fact(
-        self, sort: FactClass, value: Value, at: str = "", name: str = "", depends_on: Key = ()
+        self, sort: FactClass, value: Value, at: str = "", name: str = "", depends_on: FactKey = ()
     ) -> ComparedFact:
         """Return the fact that the subject exists, with a value such as "present".
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ..language.document import Path
 from ..model import Alarm, Connector, Edition, Manual
-from .reading import ComparedFact, FactClass, Key, Reading, comparable_text, interface_label, register_text
+from .reading import ComparedFact, FactClass, FactKey, Reading, comparable_text, interface_label, register_text
 from .stated import Subject
 from .texts import numbers_in
 
@@ -61,7 +61,7 @@ def _contact_facts(
     connector_text = f"{connector.kind} {connector_number}"
     if interface:
         connector_text += f" for {interface_label(interface)}"
-    key: Key = ("connector", interface, connector.kind, connector_number)
+    key: FactKey = ("connector", interface, connector.kind, connector_number)
     owner = Subject(reading, key=key, place=("connectors", connector.name), description=connector_text)
     yield from owner.all_facts(FactClass.PIN, connector)
     for contact in connector.contacts:
