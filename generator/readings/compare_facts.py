@@ -17,7 +17,7 @@ from .reading import (
     FactClass,
     FactKey,
     FactNames,
-    Value,
+    FactValue,
     in_hex,
     mistaken_pairs,
     same_name,
@@ -92,7 +92,7 @@ def _compare_values(
         yield _different_values(spec_fact, spec_text, second_fact, second_text)
 
 
-def _common_value(value_or_cases: Value) -> Value:
+def _common_value(value_or_cases: FactValue) -> FactValue:
     """Return the value if all cases have the same value, or else the values of all cases."""
     if isinstance(value_or_cases, str):
         return value_or_cases
@@ -101,7 +101,7 @@ def _common_value(value_or_cases: Value) -> Value:
     return distinct_values.pop() if has_common_value else value_or_cases
 
 
-def value_text(value_or_cases: Value) -> str:
+def value_text(value_or_cases: FactValue) -> str:
     """Return a value, or the value of the first case if there are several."""
     if isinstance(value_or_cases, str):
         return value_or_cases

@@ -30,8 +30,8 @@ from .reading import (
     ComparedFacts,
     FactClass,
     FactKey,
+    FactValue,
     Reading,
-    Value,
     comparable_text,
     in_hex,
     interface_label,
@@ -228,7 +228,7 @@ def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[ComparedFact]:
         )
 
 
-def _value_by_code(reading: Reading, interface: str, rows_with_texts: Sequence[tuple[Restricted, str]]) -> Value:
+def _value_by_code(reading: Reading, interface: str, rows_with_texts: Sequence[tuple[Restricted, str]]) -> FactValue:
     """Return the text of the only row, or a map with the text for each order code if rows are for different codes."""
     first_row, first_text = rows_with_texts[0]
     if len(rows_with_texts) == 1 and not first_row.only:

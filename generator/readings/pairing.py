@@ -8,10 +8,10 @@ from dataclasses import replace
 from difflib import SequenceMatcher
 from typing import Any
 
-from .reading import ComparedFact, ComparedFacts, FactKey, Value
+from .reading import ComparedFact, ComparedFacts, FactKey, FactValue
 
 #: Cells with numbers of a row, by column.
-_Row = tuple[tuple[int, Value], ...]
+_Row = tuple[tuple[int, FactValue], ...]
 #: Steps of the key that identifies a connector: ``("connector", "ssi", "cable", 1)``.
 _STEPS = 4
 
@@ -46,7 +46,7 @@ def _cell_key(table_key: FactKey, row_number: int, column: int) -> FactKey:
 
 def _rows_of(facts: ComparedFacts, table_key: FactKey) -> Mapping[int, _Row]:
     """Return the rows of a table that have numbers, by their number in the file."""
-    cells_by_row: dict[int, list[tuple[int, Value]]] = defaultdict(list)
+    cells_by_row: dict[int, list[tuple[int, FactValue]]] = defaultdict(list)
     for key, fact in facts.facts.items():
         # The key of a cell ends with its row and column: ("table", "limits", "3 0").
         is_cell = key[:2] == table_key and len(key) == 3 and " " in str(key[2])

@@ -81,7 +81,7 @@ class CodeAndState(NamedTuple):
 
 
 #: A value as shown in messages: a single value, or a value for each case.
-Value = str | Mapping[CodeAndState, str]
+FactValue = str | Mapping[CodeAndState, str]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -96,7 +96,7 @@ class ComparedFact:
 
     sort: FactClass
     key: FactKey
-    value: Value
+    value: FactValue
     description: str
     place: Path
     depends_on: FactKey = ()

@@ -31,8 +31,8 @@ from .reading import (
     ComparedFact,
     FactClass,
     FactKey,
+    FactValue,
     Reading,
-    Value,
     count_text,
     in_hex,
     interface_label,
@@ -258,7 +258,7 @@ class Subject:
         )
 
     def existence_fact(
-        self, sort: FactClass, value: Value, at: str = "", name: str = "", depends_on: FactKey = ()
+        self, sort: FactClass, value: FactValue, at: str = "", name: str = "", depends_on: FactKey = ()
     ) -> ComparedFact:
         """Return the fact that the subject exists, with a value such as "present".
 
@@ -284,7 +284,13 @@ class Subject:
         yield from self.stated_facts(model_part)
 
     def detail_fact(
-        self, sort: FactClass, name: str, value: Value, noun: str, at: Path | None = None, may_be_missing: bool = False
+        self,
+        sort: FactClass,
+        name: str,
+        value: FactValue,
+        noun: str,
+        at: Path | None = None,
+        may_be_missing: bool = False,
     ) -> ComparedFact:
         """Return another fact about the subject, whose description is ``noun``, ``joint`` and the subject's.
 
@@ -342,7 +348,7 @@ class Subject:
                 )
 
 
-def _value_text(reading: Reading, member: Member, member_value: Any, interface: str) -> Value:
+def _value_text(reading: Reading, member: Member, member_value: Any, interface: str) -> FactValue:
     """Return a stated value in words without names, or a text for each case if it is an expression.
 
     Numbers come with the unit of the member: ``16 µs``, ``0x1A``, ``yes``.
