@@ -18,7 +18,7 @@ from codewheel.loading.library import Family, families_of
 from codewheel.loading.repeated_facts import check_shared_facts
 from codewheel.readings.cloze import check_sheets, read_sheet
 from codewheel.readings.compare import compare
-from codewheel.readings.reading import ComparedFacts, Reading
+from codewheel.readings.reading import ComparedFacts, SpecReading
 from codewheel.readings.second_readings import (
     Coverage,
     SecondReading,
@@ -166,7 +166,7 @@ class Trial:
     def _facts_of(self, family: Family) -> ComparedFacts:
         file = family.document.file
         if file not in self._facts:
-            self._facts[file] = facts_of(Reading(family.device, family.document))
+            self._facts[file] = facts_of(SpecReading(family.device, family.document))
         return self._facts[file]
 
     def _outputs_of(self, family: Family) -> Outputs:

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from ..language.document import Path
 from ..model import Biss, channel_frame
 from ..say.names_and_places import bits
-from .reading import CodeAndState, ComparedFact, FactClass, Reading
+from .reading import CodeAndState, ComparedFact, FactClass, SpecReading
 
 
-def channel_facts(reading: Reading, interface: Biss) -> Iterator[ComparedFact]:
+def channel_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFact]:
     """Yield the order of the data channels in a frame, and the bits of each channel that are compared.
 
     Channels are identified by their numbers: ``1, 2``.

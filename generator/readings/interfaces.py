@@ -31,7 +31,7 @@ from .reading import (
     FactClass,
     FactKey,
     FactValue,
-    Reading,
+    SpecReading,
     comparable_text,
     in_hex,
     interface_label,
@@ -50,7 +50,7 @@ _JOINT_BY_PART = {
 }
 
 
-def add_interfaces(reading: Reading, facts: ComparedFacts) -> None:
+def add_interfaces(reading: SpecReading, facts: ComparedFacts) -> None:
     """Add the facts of all interfaces, and the timings of the device."""
     for interface in reading.device.interfaces:
         constants_by_frame = _exchange_constants(interface)
@@ -87,7 +87,7 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
 
 
 def _add_frames(
-    reading: Reading, interface: Interface, layout: Layout, identity: str | int, facts: ComparedFacts
+    reading: SpecReading, interface: Interface, layout: Layout, identity: str | int, facts: ComparedFacts
 ) -> None:
     """Add a frame for each selector of this layout, or one identified by ``identity`` if it has no selector.
 
@@ -172,7 +172,7 @@ def _condition_text(field: PlacedField, needed_value: int) -> str:
     return f"{bits(field.high, field.low)} = {bit_value}"
 
 
-def _interface_facts(reading: Reading, interface: Interface) -> Iterator[ComparedFact]:
+def _interface_facts(reading: SpecReading, interface: Interface) -> Iterator[ComparedFact]:
     """Yield the facts about an interface other than its frames: its members, its parts, and the facts of its kind."""
     place: Path = ("interfaces", interface.name)
     interface_subject = Subject(
@@ -207,7 +207,7 @@ def _interface_facts(reading: Reading, interface: Interface) -> Iterator[Compare
             yield from _exchange_facts(interface)
 
 
-def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[ComparedFact]:
+def _cable_clocks(reading: SpecReading, interface: Ssi) -> Iterator[ComparedFact]:
     """Yield a fact for each length of the cable: its highest clock, such as ``below 400000 Hz``.
 
     If that depends on the order code, the value is a map with the text for each code.
@@ -228,7 +228,9 @@ def _cable_clocks(reading: Reading, interface: Ssi) -> Iterator[ComparedFact]:
         )
 
 
-def _value_by_code(reading: Reading, interface: str, rows_with_texts: Sequence[tuple[Restricted, str]]) -> FactValue:
+def _value_by_code(
+    reading: SpecReading, interface: str, rows_with_texts: Sequence[tuple[Restricted, str]]
+) -> FactValue:
     """Return the text of the only row, or a map with the text for each order code if rows are for different codes."""
     first_row, first_text = rows_with_texts[0]
     if len(rows_with_texts) == 1 and not first_row.only:
@@ -241,7 +243,7 @@ def _value_by_code(reading: Reading, interface: str, rows_with_texts: Sequence[t
     return values
 
 
-def _biss_facts(reading: Reading, interface: Biss) -> Iterator[ComparedFact]:
+def _biss_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFact]:
     """Yield the printed time-outs, each identified by its clock, and the fields of the control frame.
 
     A field of the control frame is identified by the number of bits sent before it.
@@ -262,7 +264,7 @@ def _biss_facts(reading: Reading, interface: Biss) -> Iterator[ComparedFact]:
         bits_before += control_field.bits
 
 
-def _control_field_facts(reading: Reading, control_field: ControlField, offset: int) -> Iterator[ComparedFact]:
+def _control_field_facts(reading: SpecReading, control_field: ControlField, offset: int) -> Iterator[ComparedFact]:
     """Yield the facts of a field of the control frame: its bits, its values, and its CRC.
 
     ``offset`` is the number of bits sent before the field.
@@ -283,7 +285,7 @@ def _control_field_facts(reading: Reading, control_field: ControlField, offset: 
         yield from crc_subject.stated_facts(reading.device.crc(control_field.crc))
 
 
-def _rs485_facts(reading: Reading, interface: Rs485) -> Iterator[ComparedFact]:
+def _rs485_facts(reading: SpecReading, interface: Rs485) -> Iterator[ComparedFact]:
     """Yield the data IDs, and the contents of replies to memory accesses, such as while the memory is busy.
 
     A data ID is identified by its number, ``("data id", 3)``, with the value ``control field 0x1A``. A reply is

@@ -9,11 +9,11 @@ from ..language.problems import Path
 from ..model import CodePart, Interface, Layout, Parameter, Spelling, Variant
 from ..order_codes.labels import values_by_spelling
 from ..say.names_and_places import bits
-from .reading import FACTORY_DEFAULTS, CodeAndState, ComparedFact, ComparedFacts, FactClass, Reading, count_text
+from .reading import FACTORY_DEFAULTS, CodeAndState, ComparedFact, ComparedFacts, FactClass, SpecReading, count_text
 from .stated import Subject
 
 
-def add_codes(reading: Reading, facts: ComparedFacts) -> None:
+def add_codes(reading: SpecReading, facts: ComparedFacts) -> None:
     """Add the facts about order codes: notations, supplies, parameters, alternatives, measurements and the movement.
 
     Parameters with a formula follow from other parameters, so they only count as derived.
@@ -44,7 +44,7 @@ def add_codes(reading: Reading, facts: ComparedFacts) -> None:
     facts.derived[FactClass.LIMIT] += len(reading.device.definitions)
 
 
-def _order_code_facts(reading: Reading) -> Iterator[ComparedFact]:
+def _order_code_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield each order code with its interface, and each part whose values the manual leaves open.
 
     Such a part is identified by the values that the manual prints. If these values combine only with certain values of
@@ -75,7 +75,7 @@ def _order_code_facts(reading: Reading) -> Iterator[ComparedFact]:
         )
 
 
-def _supply_facts(reading: Reading) -> Iterator[ComparedFact]:
+def _supply_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield one fact with the supply of each order code: ``5000 to 30000 mV``, or nothing if none is stated."""
     supplies: dict[CodeAndState, str] = {}
     for variant in reading.device.variants:
@@ -92,7 +92,7 @@ def _supply_facts(reading: Reading) -> Iterator[ComparedFact]:
         )
 
 
-def _parameter_facts(reading: Reading) -> Iterator[ComparedFact]:
+def _parameter_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield a fact for each parameter, with its value in each case of each order code.
 
     A parameter may be missing from the other reading, since readers choose their own. One name has one meaning.
@@ -111,7 +111,7 @@ def _parameter_facts(reading: Reading) -> Iterator[ComparedFact]:
         yield from subject.stated_facts(parameter)
 
 
-def _add_alternatives(reading: Reading, facts: ComparedFacts) -> None:
+def _add_alternatives(reading: SpecReading, facts: ComparedFacts) -> None:
     """Add the names of the alternatives and of their answers, which are identified by their numbers from 1."""
     for number, alternative in enumerate(reading.device.alternatives, 1):
         place: Path = ("alternatives", alternative.name)
@@ -137,7 +137,7 @@ def _add_alternatives(reading: Reading, facts: ComparedFacts) -> None:
             )
 
 
-def _spelling_facts(reading: Reading) -> Iterator[ComparedFact]:
+def _spelling_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield each label in an additional notation, with the order code that it stands for.
 
     A label is identified by its text and by what follows it (``then``).
@@ -171,7 +171,7 @@ def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[C
     return label
 
 
-def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[ComparedFact]:
+def _held_parameter_facts(reading: SpecReading, parameter: Parameter) -> Iterator[ComparedFact]:
     """Yield the limits of a parameter in a register, such as ``minimum held in register 0x49 bits 7:4``.
 
     They are identified by the bits that hold the parameter.
@@ -190,7 +190,7 @@ def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Co
             )
 
 
-def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[ComparedFact]:
+def _measurement_facts(reading: SpecReading, interface: Interface) -> Iterator[ComparedFact]:
     """Yield the facts about the position over an interface, and its bits in each frame that contains it.
 
     The measurement belongs to the interface, or else to the device.

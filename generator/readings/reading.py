@@ -271,7 +271,7 @@ _LEAST_IN_HEX = 10_000
 
 
 @dataclass(frozen=True)
-class Reading:
+class SpecReading:
     """A device and its file."""
 
     device: Device

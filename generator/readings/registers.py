@@ -17,7 +17,7 @@ from .reading import (
     ComparedFact,
     ComparedFacts,
     FactClass,
-    Reading,
+    SpecReading,
     as_delivered,
     in_hex,
     register_text,
@@ -25,7 +25,7 @@ from .reading import (
 from .stated import Subject
 
 
-def add_registers(reading: Reading, facts: ComparedFacts) -> None:
+def add_registers(reading: SpecReading, facts: ComparedFacts) -> None:
     """Add the facts of every register, its names, and its word, bit by bit."""
     for register in reading.device.registers:
         key, place = reading.key_of(register), ("registers", register.name)
@@ -82,7 +82,7 @@ def _register_facts(subject: Subject, register: Register) -> Iterator[ComparedFa
     yield from _limit_facts(subject, register)
 
 
-def _opener_text(reading: Reading, register: Register) -> str:
+def _opener_text(reading: SpecReading, register: Register) -> str:
     """Return the value that opens a register, and its bits: ``0x5A in register 0x49 bits 7:0``.
 
     Without such a value, the text is only the register that must be written: ``register 0x49``.

@@ -20,11 +20,11 @@ from ..model.record import dataclass
 from . import interfaces, order_codes, registers, stated, surroundings, texts
 from .compare import compare
 from .comparison import Comparison, Disagreement, Read
-from .reading import NOTHING, ComparedFacts, FactClass, Reading
+from .reading import NOTHING, ComparedFacts, FactClass, SpecReading
 from .related import Related, group_by_cause
 
 
-def facts_of(reading: Reading) -> ComparedFacts:
+def facts_of(reading: SpecReading) -> ComparedFacts:
     """Return all facts of a reading that can be compared with another reading.
 
     ``decided`` lists facts that no manual prints, and is only in a second reading.
@@ -149,7 +149,7 @@ def second_of(document: Document, manufacturer: Manufacturer, report: ProblemRep
     has_new_problems = len(report) != problem_count_before
     if device is None or has_new_problems:
         return SecondReading(document, facts=None)
-    return SecondReading(document, facts_of(Reading(device, document)))
+    return SecondReading(document, facts_of(SpecReading(device, document)))
 
 
 def comparable_specs(families: Iterable[Family], report: ProblemReport) -> frozenset[str]:
@@ -175,7 +175,7 @@ def compare_readings(
         second = read(family, report) if not is_derived else None
         if second is None or second.facts is None or family.document.file not in sound:
             continue
-        facts = facts_of(Reading(family.device, family.document))
+        facts = facts_of(SpecReading(family.device, family.document))
         outcome = compare(facts, second.facts)
         explain(family.document, second.document, outcome, report)
         coverages.append(Coverage(family, outcome, facts.derived))

@@ -32,7 +32,7 @@ from .reading import (
     FactClass,
     FactKey,
     FactValue,
-    Reading,
+    SpecReading,
     count_text,
     in_hex,
     interface_label,
@@ -50,7 +50,7 @@ class _Detail(NamedTuple):
     description: str
 
 
-def procedures(reading: Reading) -> Iterator[ComparedFact]:
+def procedures(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the facts of every procedure: its steps as text, and its argument limits, waits and repetitions.
 
     A procedure is identified by its interface and the text of its steps, such as ``write 0x49 = 05; read 0x4A``.
@@ -79,7 +79,7 @@ def procedures(reading: Reading) -> Iterator[ComparedFact]:
             )
 
 
-def _argument_limits(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
+def _argument_limits(reading: SpecReading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield for each argument the register whose limits apply to it: ``register 0x49``.
 
     For an argument that is meant in one of several ways, the condition follows: ``while register 0x4A bits 1:0 is 3``.
@@ -99,7 +99,7 @@ def _argument_limits(reading: Reading, procedure: Procedure) -> Iterator[_Detail
         )
 
 
-def _waits_and_repetitions(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
+def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield the waits, the bits that are read, and the repetitions of requests.
 
     Consecutive waits are added up. A step is identified by its number among the steps other than waits, and a wait by
@@ -169,13 +169,13 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
         )
 
 
-def program_text(reading: Reading, procedure: Procedure) -> str:
+def program_text(reading: SpecReading, procedure: Procedure) -> str:
     """Return the steps of a procedure as text, without waits and repetitions: ``write 0x49 = 05; read 0x4A``."""
     texts = (_step_text(reading, step, procedure) for step in procedure.steps)
     return "; ".join(text for text in texts if text)
 
 
-def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
+def _step_text(reading: SpecReading, step: Step, procedure: Procedure) -> str:
     """Return a step in words without names, such as ``set 0x49 bits 3:0 to argument 1``, or "" for a wait."""
     match step:
         case WriteStep(register, name, value):
@@ -205,7 +205,7 @@ def _argument_text(procedure: Procedure, value_name: str) -> str:
     return f"argument {names.index(value_name) + 1}" if value_name in names else value_name
 
 
-def _register_and_bits(reading: Reading, register_name: str, field_name: str) -> str:
+def _register_and_bits(reading: SpecReading, register_name: str, field_name: str) -> str:
     """Return ``0x49 bits 3:0``, or only ``0x49`` for a field that is the whole register, or without a field."""
     register = reading.device.register(register_name)
     bits_text = ""
@@ -217,7 +217,7 @@ def _register_and_bits(reading: Reading, register_name: str, field_name: str) ->
     return f"{register_text(register).removeprefix('register ')}{bits_text}"
 
 
-def program_texts(reading: Reading, names: tuple[str, ...]) -> str:
+def program_texts(reading: SpecReading, names: tuple[str, ...]) -> str:
     """Return the steps of several procedures as text, in the order of these texts: ``read 0x4A | write 0x49 = 05``."""
     procedures_by_name = {procedure.name: procedure for procedure in reading.device.procedures}
     texts = [program_text(reading, procedures_by_name[name]) for name in names if name in procedures_by_name]
@@ -235,7 +235,7 @@ class Subject:
     fact that its other facts depend on, by default its own. ``joint`` precedes its name.
     """
 
-    reading: Reading
+    reading: SpecReading
     key: FactKey
     place: Path
     description: str
@@ -348,7 +348,7 @@ class Subject:
                 )
 
 
-def _value_text(reading: Reading, member: Member, member_value: Any, interface: str) -> FactValue:
+def _value_text(reading: SpecReading, member: Member, member_value: Any, interface: str) -> FactValue:
     """Return a stated value in words without names, or a text for each case if it is an expression.
 
     Numbers come with the unit of the member: ``16 µs``, ``0x1A``, ``yes``.
@@ -394,7 +394,7 @@ def _part_text(value_or_part: object) -> str:
     return str(value_or_part.digits if isinstance(value_or_part, Digits) else value_or_part)
 
 
-def _referred_text(reading: Reading, member: Member, referred_names: Any, interface: str) -> str:
+def _referred_text(reading: SpecReading, member: Member, referred_names: Any, interface: str) -> str:
     """Return the things that a member names, in words without names, sorted.
 
     Registers give their addresses, register fields and flags of frames their bits, and procedures their steps.
@@ -417,7 +417,7 @@ def _referred_text(reading: Reading, member: Member, referred_names: Any, interf
     return ", ".join(sorted(thing_texts))
 
 
-def _register_text(reading: Reading, register_name: str) -> str:
+def _register_text(reading: SpecReading, register_name: str) -> str:
     """Return the address of a register, or its name if there is no such register."""
     register = reading.register(register_name)
     return register_text(register) if register is not None else register_name

@@ -8,12 +8,12 @@ from dataclasses import replace
 
 from ..language.document import Path
 from ..model import Alarm, Connector, Edition, Manual
-from .reading import ComparedFact, FactClass, FactKey, Reading, comparable_text, interface_label, register_text
+from .reading import ComparedFact, FactClass, FactKey, SpecReading, comparable_text, interface_label, register_text
 from .stated import Subject
 from .texts import numbers_in
 
 
-def surroundings(reading: Reading) -> Iterator[ComparedFact]:
+def surroundings(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the facts about connectors, alarms, inputs, editions, characteristics, tables and LEDs.
 
     An alarm is identified by the place of its bits, of which it can have several.
@@ -39,7 +39,7 @@ def surroundings(reading: Reading) -> Iterator[ComparedFact]:
     yield from _led_facts(reading)
 
 
-def _connector_facts(reading: Reading) -> Iterator[ComparedFact]:
+def _connector_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the connectors and cables of each interface with their contacts.
 
     They are numbered from 1 for each interface and kind. One without interfaces belongs to the interface "".
@@ -52,7 +52,7 @@ def _connector_facts(reading: Reading) -> Iterator[ComparedFact]:
 
 
 def _contact_facts(
-    reading: Reading, connector: Connector, interface: str, connector_number: int
+    reading: SpecReading, connector: Connector, interface: str, connector_number: int
 ) -> Iterator[ComparedFact]:
     """Yield a connector or cable of an interface, and its contacts with their signals.
 
@@ -78,7 +78,7 @@ def _contact_facts(
         yield from subject.stated_facts(contact)
 
 
-def _alarm_bits_texts(reading: Reading, alarm: Alarm) -> Iterator[str]:
+def _alarm_bits_texts(reading: SpecReading, alarm: Alarm) -> Iterator[str]:
     """Yield the places of an alarm: ``register 0x49 bit 3``, a whole register, and its bit in each frame.
 
     A bit in a frame is the bit of the alarm's field in a field group, with the interface: ``bit 3 of … over SSI``.
@@ -97,7 +97,7 @@ def _alarm_bits_texts(reading: Reading, alarm: Alarm) -> Iterator[str]:
                     yield f"{bit_text} over {interface.short}"
 
 
-def _history_facts(reading: Reading, manual: Manual) -> Iterator[ComparedFact]:
+def _history_facts(reading: SpecReading, manual: Manual) -> Iterator[ComparedFact]:
     """Yield the revisions of the editions that were read, by language, and those that the manual lists."""
     editions: list[tuple[Path, Manual | Edition]] = [(("manual",), manual)]
     editions += [(("manual", "editions", edition.revision), edition) for edition in manual.editions]
@@ -116,7 +116,7 @@ def _history_facts(reading: Reading, manual: Manual) -> Iterator[ComparedFact]:
         yield from row_subject.all_facts(FactClass.HISTORY, row, "listed")
 
 
-def _characteristic_facts(reading: Reading) -> Iterator[ComparedFact]:
+def _characteristic_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the facts of every characteristic, identified by its name, and of its quantities, numbered in the text."""
     for characteristic in reading.device.characteristics:
         key = ("characteristic", characteristic.name)
@@ -128,7 +128,7 @@ def _characteristic_facts(reading: Reading) -> Iterator[ComparedFact]:
             yield from subject.inside((index,), ("values", index), description).stated_facts(quantity_value)
 
 
-def _table_facts(reading: Reading) -> Iterator[ComparedFact]:
+def _table_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield every table, identified by its name, and the numbers of each cell with numbers, by row and column."""
     for table in reading.device.tables:
         subject = Subject(
@@ -144,7 +144,7 @@ def _table_facts(reading: Reading) -> Iterator[ComparedFact]:
                     yield subject.detail_fact(FactClass.TABLE, f"{row_index} {column_index}", cell_numbers, noun, place)
 
 
-def _led_facts(reading: Reading) -> Iterator[ComparedFact]:
+def _led_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield every LED, identified by its name, and its states, numbered in the order of the manual."""
     for led in reading.device.leds:
         led_subject = Subject(

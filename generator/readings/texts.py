@@ -12,7 +12,7 @@ from typing import Any
 from ..language.document import Path, label_of
 from ..language.schema_files import PROSE
 from ..loading.from_mapping import parse_sources
-from .reading import ComparedFact, FactClass, Reading
+from .reading import ComparedFact, FactClass, SpecReading
 
 #: First part of the keys of numbers in texts, and of cited sections.
 NUMBERS, CITED = "numbers", "cited"
@@ -35,7 +35,7 @@ def numbers_in(text: str) -> str:
     return " ".join(numbers).replace("−", "-")
 
 
-def content_facts(reading: Reading) -> Iterator[ComparedFact]:
+def content_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the page of every section and of every entry in the table of contents, if it has one."""
     for section, section_contents in reading.document.data["manual"].get("contents", {}).items():
         place: Path = ("manual", "contents", section)
@@ -54,7 +54,7 @@ def content_facts(reading: Reading) -> Iterator[ComparedFact]:
                 )
 
 
-def text_facts(reading: Reading) -> Iterator[ComparedFact]:
+def text_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield a fact for every text with numbers, and one for every source with sections, identified by their places."""
     for place, text in prose_texts((), reading.document.data):
         numbers_or_sections = _compared_text(place[-1], text)
@@ -91,7 +91,7 @@ def _compared_text(key: str | int, text: str) -> str:
     return ", ".join(sorted(sections))
 
 
-def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
+def by_path(reading: SpecReading) -> dict[str, tuple[str, Path]]:
     """Return what a second reading gives for texts and sources by their paths, with the places there.
 
     ``{"registers.mode.meaning": ("5V 10ms", ("found", "registers.mode.meaning"))}``
@@ -103,7 +103,7 @@ def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
     return numbers_and_places
 
 
-def sections_by_path(reading: Reading) -> dict[str, list[str]]:
+def sections_by_path(reading: SpecReading) -> dict[str, list[str]]:
     """Return the sections that a second reading gives for everything under a path: ``{"registers": ["4.3"]}``."""
     cited_sections: dict[str, list[str]] = {}
     for section, paths in reading.document.data.get("sections", {}).items():

@@ -22,7 +22,7 @@ from codewheel.model.members import PARTS, PARTS_BY_CLASS, Member, Part
 from codewheel.model.record import dataclass
 from codewheel.readings import stated
 from codewheel.readings.compare import compare
-from codewheel.readings.reading import FactClass, Reading
+from codewheel.readings.reading import FactClass, SpecReading
 from codewheel.readings.second_readings import facts_of
 from codewheel.targets.python import records
 from codewheel.targets.python.facts import register_rows
@@ -141,7 +141,7 @@ def test_a_documented_property_reaches_every_output_diff_and_the_second_reading(
     assert change.rule.name == "register-rule"
     document = read_document(SPEC, ProblemReport())
     assert document is not None
-    (found,) = compare(facts_of(Reading(old, document)), facts_of(Reading(new, document))).disagreements
+    (found,) = compare(facts_of(SpecReading(old, document)), facts_of(SpecReading(new, document))).disagreements
     values = found.spec_value, found.second_value
     assert (found.description.partition(" of ")[0], *values) == (
         "needs restart",

@@ -18,7 +18,7 @@ from codewheel.language.read import read_document
 from codewheel.language.schema_files import is_only_in_device_files
 from codewheel.loading.library import load_families
 from codewheel.model.members import PARTS_BY_CLASS
-from codewheel.readings.reading import FactClass, Reading
+from codewheel.readings.reading import FactClass, SpecReading
 from codewheel.readings.surroundings import surroundings
 
 # Reads whole specs twice, which does not depend on wording or rules of check.
@@ -474,5 +474,5 @@ def test_a_member_with_a_class_of_facts_is_compared(
         members.append(replace(member, read=sort.value) if member.name == "title" else member)
     changed_parts = {**PARTS_BY_CLASS, part: SimpleNamespace(members=members)}
     monkeypatch.setattr("codewheel.readings.stated.PARTS_BY_CLASS", changed_parts)
-    facts = [fact for fact in surroundings(Reading(family.device, family.document)) if fact.key[-1] == "title"]
+    facts = [fact for fact in surroundings(SpecReading(family.device, family.document)) if fact.key[-1] == "title"]
     assert {fact.sort for fact in facts} == {sort}
