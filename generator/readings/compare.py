@@ -13,7 +13,7 @@ from itertools import chain
 from ..language.document import Path
 from .compare_facts import CHOSEN_BY_READER, compare_facts, compare_names, missing_in_spec, value_text
 from .compare_words import compare_word
-from .comparison import Comparison, Disagreement, Read
+from .comparison import Comparison, Disagreement, HowOftenRead
 from .pairing import with_order_of, with_rows_of
 from .reading import NOTHING, ComparedFact, ComparedFacts, FactClass, FactKey, use_same_names
 from .texts import NUMBERS, dotted_path
@@ -133,7 +133,7 @@ def _count_undecided(comparison: Comparison, spec: ComparedFacts, second: Compar
     characteristic without numbers, of which only the name is known.
     """
     for (sort, place), read in comparison.read_by_place.items():
-        if read is not Read.TWICE:
+        if read is not HowOftenRead.TWICE:
             continue
         path = dotted_path(place)
         # The place of a characteristic itself, such as ("characteristics", "weight").
@@ -141,9 +141,9 @@ def _count_undecided(comparison: Comparison, spec: ComparedFacts, second: Compar
         is_only_name = is_characteristic and (NUMBERS, *place, "value") not in spec.facts
         is_from_path = sort in _TEXT_SORTS and path in second.printed_numbers
         if is_only_name or is_from_path:
-            comparison.read_by_place[sort, place] = Read.ONCE
+            comparison.read_by_place[sort, place] = HowOftenRead.ONCE
         elif sort not in _TEXT_SORTS and _is_decided(sort, path, second.decided):
-            comparison.read_by_place[sort, place] = Read.DECIDED
+            comparison.read_by_place[sort, place] = HowOftenRead.DECIDED
 
 
 def _is_decided(sort: FactClass, path: str, decided: Sequence[str]) -> bool:

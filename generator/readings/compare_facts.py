@@ -8,7 +8,7 @@ from dataclasses import replace
 from ..changes.pairs import match_by_key
 from ..language.document import Path
 from ..say.plain_text import first_of
-from .comparison import Comparison, Disagreement, Read
+from .comparison import Comparison, Disagreement, HowOftenRead
 from .reading import (
     FACTORY_DEFAULTS,
     NOTHING,
@@ -44,7 +44,7 @@ def compare_facts(
             if second_fact is not None:
                 yield from _compare_values(comparison, spec_fact, second_fact)
             elif key[0] not in CHOSEN_BY_READER:
-                comparison.count_fact(spec_fact.sort, spec_fact.place, Read.ONCE)
+                comparison.count_fact(spec_fact.sort, spec_fact.place, HowOftenRead.ONCE)
         elif second_fact is not None and not second_fact.is_implied:
             # An implied fact of the spec has a place, but the spec must state it if the second reading does.
             nearest_place = spec_fact.place if spec_fact is not None else place_in_spec(second_fact)
@@ -87,7 +87,7 @@ def _compare_values(
     spec_text, second_text = value_text(spec_value), value_text(second_value)
     is_same_name = spec_fact.sort is FactClass.PRINTED and same_name(spec_text, second_text)
     if spec_value == second_value or is_same_name:
-        comparison.count_fact(spec_fact.sort, spec_fact.place, Read.TWICE)
+        comparison.count_fact(spec_fact.sort, spec_fact.place, HowOftenRead.TWICE)
     else:
         yield _different_values(spec_fact, spec_text, second_fact, second_text)
 
@@ -131,7 +131,7 @@ def _compare_cases(
         yield replace(disagreement, order_codes=frozenset(case.code for case in differing_cases))
     missing_cases = [case for case in spec_values if case not in second_values]
     is_incomplete = any(not _is_as_by_default(spec_values, case) for case in missing_cases)
-    comparison.count_fact(spec_fact.sort, spec_fact.place, Read.ONCE if is_incomplete else Read.TWICE)
+    comparison.count_fact(spec_fact.sort, spec_fact.place, HowOftenRead.ONCE if is_incomplete else HowOftenRead.TWICE)
 
 
 def _is_as_by_default(values: Mapping[CodeAndState, str], case: CodeAndState) -> bool:

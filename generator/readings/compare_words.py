@@ -10,7 +10,7 @@ from functools import partial
 from ..language.document import Path
 from ..say.names_and_places import bits as bits_text
 from .compare_facts import cases_text, compare_facts, compare_names
-from .comparison import Comparison, Disagreement, Read
+from .comparison import Comparison, Disagreement, HowOftenRead
 from .frame_bits import continues_item, describe_bits
 from .reading import FACTORY_DEFAULTS, BitMeaning, CodeAndState, ComparedFact, FactClass, WordBits, WordCase
 
@@ -54,10 +54,10 @@ def _second_cases(spec_word: WordBits, second_word: WordBits | None) -> Mapping[
 def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
     """Count all facts of a word whose case occurs only in the spec."""
     for bit in spec_case.bits:
-        comparison.count_fact(FactClass.POSITION, bit.place, Read.ONCE)
+        comparison.count_fact(FactClass.POSITION, bit.place, HowOftenRead.ONCE)
     for properties in spec_case.fields.values():
         for fact in properties.values():
-            comparison.count_fact(fact.sort, fact.place, Read.ONCE)
+            comparison.count_fact(fact.sort, fact.place, HowOftenRead.ONCE)
 
 
 def _disagreements_with_cases(
@@ -138,7 +138,7 @@ def _compare_bits(
         )
     for spec_bit, second_bit in zip(spec_bits, second_bits, strict=True):
         if _have_same_meaning(spec_bit, second_bit):
-            comparison.count_fact(FactClass.POSITION, spec_bit.place, Read.TWICE)
+            comparison.count_fact(FactClass.POSITION, spec_bit.place, HowOftenRead.TWICE)
 
 
 def _have_same_meaning(bit: BitMeaning, other_bit: BitMeaning) -> bool:

@@ -9,7 +9,7 @@ from ..language.document import Path
 from .reading import FactClass
 
 
-class Read(IntEnum):
+class HowOftenRead(IntEnum):
     """How often a fact was read, best first. For a place with several facts, the worst applies."""
 
     TWICE = 0
@@ -52,18 +52,18 @@ class Comparison:
     ``has_names_of_spec`` is set if the second reading uses the names of the spec.
     """
 
-    read_by_place: dict[tuple[FactClass, Path], Read] = field(default_factory=dict)
+    read_by_place: dict[tuple[FactClass, Path], HowOftenRead] = field(default_factory=dict)
     disagreements: list[Disagreement] = field(default_factory=list)
     has_names_of_spec: bool = False
 
-    def count_fact(self, sort: FactClass, spec_place: Path, read: Read) -> None:
+    def count_fact(self, sort: FactClass, spec_place: Path, read: HowOftenRead) -> None:
         """Count a fact of the spec. Of several facts of one class with this place, the worst count remains."""
         key = sort, spec_place
-        self.read_by_place[key] = max(read, self.read_by_place.get(key, Read.TWICE))
+        self.read_by_place[key] = max(read, self.read_by_place.get(key, HowOftenRead.TWICE))
 
     def add_disagreement(self, disagreement: Disagreement) -> None:
         """Add a disagreement once, and count its fact as read differently if the spec has it."""
         if disagreement.spec_place:
-            self.count_fact(disagreement.sort, disagreement.spec_place, Read.DIFFERENTLY)
+            self.count_fact(disagreement.sort, disagreement.spec_place, HowOftenRead.DIFFERENTLY)
         if disagreement not in self.disagreements:
             self.disagreements.append(disagreement)

@@ -19,7 +19,7 @@ from ..model import Manufacturer, TimesRead
 from ..model.record import dataclass
 from . import interfaces, order_codes, registers, stated, surroundings, texts
 from .compare import compare
-from .comparison import Comparison, Disagreement, Read
+from .comparison import Comparison, Disagreement, HowOftenRead
 from .reading import NOTHING, ComparedFacts, FactClass, SpecReading
 from .related import Related, group_by_cause
 
@@ -65,10 +65,10 @@ class Coverage:
         all_reads = self.outcome.read_by_place.items()
         reads_of_sort = [read for (read_sort, _), read in all_reads if read_sort is sort]
         return TimesRead(
-            twice=reads_of_sort.count(Read.TWICE),
-            explained=reads_of_sort.count(Read.EXPLAINED),
-            decided=reads_of_sort.count(Read.DECIDED),
-            once=reads_of_sort.count(Read.ONCE),
+            twice=reads_of_sort.count(HowOftenRead.TWICE),
+            explained=reads_of_sort.count(HowOftenRead.EXPLAINED),
+            decided=reads_of_sort.count(HowOftenRead.DECIDED),
+            once=reads_of_sort.count(HowOftenRead.ONCE),
             derived=self.derived.get(sort, 0),
         )
 
@@ -80,7 +80,7 @@ class Coverage:
     @cached_property
     def once(self) -> Sequence[tuple[FactClass, Path]]:
         """Facts that were read once, in the order of the file."""
-        facts_read_once = [fact for fact, read in self.outcome.read_by_place.items() if read is Read.ONCE]
+        facts_read_once = [fact for fact, read in self.outcome.read_by_place.items() if read is HowOftenRead.ONCE]
         return sorted(facts_read_once, key=self._order_in_file)
 
     def _order_in_file(self, fact: tuple[FactClass, Path]) -> tuple[tuple[int, int], str]:
@@ -199,7 +199,7 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Probl
         used_explanations.update(explanation.place for explanation in matching)
         # A fact that the spec lacks is counted at its place in the second reading.
         counted_place = disagreement.spec_place or ("second", *disagreement.second_place)
-        outcome.read_by_place[disagreement.sort, counted_place] = Read.EXPLAINED
+        outcome.read_by_place[disagreement.sort, counted_place] = HowOftenRead.EXPLAINED
     for disagreements in group_by_cause(unexplained):
         _report_disagreements(disagreements, spec, second, report)
     for explanation in explanations:
