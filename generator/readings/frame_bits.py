@@ -37,10 +37,10 @@ from .reading import (
     in_hex,
     interface_label,
 )
-from .stated import Subject
+from .stated import FactSubject
 
 
-def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, facts: ComparedFacts) -> None:
+def add_names(subject: FactSubject, placed_field: PlacedField, owner: str | int, facts: ComparedFacts) -> None:
     """Add the names of a field of the frame or register ``owner``, and of the field's values.
 
     A field is identified by low bit and width, ``(3, 5)``, and a value by its number and its field. The names of fields
@@ -72,7 +72,7 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
 
 
 def properties(
-    subject: Subject, placed_field: PlacedField, parameters: Parameters, register: Register | None
+    subject: FactSubject, placed_field: PlacedField, parameters: Parameters, register: Register | None
 ) -> Iterator[ComparedFact]:
     """Yield the facts of a field other than its bits: the facts of its kind, a fixed value, a default, stated members.
 
@@ -97,7 +97,7 @@ def properties(
     yield from subject.stated_facts(field)
 
 
-def _facts_of_kind(subject: Subject, field: Field) -> Iterator[ComparedFact]:
+def _facts_of_kind(subject: FactSubject, field: Field) -> Iterator[ComparedFact]:
     """Yield the facts that depend on the kind of the field: about its bits, its CRC, and its named values.
 
     The other reading may lack the verdict of unused bits (``may_be_missing``), but no other of these facts.
@@ -112,10 +112,10 @@ def _facts_of_kind(subject: Subject, field: Field) -> Iterator[ComparedFact]:
             yield replace(fact, may_be_missing=False)
     if isinstance(field.kind, CrcValue):
         crc_text = f"the CRC over {interface_label(subject.interface)}"
-        crc_subject = Subject(reading, key=("crc",), place=("crcs", field.kind.crc), description=crc_text)
+        crc_subject = FactSubject(reading, key=("crc",), place=("crcs", field.kind.crc), description=crc_text)
         yield from crc_subject.stated_facts(reading.device.crc(field.kind.crc))
     for named_value in field.values:
-        value_subject = Subject(
+        value_subject = FactSubject(
             reading,
             key=("value", named_value.value),
             place=reading.first_existing((*subject.place, "values", named_value.name), subject.place),
@@ -145,7 +145,7 @@ def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tu
     return default_in_register, True
 
 
-def word(owner: Subject, layout: Layout, register: Register | None = None) -> WordBits:
+def word(owner: FactSubject, layout: Layout, register: Register | None = None) -> WordBits:
     """Return the word of a frame or register in each case of its interface, for comparing it bit by bit.
 
     Cases in which the layout is the same share one ``WordCase``. ``register`` is None for a frame.
@@ -163,7 +163,7 @@ def word(owner: Subject, layout: Layout, register: Register | None = None) -> Wo
 
 
 def _word_case(
-    owner: Subject, placed_layout: PlacedLayout, parameters: Parameters, register: Register | None
+    owner: FactSubject, placed_layout: PlacedLayout, parameters: Parameters, register: Register | None
 ) -> WordCase:
     """Return the bits of a layout, and the properties and the names of its fields, for these parameters.
 
@@ -177,7 +177,7 @@ def _word_case(
         place = owner.reading.field_place(owner.place, placed_field.field)
         description = f"{bits(placed_field.high, placed_field.low)} of {owner.description}"
         bits_by_number[placed_field.low : placed_field.high + 1] = _yield_bits(placed_field, placed_layout, place)
-        subject = Subject(owner.reading, key=(), place=place, description=description, interface=owner.interface)
+        subject = FactSubject(owner.reading, key=(), place=place, description=description, interface=owner.interface)
         facts = properties(subject, placed_field, parameters, register)
         properties_by_low_and_width[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
         add_names(subject, placed_field, owner.place[-1], name_facts)

@@ -36,7 +36,7 @@ from .reading import (
     in_hex,
     interface_label,
 )
-from .stated import Subject
+from .stated import FactSubject
 
 #: Identity of a frame without a selector that belongs to no exchange.
 _NOT_EXCHANGED = -1
@@ -96,7 +96,9 @@ def _add_frames(
     place: Path = ("interfaces", interface.name, "layouts", layout.name)
     for frame_identity in layout.selects or (identity,):
         key: FactKey = ("frame", interface.name, layout.sender, layout.channel or 0, frame_identity)
-        frame_subject = Subject(reading, key=key, place=place, description=f"'{layout.name}'", interface=interface.name)
+        frame_subject = FactSubject(
+            reading, key=key, place=place, description=f"'{layout.name}'", interface=interface.name
+        )
         facts.add(_frame_facts(frame_subject, layout))
         facts.words[key] = word(frame_subject, layout)
         for field in layout.fields:
@@ -104,7 +106,7 @@ def _add_frames(
                 facts.add_name(("group", interface.name), _group_name(frame_subject, field))
 
 
-def _group_name(frame: Subject, field: Field) -> ComparedFact:
+def _group_name(frame: FactSubject, field: Field) -> ComparedFact:
     """Return the name of the group that a field of a frame belongs to."""
     bits_text = frame.reading.bits_of(frame.interface, field)
     return ComparedFact(
@@ -116,7 +118,7 @@ def _group_name(frame: Subject, field: Field) -> ComparedFact:
     )
 
 
-def _frame_facts(frame: Subject, layout: Layout) -> Iterator[ComparedFact]:
+def _frame_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedFact]:
     """Yield the facts about a frame as a whole: its sender, units, byte order, length and combinations of values.
 
     A frame of one byte needs no byte order. If only one reading states it, they do not disagree.
@@ -138,7 +140,7 @@ def _frame_facts(frame: Subject, layout: Layout) -> Iterator[ComparedFact]:
     yield from _combination_facts(frame, layout)
 
 
-def _combination_facts(frame: Subject, layout: Layout) -> Iterator[ComparedFact]:
+def _combination_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedFact]:
     """Yield the verdict and the stated facts of each combination of field values.
 
     A combination is identified by its bits for the first order code: ``bit 3 = 1, bits 7:4 = 0``.
@@ -175,7 +177,7 @@ def _condition_text(field: PlacedField, needed_value: int) -> str:
 def _interface_facts(reading: SpecReading, interface: Interface) -> Iterator[ComparedFact]:
     """Yield the facts about an interface other than its frames: its members, its parts, and the facts of its kind."""
     place: Path = ("interfaces", interface.name)
-    interface_subject = Subject(
+    interface_subject = FactSubject(
         reading,
         key=("interface", interface.name),
         place=place,
@@ -270,7 +272,7 @@ def _control_field_facts(reading: SpecReading, control_field: ControlField, offs
     ``offset`` is the number of bits sent before the field.
     """
     place: Path = ("interfaces", "biss", "control_data", "fields", control_field.name)
-    subject = Subject(
+    subject = FactSubject(
         reading, key=("control", offset), place=place, description=f"field of the control frame from bit {offset + 1}"
     )
     yield from subject.all_facts(FactClass.POSITION, control_field, f"{control_field.bits} bits")
@@ -294,7 +296,9 @@ def _rs485_facts(reading: SpecReading, interface: Rs485) -> Iterator[ComparedFac
     place: Path = ("interfaces", interface.name)
     for data_id in interface.data_ids:
         id_place = (*place, "data_ids", data_id.name)
-        subject = Subject(reading, key=("data id", data_id.id), place=id_place, description=f"data ID {data_id.id:X}")
+        subject = FactSubject(
+            reading, key=("data id", data_id.id), place=id_place, description=f"data ID {data_id.id:X}"
+        )
         yield from subject.all_facts(FactClass.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
     for index, access in enumerate(interface.memory_access):
         yield ComparedFact(

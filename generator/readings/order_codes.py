@@ -10,7 +10,7 @@ from ..model import CodePart, Interface, Layout, Parameter, Spelling, Variant
 from ..order_codes.labels import values_by_spelling
 from ..say.names_and_places import bits
 from .reading import FACTORY_DEFAULTS, CodeAndState, ComparedFact, ComparedFacts, FactClass, SpecReading, count_text
-from .stated import Subject
+from .stated import FactSubject
 
 
 def add_codes(reading: SpecReading, facts: ComparedFacts) -> None:
@@ -104,7 +104,7 @@ def _parameter_facts(reading: SpecReading) -> Iterator[ComparedFact]:
                 if parameter.name in parameters:
                     value_by_case[case] = count_text(parameters[parameter.name])
         place = ("parameters", parameter.name)
-        subject = Subject(
+        subject = FactSubject(
             reading, key=("parameter", parameter.name), place=place, description=f"the parameter '{parameter.name}'"
         )
         yield replace(subject.existence_fact(FactClass.ORDER_CODE, value_by_case), may_be_missing=True)
@@ -201,7 +201,7 @@ def _measurement_facts(reading: SpecReading, interface: Interface) -> Iterator[C
     measurement_place: Path = ("measurement",)
     if interface.measurement is not None:
         measurement_place = ("interfaces", interface.name, "measurement")
-    subject = Subject(
+    subject = FactSubject(
         reading,
         key=("measurement", interface.name),
         place=measurement_place,
@@ -232,7 +232,7 @@ def _measurement_facts(reading: SpecReading, interface: Interface) -> Iterator[C
             )
 
 
-def _range_facts(measured: Subject, interface: Interface, layout: Layout) -> Iterator[ComparedFact]:
+def _range_facts(measured: FactSubject, interface: Interface, layout: Layout) -> Iterator[ComparedFact]:
     """Yield the facts about the range of the position in a layout, if the layout states its own."""
     if layout.position_range is None:
         return

@@ -22,14 +22,14 @@ from .reading import (
     in_hex,
     register_text,
 )
-from .stated import Subject
+from .stated import FactSubject
 
 
 def add_registers(reading: SpecReading, facts: ComparedFacts) -> None:
     """Add the facts of every register, its names, and its word, bit by bit."""
     for register in reading.device.registers:
         key, place = reading.key_of(register), ("registers", register.name)
-        subject = Subject(
+        subject = FactSubject(
             reading, key=key, place=place, description=register_text(register), interface=register.interface
         )
         facts.add(_register_facts(subject, register))
@@ -39,7 +39,7 @@ def add_registers(reading: SpecReading, facts: ComparedFacts) -> None:
         facts.words[key] = word(subject, register.layout, register)
 
 
-def _add_names(subject: Subject, register: Register, facts: ComparedFacts) -> None:
+def _add_names(subject: FactSubject, register: Register, facts: ComparedFacts) -> None:
     """Add the names that a register refers to: the field with limits, and the field that opens it.
 
     The first name is empty if the limits name no field, and the second name is "nothing" if no field opens the
@@ -64,7 +64,7 @@ def _add_names(subject: Subject, register: Register, facts: ComparedFacts) -> No
         facts.add_name(("opener",), name_of_opening_field)
 
 
-def _register_facts(subject: Subject, register: Register) -> Iterator[ComparedFact]:
+def _register_facts(subject: FactSubject, register: Register) -> Iterator[ComparedFact]:
     """Yield the facts of a register: its address and length, its stated members, default, opener and limits."""
     length_text = counted(register.length, "byte")
     yield subject.existence_fact(FactClass.ADDRESS, length_text, at="address", name=register.name)
@@ -100,7 +100,7 @@ def _opener_text(reading: SpecReading, register: Register) -> str:
     return register_text(opener)
 
 
-def _limit_facts(subject: Subject, register: Register) -> Iterator[ComparedFact]:
+def _limit_facts(subject: FactSubject, register: Register) -> Iterator[ComparedFact]:
     """Yield the bits that limits of the register or its meanings apply to, and the facts of each meaning.
 
     A meaning is how the register is read while another register has a given value.

@@ -228,7 +228,7 @@ _UNITS = {"mv": " mV", "us": " µs", "ms": " ms", "hz": " Hz", "ns": " ns"}
 
 
 @dataclass(frozen=True)
-class Subject:
+class FactSubject:
     """Something that facts are about: its key without names, its place in the file, and its name in messages.
 
     ``interface`` determines the order codes for which its expressions have values. ``depends_on`` is the key of the
@@ -243,12 +243,12 @@ class Subject:
     depends_on: FactKey | None = None
     joint: str = " of "
 
-    def inside(self, key: FactKey, place: Path, description: str) -> Subject:
+    def inside(self, key: FactKey, place: Path, description: str) -> FactSubject:
         """Return a part of the subject, whose facts depend on the fact that the subject exists.
 
         Key and place are within the key and place of the subject.
         """
-        return Subject(
+        return FactSubject(
             self.reading,
             key=(*self.key, *key),
             place=(*self.place, *place),

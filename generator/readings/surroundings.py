@@ -9,7 +9,7 @@ from dataclasses import replace
 from ..language.document import Path
 from ..model import Alarm, Connector, Edition, Manual
 from .reading import ComparedFact, FactClass, FactKey, SpecReading, comparable_text, interface_label, register_text
-from .stated import Subject
+from .stated import FactSubject
 from .texts import numbers_in
 
 
@@ -21,7 +21,7 @@ def surroundings(reading: SpecReading) -> Iterator[ComparedFact]:
     yield from _connector_facts(reading)
     for alarm in reading.device.alarms:
         for bits_text in _alarm_bits_texts(reading, alarm):
-            subject = Subject(
+            subject = FactSubject(
                 reading, key=("alarm", bits_text), place=("alarms", alarm.name), description=f"the alarm '{alarm.name}'"
             )
             yield replace(
@@ -29,7 +29,7 @@ def surroundings(reading: SpecReading) -> Iterator[ComparedFact]:
             )
             yield from subject.stated_facts(alarm)
     for number, hardware_input in enumerate(reading.device.inputs, 1):
-        subject = Subject(
+        subject = FactSubject(
             reading, key=("input", number), place=("inputs", hardware_input.name), description=f"input {number}"
         )
         yield from subject.all_facts(FactClass.INPUT, hardware_input)
@@ -62,10 +62,10 @@ def _contact_facts(
     if interface:
         connector_text += f" for {interface_label(interface)}"
     key: FactKey = ("connector", interface, connector.kind, connector_number)
-    owner = Subject(reading, key=key, place=("connectors", connector.name), description=connector_text)
+    owner = FactSubject(reading, key=key, place=("connectors", connector.name), description=connector_text)
     yield from owner.all_facts(FactClass.PIN, connector)
     for contact in connector.contacts:
-        subject = Subject(
+        subject = FactSubject(
             reading,
             key=(*owner.key, comparable_text(contact.contact)),
             place=(*owner.place, "contacts", contact.contact),
@@ -102,7 +102,7 @@ def _history_facts(reading: SpecReading, manual: Manual) -> Iterator[ComparedFac
     editions: list[tuple[Path, Manual | Edition]] = [(("manual",), manual)]
     editions += [(("manual", "editions", edition.revision), edition) for edition in manual.editions]
     for place, edition in editions:
-        subject = Subject(
+        subject = FactSubject(
             reading, key=("edition", edition.language), place=place, description=f"the edition '{edition.language}'"
         )
         revision = subject.existence_fact(FactClass.HISTORY, edition.revision, at="revision")
@@ -110,7 +110,7 @@ def _history_facts(reading: SpecReading, manual: Manual) -> Iterator[ComparedFac
         yield from subject.stated_facts(edition)
     for row in manual.history:
         row_place = ("manual", "history", row.revision)
-        row_subject = Subject(
+        row_subject = FactSubject(
             reading, key=("revision", row.revision), place=row_place, description=f"revision {row.revision}"
         )
         yield from row_subject.all_facts(FactClass.HISTORY, row, "listed")
@@ -121,7 +121,7 @@ def _characteristic_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     for characteristic in reading.device.characteristics:
         key = ("characteristic", characteristic.name)
         place = ("characteristics", characteristic.name)
-        subject = Subject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
+        subject = FactSubject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
         yield from subject.all_facts(FactClass.CHARACTERISTIC, characteristic)
         for index, quantity_value in enumerate(characteristic.values):
             description = f"{quantity_value.quantity} {index + 1} of {subject.description}"
@@ -131,7 +131,7 @@ def _characteristic_facts(reading: SpecReading) -> Iterator[ComparedFact]:
 def _table_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield every table, identified by its name, and the numbers of each cell with numbers, by row and column."""
     for table in reading.device.tables:
-        subject = Subject(
+        subject = FactSubject(
             reading, key=("table", table.name), place=("tables", table.name), description=f"the table '{table.name}'"
         )
         yield from subject.all_facts(FactClass.TABLE, table, f"{len(table.rows)} rows")
@@ -147,7 +147,7 @@ def _table_facts(reading: SpecReading) -> Iterator[ComparedFact]:
 def _led_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield every LED, identified by its name, and its states, numbered in the order of the manual."""
     for led in reading.device.leds:
-        led_subject = Subject(
+        led_subject = FactSubject(
             reading, key=("led", led.name), place=("leds", led.name), description=f"the LED '{led.name}'"
         )
         yield from led_subject.all_facts(FactClass.LED, led, f"{len(led.states)} states")
