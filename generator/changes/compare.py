@@ -16,7 +16,7 @@ from ..say.plain_text import first_of
 from .counterparts import pair_parts, pair_section
 from .family_pair import FamilyPair
 from .pairs import Pair
-from .rules import Change, Subject
+from .rules import Change, ChangeSubject
 from .values import NumberDifferences, as_plain_data, differing_items, old_to_new, short_value, without_texts
 
 _Item = TypeVar("_Item")
@@ -51,10 +51,10 @@ _NAME_PATTERNS: Mapping[str, tuple[str, str]] = MappingProxyType(
     }
 )
 #: Compare the content of two things.
-CompareContent = Callable[[FamilyPair, Subject, Any, Any], Iterator[Change]]
+CompareContent = Callable[[FamilyPair, ChangeSubject, Any, Any], Iterator[Change]]
 
 
-def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: Any) -> Iterator[Change]:
+def compare_members(family_pair: FamilyPair, subject: ChangeSubject, old: Any, new: Any) -> Iterator[Change]:
     """Yield a change for each member of a part that differs, by the rule of the member.
 
     Members without a rule are compared elsewhere. References are compared by the new names of the things.
@@ -71,7 +71,9 @@ def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: An
             yield from compare_member(family_pair, member_subject, member, old_value, new_value)
 
 
-def compare_member(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
+def compare_member(
+    family_pair: FamilyPair, subject: ChangeSubject, member: Member, old: Any, new: Any
+) -> Iterator[Change]:
     """Yield a change if the member differs: in its value, else in its texts, else in its citations.
 
     Limits and expressions are compared by their numbers. For changes of texts and citations, only the member is named.
@@ -99,7 +101,9 @@ def compare_member(family_pair: FamilyPair, subject: Subject, member: Member, ol
     yield family_pair.change(rule, subject, description=description, old=old, new=new)
 
 
-def _compare_number(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
+def _compare_number(
+    family_pair: FamilyPair, subject: ChangeSubject, member: Member, old: Any, new: Any
+) -> Iterator[Change]:
     """Yield a change if two numbers or expressions have different values for an order code.
 
     For a limit that allows less nowhere, the rule is the "wider" counterpart of the member's rule.
@@ -163,7 +167,7 @@ def compare_parts(
     part_kind: str,
     old_parts: Sequence[_Item],
     new_parts: Sequence[_Item],
-    section_subject: Subject,
+    section_subject: ChangeSubject,
     compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
     """Yield the changes of several things: the new, removed and renamed ones, and changed members of the rest.
@@ -184,7 +188,7 @@ def compare_parts(
 def compare_pair(
     family_pair: FamilyPair,
     part_kind: str,
-    subject: Subject,
+    subject: ChangeSubject,
     pair: Pair[Any],
     compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
@@ -219,7 +223,7 @@ def compare_section(
             interface = _only_interface_of(family_pair.old, pair.old)
         else:
             interface = _only_interface_of(family_pair.new, pair.new)
-        section_subject = Subject(path=section_path, label=section_label, interface=interface)
+        section_subject = ChangeSubject(path=section_path, label=section_label, interface=interface)
         subject = _named_in_code(family_pair, pair, section_subject)
         yield from compare_pair(family_pair, part_kind, subject, pair, compare_content)
 
@@ -258,7 +262,7 @@ def _has_group(layout: Layout, group: str) -> bool:
     return any(field.group == group for field in layout.fields)
 
 
-def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Subject) -> Subject:
+def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: ChangeSubject) -> ChangeSubject:
     """Return a thing of a section as a subject, with its old names in code if it has any.
 
     A new thing has no names known to users, except a new data ID, which extends an enumeration that they already use.
@@ -266,7 +270,7 @@ def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Su
     # The last step of the path, such as ``layouts`` of ``interfaces.ssi.layouts``.
     section = section_subject.path.rpartition(".")[2]
     thing_name = pair.new_or_old.name
-    subject = Subject(
+    subject = ChangeSubject(
         path=f"{section_subject.path}.{thing_name}",
         label=f"{section_subject.label} {thing_name}",
         interface=section_subject.interface,

@@ -10,14 +10,14 @@ from ..model import Biss, Characteristic, Clock, Clocked, Ssi, Timeout, Timing
 from ..model.members import Member
 from .compare import compare_member, compare_members
 from .family_pair import FamilyPair
-from .rules import Change, Subject
+from .rules import Change, ChangeSubject
 
 _Named = TypeVar("_Named", Characteristic, Timing)
 #: The time-out in descriptions of changes.
 _TIMEOUT = Member("timeout", rule="interface-rule", label="time-out")
 
 
-def compare_clocks(family_pair: FamilyPair, subject: Subject, old: Clocked, new: Clocked) -> Iterator[Change]:
+def compare_clocks(family_pair: FamilyPair, subject: ChangeSubject, old: Clocked, new: Clocked) -> Iterator[Change]:
     """Yield changes of the limits of the clock, for each set of order codes with the same change.
 
     ``clock`` of an interface is None if the clock depends on the order code.
@@ -39,7 +39,7 @@ def compare_clocks(family_pair: FamilyPair, subject: Subject, old: Clocked, new:
             yield family_pair.limited_to_codes(change, codes)
 
 
-def compare_timeouts(family_pair: FamilyPair, subject: Subject, old: Biss, new: Biss) -> Iterator[Change]:
+def compare_timeouts(family_pair: FamilyPair, subject: ChangeSubject, old: Biss, new: Biss) -> Iterator[Change]:
     """Yield changes of the time-out, for each set of order codes with the same change."""
     if _is_common(old) and _is_common(new):
         yield from compare_member(family_pair, subject, _TIMEOUT, old.timeout, new.timeout)
@@ -55,7 +55,7 @@ def compare_timeouts(family_pair: FamilyPair, subject: Subject, old: Biss, new: 
             yield family_pair.limited_to_codes(change, codes)
 
 
-def compare_cables(family_pair: FamilyPair, subject: Subject, old: Ssi, new: Ssi) -> Iterator[Change]:
+def compare_cables(family_pair: FamilyPair, subject: ChangeSubject, old: Ssi, new: Ssi) -> Iterator[Change]:
     """Yield that the clock by cable length depends on the order code in only one version.
 
     Its rows are compared as one member.
@@ -65,7 +65,7 @@ def compare_cables(family_pair: FamilyPair, subject: Subject, old: Ssi, new: Ssi
         yield _by_code_change(family_pair, subject, "clock by cable", is_by_code=has_only)
 
 
-def _by_code_change(family_pair: FamilyPair, subject: Subject, noun: str, *, is_by_code: bool) -> Change:
+def _by_code_change(family_pair: FamilyPair, subject: ChangeSubject, noun: str, *, is_by_code: bool) -> Change:
     """Return the change that a fact depends on the order code in only one version.
 
     ``is_by_code`` is true if that is the new one.

@@ -22,7 +22,7 @@ from .interfaces import (
     compare_timings,
 )
 from .pairs import Pair, complete_pairs, pair_by_name
-from .rules import Change, Impact, Subject
+from .rules import Change, ChangeSubject, Impact
 from .values import codes_as_pattern, old_to_new
 
 
@@ -33,33 +33,33 @@ def compare_family_itself(family_pair: FamilyPair) -> Iterator[Change]:
     """
     old, new = family_pair.old, family_pair.new
     yield from family_pair.compare_presence(
-        "family", Subject(path="device", label=f"family {new.name}"), old=old, new=new
+        "family", ChangeSubject(path="device", label=f"family {new.name}"), old=old, new=new
     )
     if old.title != new.title:
-        title_subject = Subject(path="title", label=new.name)
+        title_subject = ChangeSubject(path="title", label=new.name)
         yield family_pair.change("words", title_subject, description=": title", old=old.title, new=new.title)
     if old.movement != new.movement:
-        movement_subject = Subject(path="movement", label=new.name)
+        movement_subject = ChangeSubject(path="movement", label=new.name)
         description = f": {old_to_new(old.movement, new.movement)}"
         yield family_pair.change(
             "movement", movement_subject, description=description, old=old.movement, new=new.movement
         )
     manufacturer = new.manufacturer.name
-    manufacturer_subject = Subject(path=f"manufacturers.{manufacturer}", label=f"manufacturer {manufacturer}")
+    manufacturer_subject = ChangeSubject(path=f"manufacturers.{manufacturer}", label=f"manufacturer {manufacturer}")
     yield from compare_members(family_pair, manufacturer_subject, old.manufacturer, new.manufacturer)
     yield from _compare_evidence(family_pair)
     if old.manual != new.manual:
         old_edition, new_edition = _edition_text(old.manual), _edition_text(new.manual)
         is_other_edition = old_edition != new_edition
         description = f" {old_to_new(old_edition, new_edition)}" if is_other_edition else ": details"
-        manual_subject = Subject(path="manual", label="manual")
+        manual_subject = ChangeSubject(path="manual", label="manual")
         yield family_pair.change("manual", manual_subject, description=description, old=old.manual, new=new.manual)
 
 
 def _compare_evidence(family_pair: FamilyPair) -> Iterator[Change]:
     """Yield the changes of the evidence, or that there is evidence in only one version."""
     old, new = family_pair.old, family_pair.new
-    subject = Subject(path="evidence", label="evidence")
+    subject = ChangeSubject(path="evidence", label="evidence")
     if old.evidence and new.evidence:
         yield from compare_members(family_pair, subject, old.evidence, new.evidence)
     elif old.evidence or new.evidence:  # With --lenient, a spec in an older form of the language has no evidence.
@@ -83,10 +83,10 @@ def compare_order_codes(family_pair: FamilyPair) -> Iterator[Change]:
     gone_codes = [variant.code for variant in old.variants if variant.code not in family_pair.new_code_by_old]
     new_codes = [variant.code for variant in new.variants if variant.code not in family_pair.common_new_codes]
     if gone_codes:
-        subject = Subject(path="order_codes", label=_codes_label(old, gone_codes, "gone"))
+        subject = ChangeSubject(path="order_codes", label=_codes_label(old, gone_codes, "gone"))
         yield family_pair.change("order-code-gone", subject, description="", old=gone_codes, new=None, codes=gone_codes)
     if new_codes:
-        subject = Subject(path="order_codes", label=_codes_label(new, new_codes, "new"))
+        subject = ChangeSubject(path="order_codes", label=_codes_label(new, new_codes, "new"))
         yield family_pair.change("order-code-new", subject, description="", old=None, new=new_codes, codes=new_codes)
     all_common_codes = family_pair.new_code_by_old.items()
     renamed_codes = {old_code: new_code for old_code, new_code in all_common_codes if old_code != new_code}
@@ -97,7 +97,7 @@ def compare_order_codes(family_pair: FamilyPair) -> Iterator[Change]:
         old_order_code = replace(old_order_code, pattern=new.order_code.pattern)
     yield from _compare_codes(family_pair)
     yield from compare_members(
-        family_pair, Subject(path="order_code", label="order codes"), old_order_code, new.order_code
+        family_pair, ChangeSubject(path="order_code", label="order codes"), old_order_code, new.order_code
     )
     yield from compare_section(family_pair, "part", _compare_part_values)
     yield from _compare_spellings(family_pair)
@@ -115,7 +115,7 @@ def _renamed_codes_change(family_pair: FamilyPair, new_code_by_old: Mapping[str,
     """Return the change of all renamed order codes, whose text shows the first one: ``X-24 → X-24-A``."""
     renaming_texts = [f"{old_code} → {new_code}" for old_code, new_code in new_code_by_old.items()]
     noun = "order codes" if len(new_code_by_old) > 1 else "order code"
-    subject = Subject(path="order_codes", label=f"{noun} {first_of(renaming_texts, 1)} (the same parts)")
+    subject = ChangeSubject(path="order_codes", label=f"{noun} {first_of(renaming_texts, 1)} (the same parts)")
     old_codes = list(new_code_by_old)
     new_codes = list(new_code_by_old.values())
     return family_pair.change("order-code-renamed", subject, description="", old=old_codes, new=new_codes)
@@ -136,7 +136,7 @@ def _compare_codes(family_pair: FamilyPair) -> Iterator[Change]:
     for old, new in variant_pairs:
         if old.interface != new.interface:
             codes_by_interfaces.setdefault((old.interface, new.interface), []).append(new.code)
-    subject = Subject(path="order_codes.interface", label="order codes")
+    subject = ChangeSubject(path="order_codes.interface", label="order codes")
     for (old_interface, new_interface), codes in codes_by_interfaces.items():
         yield family_pair.change(
             "interface-of-code",
@@ -163,7 +163,7 @@ def _compare_parameter(
         old_number, new_number = old_variant.parameters[old_name], new_variant.parameters[new_name]
         if old_number != new_number:
             pairs_by_numbers.setdefault((old_number, new_number), []).append((old_variant, new_variant))
-    subject = Subject(path=f"order_codes.parameters.{new_name}", label=new_name)
+    subject = ChangeSubject(path=f"order_codes.parameters.{new_name}", label=new_name)
     for (old_number, new_number), pairs in pairs_by_numbers.items():
         codes = [new_variant.code for _, new_variant in pairs]
         description = f" {old_to_new(old_number, new_number)}{_lengths_text(family_pair, pairs)}"
@@ -204,7 +204,9 @@ def _is_set_by_order_code(parameter: Parameter) -> bool:
     return parameter.equals is None and not parameter.read_from and not parameter.alternative
 
 
-def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePart, new: CodePart) -> Iterator[Change]:
+def _compare_part_values(
+    family_pair: FamilyPair, subject: ChangeSubject, old: CodePart, new: CodePart
+) -> Iterator[Change]:
     """Yield changes of the values of an order code part that both versions have, identified by their texts.
 
     New and gone values are visible in the order codes. A supply of a value affects the order codes with this value, or
@@ -236,12 +238,12 @@ def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
     old_spellings, new_spellings = family_pair.old.order_code.also_written, family_pair.new.order_code.also_written
     spelling_pairs = pair_by_name(old_spellings, new_spellings, texts_of, name_of=attrgetter("where"))
     for pair in spelling_pairs:
-        subject = Subject(path="order_code.also_written", label=f"spelling by {pair.new_or_old.where}")
+        subject = ChangeSubject(path="order_code.also_written", label=f"spelling by {pair.new_or_old.where}")
         old, new = pair.old, pair.new
         if old is None or new is None:
             yield from family_pair.compare_presence("spelling", subject, old=old, new=new)
         elif old.where != new.where:
-            renaming = Subject(path=subject.path, label=f"spelling by {old.where} → {new.where} (the same texts)")
+            renaming = ChangeSubject(path=subject.path, label=f"spelling by {old.where} → {new.where} (the same texts)")
             yield family_pair.change("spelling-renamed", renaming, description="", old=old.where, new=new.where)
         else:
             yield from compare_members(family_pair, subject, old, new)
@@ -249,7 +251,7 @@ def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
 
 def compare_supply(
     family_pair: FamilyPair,
-    subject: Subject,
+    subject: ChangeSubject,
     old: Supply | None,
     new: Supply | None,
     codes: tuple[str, ...] | None = None,
@@ -266,7 +268,7 @@ def compare_supply(
         for change in compare_members(family_pair, supply_subject, old, new):
             yield family_pair.change(
                 change.rule.name,
-                Subject(path=change.path, label=change.text),
+                ChangeSubject(path=change.path, label=change.text),
                 description="",
                 old=change.old,
                 new=change.new,
@@ -284,10 +286,10 @@ def compare_quantities(family_pair: FamilyPair) -> Iterator[Change]:
     yield from compare_section(family_pair, "parameter")
     yield from compare_section(family_pair, "decision", _compare_answers)
     old, new = family_pair.old, family_pair.new
-    family_subject = Subject(path="measurement", label="measurement")
+    family_subject = ChangeSubject(path="measurement", label="measurement")
     yield from _compare_measurement(family_pair, family_subject, old.measurement, new.measurement)
     for old_interface, new_interface in complete_pairs(pair_by_name(old.interfaces, new.interfaces)):
-        interface_subject = Subject(
+        interface_subject = ChangeSubject(
             path=f"interfaces.{new_interface.name}.measurement",
             label=f"{new_interface.short} measurement",
             interface=new_interface.name,
@@ -298,7 +300,7 @@ def compare_quantities(family_pair: FamilyPair) -> Iterator[Change]:
 
 
 def _compare_measurement(
-    family_pair: FamilyPair, subject: Subject, old: Measurement | None, new: Measurement | None
+    family_pair: FamilyPair, subject: ChangeSubject, old: Measurement | None, new: Measurement | None
 ) -> Iterator[Change]:
     """Yield the changes of a measurement, or that it is new or gone."""
     if old is not None and new is not None:
@@ -307,7 +309,9 @@ def _compare_measurement(
         yield from family_pair.compare_presence("measurement", subject, old=old, new=new)
 
 
-def _compare_answers(family_pair: FamilyPair, subject: Subject, old: Alternative, new: Alternative) -> Iterator[Change]:
+def _compare_answers(
+    family_pair: FamilyPair, subject: ChangeSubject, old: Alternative, new: Alternative
+) -> Iterator[Change]:
     """Yield the changes of the answers to a question that the manual leaves open."""
     yield from compare_parts(
         family_pair, "answer", old.answers, new.answers, replace(subject, label=f"{subject.label}: answer")
@@ -328,7 +332,7 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
         if pair.old is None or pair.new is None:
             # Only the name of the family is compared, so one device represents both versions.
             only_device = pair.new_or_old
-            subject = Subject(path="", label=f"family {only_device.name}")
+            subject = ChangeSubject(path="", label=f"family {only_device.name}")
             old_name = pair.old.name if pair.old is not None else None
             new_name = pair.new.name if pair.new is not None else None
             family_pair = FamilyPair(only_device, only_device)
@@ -354,8 +358,8 @@ def _section_changes(family_pair: FamilyPair) -> Iterator[Change]:
         compare_section(family_pair, "register", compare_register),
         compare_section(family_pair, "alarm"),
         compare_section(family_pair, "procedure", compare_procedure),
-        compare_timings(family_pair, Subject(path="", label=""), old.timings, new.timings),
-        compare_supply(family_pair, Subject(path="", label=""), old.supply, new.supply),
+        compare_timings(family_pair, ChangeSubject(path="", label=""), old.timings, new.timings),
+        compare_supply(family_pair, ChangeSubject(path="", label=""), old.supply, new.supply),
         compare_section(family_pair, "connector", compare_contacts),
         compare_section(family_pair, "input"),
         compare_displayed_facts(family_pair),
@@ -375,7 +379,7 @@ def compare_family(old: Device, new: Device) -> list[Change]:
     changes = list(fold_types(changes))
     changes = list(fold_alike(changes))
     if not changes and _without_spec_data(old) != _without_spec_data(new):
-        subject = Subject(path="", label=f"family {new.name}")
+        subject = ChangeSubject(path="", label=f"family {new.name}")
         changes.append(
             family_pair.change("order", subject, description=": different order, same facts", old=None, new=None)
         )

@@ -13,7 +13,7 @@ from ..model import Device, Field, Variant
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS
 from .pairs import Pair, complete_pairs
-from .rules import RULES, SAME, Change, Subject
+from .rules import RULES, SAME, Change, ChangeSubject
 from .values import (
     ComparisonPoint,
     NumberDifferences,
@@ -250,7 +250,13 @@ class FamilyPair:
         return tuple(codes)
 
     def change(
-        self, rule: str, subject: Subject, description: str, old: Any, new: Any, codes: Iterable[str] | None = None
+        self,
+        rule: str,
+        subject: ChangeSubject,
+        description: str,
+        old: Any,
+        new: Any,
+        codes: Iterable[str] | None = None,
     ) -> Change:
         """Return a change by a rule. Without ``codes``, it affects all order codes of the subject's interface.
 
@@ -309,7 +315,7 @@ class FamilyPair:
         return codes_text
 
     def compare_presence(
-        self, part_kind: str, subject: Subject, old: Any, new: Any, common_property: str = ""
+        self, part_kind: str, subject: ChangeSubject, old: Any, new: Any, common_property: str = ""
     ) -> Iterator[Change]:
         """Yield a change if a thing is gone, new or renamed. ``subject.label`` ends with its new or only name.
 

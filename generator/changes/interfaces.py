@@ -35,13 +35,13 @@ from .facts_by_code import compare_cables, compare_clocks, compare_timeouts, wit
 from .family_pair import FamilyPair
 from .layouts import compare_layout
 from .pairs import complete_pairs, match_by_key, pair_by_name
-from .rules import Change, Subject
+from .rules import Change, ChangeSubject
 from .values import as_plain_data, old_to_new, short_value
 
 _CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write")
 
 
-def compare_register(family_pair: FamilyPair, subject: Subject, old: Register, new: Register) -> Iterator[Change]:
+def compare_register(family_pair: FamilyPair, subject: ChangeSubject, old: Register, new: Register) -> Iterator[Change]:
     """Yield changes of the access, the meanings and the bits of a register. Its members are compared by the caller.
 
     Its names in code stay the same if its bits change, so such a change does not list them.
@@ -55,7 +55,7 @@ def compare_register(family_pair: FamilyPair, subject: Subject, old: Register, n
     yield from compare_layout(family_pair, subject.unnamed, old_layout, new.layout)
 
 
-def _compare_access(family_pair: FamilyPair, subject: Subject, old: Register, new: Register) -> Iterator[Change]:
+def _compare_access(family_pair: FamilyPair, subject: ChangeSubject, old: Register, new: Register) -> Iterator[Change]:
     """Yield a change of the access to a register, or nothing if it is the same.
 
     Its rule is "access-lost" if the register can no longer be read or written, and else "access-gained".
@@ -75,7 +75,9 @@ def _compare_access(family_pair: FamilyPair, subject: Subject, old: Register, ne
     yield family_pair.change(rule, access_subject, description=description, old=old.access, new=new.access)
 
 
-def compare_procedure(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Procedure) -> Iterator[Change]:
+def compare_procedure(
+    family_pair: FamilyPair, subject: ChangeSubject, old: Procedure, new: Procedure
+) -> Iterator[Change]:
     """Yield a change of the arguments, and one of the steps: what they do, else their words, else their sources.
 
     Old steps are compared with the new names of the things that they use.
@@ -96,7 +98,9 @@ def compare_procedure(family_pair: FamilyPair, subject: Subject, old: Procedure,
         yield family_pair.change("source", steps_subject, description=": steps", old=None, new=None)
 
 
-def _compare_arguments(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Procedure) -> Iterator[Change]:
+def _compare_arguments(
+    family_pair: FamilyPair, subject: ChangeSubject, old: Procedure, new: Procedure
+) -> Iterator[Change]:
     """Yield a change if the arguments differ in names, registers or meanings, or else in their words."""
     old_arguments = _describe_arguments(map(family_pair.with_new_names, old.arguments))
     new_arguments = _describe_arguments(new.arguments)
@@ -187,13 +191,15 @@ def _describe_step(old: Step, new: Step) -> str:
 def compare_interfaces(family_pair: FamilyPair) -> Iterator[Change]:
     """Yield the changes of all interfaces, which are paired by their names: new, gone, or different in content."""
     for pair in pair_by_name(family_pair.old.interfaces, family_pair.new.interfaces):
-        subject = Subject(
+        subject = ChangeSubject(
             path=f"interfaces.{pair.new_or_old.name}", label=pair.new_or_old.short, interface=pair.new_or_old.name
         )
         yield from compare_pair(family_pair, "interface", subject, pair, _compare_interface)
 
 
-def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface, new: Interface) -> Iterator[Change]:
+def _compare_interface(
+    family_pair: FamilyPair, subject: ChangeSubject, old: Interface, new: Interface
+) -> Iterator[Change]:
     """Yield changes of the port or clock, data IDs, control frame, timings and frames of an interface.
 
     RS-485 has a port and data IDs, the other interfaces a clock, and BiSS also a control frame. They are compared if
@@ -221,7 +227,7 @@ def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface
     yield from without_explained_lengths(list(frame_changes))
 
 
-def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
+def _compare_frame(family_pair: FamilyPair, subject: ChangeSubject, old: Layout, new: Layout) -> Iterator[Change]:
     """Yield changes of the fields and the position range of a frame, and decisions that it needs only in one version.
 
     A decision is needed if the layout depends on an alternative. Old decisions are compared by their new names.
@@ -243,7 +249,7 @@ def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: 
 
 
 def _compare_position_range(
-    family_pair: FamilyPair, subject: Subject, old: LayoutRange | None, new: LayoutRange | None
+    family_pair: FamilyPair, subject: ChangeSubject, old: LayoutRange | None, new: LayoutRange | None
 ) -> Iterator[Change]:
     """Yield changes of the range of a position in one frame, or that only one version has a separate range.
 
@@ -257,7 +263,7 @@ def _compare_position_range(
 
 
 def _compare_channels(
-    family_pair: FamilyPair, subject: Subject, old: DataChannels | None, new: DataChannels | None
+    family_pair: FamilyPair, subject: ChangeSubject, old: DataChannels | None, new: DataChannels | None
 ) -> Iterator[Change]:
     """Yield changes of the data channels in one frame, or that only one version has such a frame."""
     channels_subject = subject.inside("channels", f"{subject.label}: frame with several data channels")
@@ -268,7 +274,7 @@ def _compare_channels(
 
 
 def _compare_control_values(
-    family_pair: FamilyPair, subject: Subject, old: ControlField, new: ControlField
+    family_pair: FamilyPair, subject: ChangeSubject, old: ControlField, new: ControlField
 ) -> Iterator[Change]:
     """Yield the changes of the values of a field of the control frame."""
     value_subject = replace(subject, label=f"control frame: {new.name}: value")
@@ -276,7 +282,7 @@ def _compare_control_values(
 
 
 def compare_timings(
-    family_pair: FamilyPair, subject: Subject, old_timings: tuple[Timing, ...], new_timings: tuple[Timing, ...]
+    family_pair: FamilyPair, subject: ChangeSubject, old_timings: tuple[Timing, ...], new_timings: tuple[Timing, ...]
 ) -> Iterator[Change]:
     """Yield changes of times of an interface, or of the device if the label of ``subject`` is empty."""
     timing_label = f"{subject.label} time".strip()  # The device itself has no label.
@@ -304,7 +310,9 @@ _DISPLAYED_SECTIONS = (
 )
 
 
-def compare_contacts(family_pair: FamilyPair, subject: Subject, old: Connector, new: Connector) -> Iterator[Change]:
+def compare_contacts(
+    family_pair: FamilyPair, subject: ChangeSubject, old: Connector, new: Connector
+) -> Iterator[Change]:
     """Yield changes of the contacts of a connector.
 
     A contact is identified by its pin or colour. If only the old version has it, the text is ``signal SL → none``, and
@@ -339,12 +347,12 @@ def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
         old_parts, new_parts = _by_member(old_section, key_member), _by_member(new_section, key_member)
         for key, old, new in match_by_key(old_parts, new_parts):
             if old != new:
-                subject = Subject(path=f"{section}.{key}", label=f"{noun} {key}")
+                subject = ChangeSubject(path=f"{section}.{key}", label=f"{noun} {key}")
                 yield family_pair.change(rule, subject, description=_describe_difference(old, new), old=old, new=new)
     for old_group, new_group in complete_pairs(
         pair_by_name(family_pair.old.field_groups, family_pair.new.field_groups)
     ):
-        subject = Subject(path=f"field_groups.{new_group.name}", label=f"group {new_group.name}")
+        subject = ChangeSubject(path=f"field_groups.{new_group.name}", label=f"group {new_group.name}")
         yield from compare_members(family_pair, subject, old_group, new_group)
 
 

@@ -23,14 +23,14 @@ from .consequences import ComparedField, fold_length, fold_moves
 from .counterparts import pair_fields
 from .family_pair import FamilyPair
 from .pairs import Pair
-from .rules import Change, Subject
+from .rules import Change, ChangeSubject
 from .values import short_value
 
 #: Kinds among which a change affects only how bits are read.
 _PLAIN = (Number, Decimal, Text)
 
 
-def compare_layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
+def compare_layout(family_pair: FamilyPair, subject: ChangeSubject, old: Layout, new: Layout) -> Iterator[Change]:
     """Yield the differences of a frame or register in its fields, joined numbers and combinations.
 
     A joined number of the same name can also have a different type in C.
@@ -49,7 +49,7 @@ def compare_layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: 
         yield from _compare_type(family_pair, type_subject, old_type, _type_of_join(new, join))
 
 
-def _compare_fields(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
+def _compare_fields(family_pair: FamilyPair, subject: ChangeSubject, old: Layout, new: Layout) -> Iterator[Change]:
     """Yield changes of the fields of a layout. Moves and lengths that a resized field explains are part of its change.
 
     Fields that pad another field are not compared, since they follow from its container.
@@ -82,7 +82,7 @@ def _is_padding(field: Field, layout: Layout) -> bool:
 
 
 def _common_property(
-    family_pair: FamilyPair, subject: Subject, pair: Pair[Field], old_layout: Layout, new_layout: Layout
+    family_pair: FamilyPair, subject: ChangeSubject, pair: Pair[Field], old_layout: Layout, new_layout: Layout
 ) -> str:
     """Return "between the same fields" for a renamed field with other bits, or "" if its bits are unchanged.
 
@@ -119,7 +119,7 @@ def _low_bits_in_group(
 
 
 def _compare_field(
-    family_pair: FamilyPair, subject: Subject, pair: Pair[Field], common_property: str = ""
+    family_pair: FamilyPair, subject: ChangeSubject, pair: Pair[Field], common_property: str = ""
 ) -> Iterator[Change]:
     """Yield changes of a field of a frame or register: its presence or name, members, kind, type and values.
 
@@ -151,7 +151,7 @@ def _compare_field(
         yield from compare_parts(family_pair, "value", old.values, new.values, value_subject)
 
 
-def _compare_type(family_pair: FamilyPair, subject: Subject, old: str, new: str) -> Iterator[Change]:
+def _compare_type(family_pair: FamilyPair, subject: ChangeSubject, old: str, new: str) -> Iterator[Change]:
     """Yield a change if the types of a number in C differ. A type is empty for anything other than a number."""
     if old and new and old != new:
         yield family_pair.change("field-type", subject, description=f": {old} → {new}", old=old, new=new)
@@ -188,7 +188,7 @@ def _has_data_ids(device: Device, field: Field) -> bool:
     return False
 
 
-def _compare_kind(family_pair: FamilyPair, subject: Subject, old: Field, new: Field) -> Iterator[Change]:
+def _compare_kind(family_pair: FamilyPair, subject: ChangeSubject, old: Field, new: Field) -> Iterator[Change]:
     """Yield a change if a field converts its bits to a value in another way.
 
     Kinds of the same class are compared by their members, and numbers in decimal digits by their digits. Otherwise the
@@ -210,7 +210,7 @@ def _compare_kind(family_pair: FamilyPair, subject: Subject, old: Field, new: Fi
         )
 
 
-def _compare_digits(family_pair: FamilyPair, subject: Subject, old: Decimal, new: Decimal) -> Iterator[Change]:
+def _compare_digits(family_pair: FamilyPair, subject: ChangeSubject, old: Decimal, new: Decimal) -> Iterator[Change]:
     """Yield a change of the numbers formed by decimal digits, by their names and their numbers of digits.
 
     If names and numbers are the same in the same order, only words have changed. If a name is gone, the kind has

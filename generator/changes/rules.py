@@ -99,7 +99,7 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True)
-class Subject:
+class ChangeSubject:
     """Subject of a change: its path in the spec, its name in a sentence, and its old names in outputs.
 
     ``interface`` is empty if it concerns all order codes. ``scope`` is the frame or register in which to look up the
@@ -112,12 +112,12 @@ class Subject:
     names: Mapping[str, str] = field(default_factory=dict)
     scope: str = ""
 
-    def inside(self, path: str, label: str) -> Subject:
+    def inside(self, path: str, label: str) -> ChangeSubject:
         """Return a thing inside it."""
         return replace(self, path=f"{self.path}.{path}".removeprefix("."), label=label)
 
     @property
-    def unnamed(self) -> Subject:
+    def unnamed(self) -> ChangeSubject:
         """The same thing without its names in code, for changes that keep them."""
         return replace(self, names={})
 
