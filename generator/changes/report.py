@@ -17,7 +17,7 @@ from ..say.markdown import code as in_code
 from ..say.markdown import escape as escaped
 from ..say.plain_text import WIDTH, counted, first_of, wrapped
 from .names import NameChange
-from .rules import OUTPUTS, TITLES, Change, Impact, Package
+from .rules import OUTPUTS, TITLES, Change, Impact, PackageVersions
 
 #: Version of the data, in the shape of ``language/diff.schema.json``.
 VERSION = 2
@@ -37,7 +37,7 @@ class DiffResult:
     """Everything that ``diff`` found. ``files`` is None if nothing could be generated."""
 
     changes: Sequence[Change]
-    packages: Sequence[Package]
+    packages: Sequence[PackageVersions]
     files: Files | None = None
     notices: Sequence[str] = field(default=())
 
@@ -93,7 +93,7 @@ def _counts_by_impact(changes: Sequence[Change]) -> Counter[Impact]:
     return Counter(change.impact for change in changes)
 
 
-def describe_versions(package: Package) -> str:
+def describe_versions(package: PackageVersions) -> str:
     """Return the old and the new version of a package: ``acme 1.2.0 → 1.3.0``.
 
     If the spec states a version that is too low for the changes, the text says so.
@@ -130,7 +130,7 @@ def _files_data(files: Files) -> dict[str, Any]:
     return {"files": files.count, "changed": list(files.changed), "names": name_changes_data}
 
 
-def _package_data(package: Package) -> dict[str, str]:
+def _package_data(package: PackageVersions) -> dict[str, str]:
     return {
         "name": package.name,
         "old": package.old,
@@ -347,7 +347,7 @@ def _files_of_manufacturer(families: Iterable[Family]) -> set[str]:
     return {file for file in files if "overlay" not in (top_keys(Path(file)) or ())}
 
 
-def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
+def _files_with_new_version(package: PackageVersions, files: set[str]) -> Iterator[tuple[Path, str]]:
     """Yield each file with its text and the new version of the package.
 
     Raises:
@@ -361,7 +361,7 @@ def _files_with_new_version(package: Package, files: set[str]) -> Iterator[tuple
         yield path, new_text
 
 
-def _release_of(families: Sequence[Family], package: Package, findings: DiffResult) -> Release:
+def _release_of(families: Sequence[Family], package: PackageVersions, findings: DiffResult) -> Release:
     """Return the release for the history of a spec, with the manual, all changes and the changed names.
 
     ``families`` are the changed families of this spec: the family and its special models. A change of several of them

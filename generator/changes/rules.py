@@ -126,7 +126,7 @@ _VERSION = re.compile(r"(\d+)\.(\d+)\.(\d+)")
 
 
 @dataclass(frozen=True, slots=True)
-class Package:
+class PackageVersions:
     """Versions of a manufacturer's package: ``old`` and ``stated`` are from the specs, ``due`` is from the changes."""
 
     maker: str
@@ -165,19 +165,19 @@ def due_version(version: str, impact: Impact) -> str:
     return f"{major}.{minor}.{patch + 1}"
 
 
-def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[Package]:
+def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[PackageVersions]:
     """Return the packages that both sides have, each with its old, stated and required version.
 
     The due version follows from the old one and the highest impact of the changes of the manufacturer's families.
     """
     old_maker_by_name, new_maker_by_name = _maker_by_name(old), _maker_by_name(new)
     common_names = [maker_name for maker_name in new_maker_by_name if maker_name in old_maker_by_name]
-    packages_of_makers: list[Package] = []
+    packages_of_makers: list[PackageVersions] = []
     for maker_name in common_names:
         old_maker, new_maker = old_maker_by_name[maker_name], new_maker_by_name[maker_name]
         families = {device.name for device in (*old, *new) if device.manufacturer.name == maker_name}
         impacts = [change.impact for change in changes if change.family in families]
-        package = Package(
+        package = PackageVersions(
             maker=maker_name,
             name=new_maker.python_package,
             old=old_maker.version,
