@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from codewheel.changes.rules import OUTPUTS, RULES, TITLES, Impact, Rule
+from codewheel.changes.rules import OUTPUTS, RULES, TITLES, ChangeRule, Impact
 from codewheel.language.problems import listed
 from codewheel.say.markdown import code, escape, link, table
 
@@ -98,7 +98,7 @@ def _example_section(example: Example) -> str:
 
 def _diff_rules() -> Iterator[str]:
     """Yield a heading and a table for each combination of impacts, the gravest first."""
-    rules_by_impacts: dict[tuple[Impact, ...], list[Rule]] = {}
+    rules_by_impacts: dict[tuple[Impact, ...], list[ChangeRule]] = {}
     for rule in RULES.values():
         rules_by_impacts.setdefault(rule.impacts, []).append(rule)
     for impacts in sorted(rules_by_impacts, key=lambda impacts: (max(impacts), *impacts), reverse=True):

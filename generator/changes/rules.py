@@ -44,7 +44,7 @@ TITLES = {"c": "C", "python": "Python", "xml": "XML", "pages": "pages"}
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class ChangeRule:
     """A kind of change.
 
     ``impacts`` contains one impact for each of ``OUTPUTS``. ``when`` describes the change, ``why`` justifies the
@@ -82,7 +82,7 @@ class Change:
     """
 
     family: str
-    rule: Rule
+    rule: ChangeRule
     path: str
     text: str
     old: Any
@@ -365,17 +365,19 @@ _REASONS_OF_NEW = {
 }
 
 
-def _all_rules() -> Iterator[Rule]:
+def _all_rules() -> Iterator[ChangeRule]:
     """Yield the rules for things that are gone, new or renamed, by kind, such as "register-gone", then the others."""
     for kind, phrase, if_gone, if_new, if_renamed, common in _NAMED_KINDS:
-        yield Rule(name=f"{kind}-gone", impacts=_parse_impacts(if_gone), when=f"{phrase} was removed", why=_GONE)
+        yield ChangeRule(name=f"{kind}-gone", impacts=_parse_impacts(if_gone), when=f"{phrase} was removed", why=_GONE)
         why_new = _REASONS_OF_NEW.get(kind, _NEW)
-        yield Rule(name=f"{kind}-new", impacts=_parse_impacts(if_new), when=f"{phrase} was added", why=why_new)
+        yield ChangeRule(name=f"{kind}-new", impacts=_parse_impacts(if_new), when=f"{phrase} was added", why=why_new)
         if common:
             when_renamed = f"{phrase} has a different name but {common}"
-            yield Rule(name=f"{kind}-renamed", impacts=_parse_impacts(if_renamed), when=when_renamed, why=_RENAMED)
+            yield ChangeRule(
+                name=f"{kind}-renamed", impacts=_parse_impacts(if_renamed), when=when_renamed, why=_RENAMED
+            )
     for name, impacts, when, why in _CHANGES:
-        yield Rule(name=name, impacts=_parse_impacts(impacts), when=when, why=why)
+        yield ChangeRule(name=name, impacts=_parse_impacts(impacts), when=when, why=why)
 
 
 def _parse_impacts(letters: str) -> tuple[Impact, Impact, Impact, Impact]:
@@ -385,6 +387,6 @@ def _parse_impacts(letters: str) -> tuple[Impact, Impact, Impact, Impact]:
 
 
 #: Every rule by its name.
-RULES: Mapping[str, Rule] = MappingProxyType({rule.name: rule for rule in _all_rules()})
+RULES: Mapping[str, ChangeRule] = MappingProxyType({rule.name: rule for rule in _all_rules()})
 #: The property by which a renamed thing is recognised.
 SAME: Mapping[str, str] = MappingProxyType({kind: common for kind, _, _, _, _, common in _NAMED_KINDS})
