@@ -15,7 +15,7 @@ from ..say.names_and_places import register_at
 from ..say.plain_text import first_of
 from .counterparts import pair_parts, pair_section
 from .family_pair import FamilyPair
-from .pairs import Pair
+from .pairs import OldAndNew
 from .rules import Change, ChangeSubject
 from .values import NumberDifferences, as_plain_data, differing_items, old_to_new, short_value, without_texts
 
@@ -24,7 +24,7 @@ _Item = TypeVar("_Item")
 _WITHOUT_VALUES = ("words", "source")
 _SOURCE = Member("source", rule="source")
 #: Kinds of things with a section in the spec: the path of the section, and the words that precede the name of a thing.
-_SECTIONS: Mapping[str, tuple[str, str | Callable[[Pair[Any]], str]]] = MappingProxyType(
+_SECTIONS: Mapping[str, tuple[str, str | Callable[[OldAndNew[Any]], str]]] = MappingProxyType(
     {
         "part": ("order_code.parts", "part"),
         "parameter": ("parameters", "parameter"),
@@ -189,7 +189,7 @@ def compare_pair(
     family_pair: FamilyPair,
     part_kind: str,
     subject: ChangeSubject,
-    pair: Pair[Any],
+    pair: OldAndNew[Any],
     compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
     """Yield the changes of one thing: new, gone or renamed, or changes of its members and content.
@@ -262,7 +262,7 @@ def _has_group(layout: Layout, group: str) -> bool:
     return any(field.group == group for field in layout.fields)
 
 
-def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: ChangeSubject) -> ChangeSubject:
+def _named_in_code(family_pair: FamilyPair, pair: OldAndNew[Any], section_subject: ChangeSubject) -> ChangeSubject:
     """Return a thing of a section as a subject, with its old names in code if it has any.
 
     A new thing has no names known to users, except a new data ID, which extends an enumeration that they already use.

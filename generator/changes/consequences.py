@@ -9,7 +9,7 @@ from ..model import Field
 from ..model.expressions import Expression
 from ..say.plain_text import counted
 from .family_pair import FamilyPair
-from .pairs import Pair
+from .pairs import OldAndNew
 from .rules import RULES, Change, Impact
 
 _Impacts = tuple[Impact, Impact, Impact, Impact]
@@ -21,7 +21,7 @@ _RESIZING_RULES = ("field-width", "field-new", "field-gone")
 class ComparedField:
     """A field of a frame or register in both versions, and its changes."""
 
-    pair: Pair[Field]
+    pair: OldAndNew[Field]
     changes: Sequence[Change]
 
     @property
@@ -162,7 +162,7 @@ def _low_bits_and_sizes(
 
 
 def _cause_of_move(
-    family_pair: FamilyPair, interface: str, pair: Pair[Field], resized_fields: Sequence[_ResizedField]
+    family_pair: FamilyPair, interface: str, pair: OldAndNew[Field], resized_fields: Sequence[_ResizedField]
 ) -> _ResizedField | None:
     """Return the resized field that explains why a field moved, or None.
 

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from ..model import Field, Interface, Layout, ModifyStep, Parameter, Procedure, Register, Rs485, Step, WriteStep
 from ..model.members import PARTS_BY_CLASS
 from .family_pair import FamilyPair
-from .pairs import Pair, complete_pairs, pair_by_name
+from .pairs import OldAndNew, complete_pairs, pair_by_name
 
 _Item = TypeVar("_Item")
 
@@ -42,7 +42,7 @@ def remember_all_renamings(family_pair: FamilyPair) -> None:
     family_pair.remember_renamings("procedure", pair_section(family_pair, "procedures"))
 
 
-def _pair_replaced_registers(family_pair: FamilyPair) -> list[Pair[Register]]:
+def _pair_replaced_registers(family_pair: FamilyPair) -> list[OldAndNew[Register]]:
     """Return the pairs of a register that is gone and a new one with another length or other bits at its address.
 
     Both are reported. Parts that use the register then do not count as changed too.
@@ -80,7 +80,7 @@ def _remember_renamings_in_layout(
         family_pair.remember_renamings("any-value", pair_parts(family_pair, old_field.values, new_field.values))
 
 
-def pair_section(family_pair: FamilyPair, path: str) -> list[Pair[Any]]:
+def pair_section(family_pair: FamilyPair, path: str) -> list[OldAndNew[Any]]:
     """Return the pairs of things in a section of the spec, such as ``order_code.parts``.
 
     A thing that is new or gone is paired with None, as by ``pair_parts``.
@@ -89,7 +89,7 @@ def pair_section(family_pair: FamilyPair, path: str) -> list[Pair[Any]]:
     return pair_parts(family_pair, section_of(family_pair.old), section_of(family_pair.new))
 
 
-def pair_fields(family_pair: FamilyPair, old: Layout, new: Layout, interface: str) -> list[Pair[Field]]:
+def pair_fields(family_pair: FamilyPair, old: Layout, new: Layout, interface: str) -> list[OldAndNew[Field]]:
     """Return the pairs of fields of a frame or register, except those that only fill gaps.
 
     Fields are paired by name, then by the same bits, then by the same width between the same neighbours.
@@ -105,11 +105,11 @@ def pair_fields(family_pair: FamilyPair, old: Layout, new: Layout, interface: st
 
 def _with_renamed_between_neighbours(
     family_pair: FamilyPair,
-    pairs: Sequence[Pair[Field]],
+    pairs: Sequence[OldAndNew[Field]],
     old_fields: Sequence[Field],
     new_fields: Sequence[Field],
     interface: str,
-) -> list[Pair[Field]]:
+) -> list[OldAndNew[Field]]:
     """Return the pairs, and pairs of a removed field and a new field of the same width between the same fields.
 
     Both are also in the same group, and either both carry data or neither does. Such a field was renamed while a
@@ -167,7 +167,7 @@ def pair_parts(
     new_parts: Sequence[_Item],
     interface: str = "",
     scope: str = "",
-) -> list[Pair[_Item]]:
+) -> list[OldAndNew[_Item]]:
     """Return every part with its counterpart, or with None if it is new or gone.
 
     Parts with the same name are a pair. A part whose name is gone and a part whose name is new are also a pair if their

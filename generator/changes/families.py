@@ -21,7 +21,7 @@ from .interfaces import (
     compare_register,
     compare_timings,
 )
-from .pairs import Pair, complete_pairs, pair_by_name
+from .pairs import OldAndNew, complete_pairs, pair_by_name
 from .rules import Change, ChangeSubject, Impact
 from .values import codes_as_pattern, old_to_new
 
@@ -327,7 +327,7 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
     changes: list[Change] = []
     pairs = pair_by_name(old, new, _set_of_order_codes)
     if len(old) == len(new) == 1:
-        pairs = [Pair(old=old[0], new=new[0])]
+        pairs = [OldAndNew(old=old[0], new=new[0])]
     for pair in sorted(pairs, key=lambda pair: pair.new_or_old.name):
         if pair.old is None or pair.new is None:
             # Only the name of the family is compared, so one device represents both versions.

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from ..model import Device, Field, Variant
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS
-from .pairs import Pair, complete_pairs
+from .pairs import OldAndNew, complete_pairs
 from .rules import RULES, SAME, Change, ChangeSubject
 from .values import (
     ComparisonPoint,
@@ -91,7 +91,7 @@ class FamilyPair:
         #: The new ones among them.
         self.common_new_codes = frozenset(self.new_code_by_old.values())
 
-    def remember_renamings(self, part_kind: str, pairs: Iterable[Pair[Any]]) -> None:
+    def remember_renamings(self, part_kind: str, pairs: Iterable[OldAndNew[Any]]) -> None:
         """Remember the new names of renamed things, so that references to them do not count as changed.
 
         ``part_kind`` is as in the table of members: ``register``, or ``field mode`` for the fields of a register or

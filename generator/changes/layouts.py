@@ -22,7 +22,7 @@ from .compare import compare_members, compare_parts
 from .consequences import ComparedField, fold_length, fold_moves
 from .counterparts import pair_fields
 from .family_pair import FamilyPair
-from .pairs import Pair
+from .pairs import OldAndNew
 from .rules import Change, ChangeSubject
 from .values import short_value
 
@@ -82,7 +82,7 @@ def _is_padding(field: Field, layout: Layout) -> bool:
 
 
 def _common_property(
-    family_pair: FamilyPair, subject: ChangeSubject, pair: Pair[Field], old_layout: Layout, new_layout: Layout
+    family_pair: FamilyPair, subject: ChangeSubject, pair: OldAndNew[Field], old_layout: Layout, new_layout: Layout
 ) -> str:
     """Return "between the same fields" for a renamed field with other bits, or "" if its bits are unchanged.
 
@@ -119,7 +119,7 @@ def _low_bits_in_group(
 
 
 def _compare_field(
-    family_pair: FamilyPair, subject: ChangeSubject, pair: Pair[Field], common_property: str = ""
+    family_pair: FamilyPair, subject: ChangeSubject, pair: OldAndNew[Field], common_property: str = ""
 ) -> Iterator[Change]:
     """Yield changes of a field of a frame or register: its presence or name, members, kind, type and values.
 

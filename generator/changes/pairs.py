@@ -19,7 +19,7 @@ _name_of: Callable[[Any], str] = attrgetter("name")
 
 
 @dataclass(frozen=True, slots=True)
-class Pair(Generic[_Item]):
+class OldAndNew(Generic[_Item]):
     """An old item and its new counterpart. ``old`` is None for a new item, ``new`` for an item that is gone."""
 
     old: _Item | None
@@ -40,7 +40,7 @@ class Pair(Generic[_Item]):
         return item
 
 
-def complete_pairs(pairs: Iterable[Pair[_Item]]) -> Iterator[tuple[_Item, _Item]]:
+def complete_pairs(pairs: Iterable[OldAndNew[_Item]]) -> Iterator[tuple[_Item, _Item]]:
     """Yield the old and the new item of each complete pair."""
     for pair in pairs:
         if pair.old is not None and pair.new is not None:
@@ -54,7 +54,7 @@ def pair_by_name(
     identity_of_new: Key | None = None,
     *,
     name_of: Key = _name_of,
-) -> list[Pair[_Item]]:
+) -> list[OldAndNew[_Item]]:
     """Return every item with its counterpart: first the new items in their order, then those that are gone.
 
     Items with the same name are a pair. An old and a new item without a namesake are a pair if they have the same
@@ -82,9 +82,9 @@ def pair_by_name(
             renamed_item = old_by_identity[identity]
             counterpart_by_name[name_of(new_item)] = renamed_item
             paired_old_names.add(name_of(renamed_item))
-    new_pairs = [Pair(old=counterpart_by_name.get(name_of(new_item)), new=new_item) for new_item in new_items]
+    new_pairs = [OldAndNew(old=counterpart_by_name.get(name_of(new_item)), new=new_item) for new_item in new_items]
     gone_items = [old_item for old_item in old_items if name_of(old_item) not in paired_old_names]
-    return new_pairs + [Pair(old=gone_item, new=None) for gone_item in gone_items]
+    return new_pairs + [OldAndNew(old=gone_item, new=None) for gone_item in gone_items]
 
 
 def _by_unique_identity(items: Sequence[_Item], identity_of: Key) -> dict[Hashable, _Item]:
