@@ -14,7 +14,7 @@ from typing import Any, Generic, TypeVar
 _Item = TypeVar("_Item")
 _Key = TypeVar("_Key", bound=Hashable)
 #: Return the name or another identifying property of an item.
-Key = Callable[[Any], Hashable | None]
+PairingKey = Callable[[Any], Hashable | None]
 _name_of: Callable[[Any], str] = attrgetter("name")
 
 
@@ -50,10 +50,10 @@ def complete_pairs(pairs: Iterable[OldAndNew[_Item]]) -> Iterator[tuple[_Item, _
 def pair_by_name(
     old_items: Sequence[_Item],
     new_items: Sequence[_Item],
-    identity_of_old: Key = lambda _: None,
-    identity_of_new: Key | None = None,
+    identity_of_old: PairingKey = lambda _: None,
+    identity_of_new: PairingKey | None = None,
     *,
-    name_of: Key = _name_of,
+    name_of: PairingKey = _name_of,
 ) -> list[OldAndNew[_Item]]:
     """Return every item with its counterpart: first the new items in their order, then those that are gone.
 
@@ -87,7 +87,7 @@ def pair_by_name(
     return new_pairs + [OldAndNew(old=gone_item, new=None) for gone_item in gone_items]
 
 
-def _by_unique_identity(items: Sequence[_Item], identity_of: Key) -> dict[Hashable, _Item]:
+def _by_unique_identity(items: Sequence[_Item], identity_of: PairingKey) -> dict[Hashable, _Item]:
     """Return the items by their identities, without items that have no identity or share one."""
     identities = [identity_of(item) for item in items]
     counts = Counter(identities)
