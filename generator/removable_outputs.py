@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from .output_folder import WriteError, families_in
 from .say.plain_text import counted, first_of
-from .write import Change
+from .write import FileChange
 
 if TYPE_CHECKING:
     from .model import Device
@@ -68,7 +68,7 @@ class Guard:
     command_with: Callable[[Sequence[str]], str]
     is_comparison: bool = False
 
-    def check(self, changes: Mapping[str, Sequence[Change]]) -> None:
+    def check(self, changes: Mapping[str, Sequence[FileChange]]) -> None:
         """Check the changes of each target.
 
         Raises:
@@ -98,13 +98,13 @@ class Guard:
         if unknown_files:
             raise WriteError(self._message_without_record(sorted(unknown_files)))
 
-    def _families_in_the_page(self, changes: Iterable[Change]) -> set[str]:
+    def _families_in_the_page(self, changes: Iterable[FileChange]) -> set[str]:
         """Return the names of families in the decode page that would be replaced and that were not read."""
         pages = [change.path for change in changes if change.what == "written" and change.path.endswith(f"/{_PAGE}")]
         families = {name for page in pages for name in _IN_THE_PAGE.findall(_read_text(self.folder / page))}
         return families - self._names()
 
-    def _files_without_record(self, changes: Iterable[Change]) -> list[str]:
+    def _files_without_record(self, changes: Iterable[FileChange]) -> list[str]:
         """Return the files to remove whose names contain no family that was read. An earlier version wrote them."""
         family_names = {device.name for device in self.devices} | _SHARED
         removed = [change.path for change in changes if change.what == "removed"]

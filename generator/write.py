@@ -39,14 +39,14 @@ _A_FOLDER = ", a folder in place of a file"
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class FileChange:
     """Change of one file: ``written``, ``unchanged`` or ``removed``."""
 
     path: str
     what: str
 
 
-def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]:
+def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[FileChange]:
     """Return the changes that writing ``files`` would make in the target's folder, ordered by path.
 
     Args:
@@ -58,12 +58,12 @@ def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]
         WriteError: A path is outside the target's folder, or the folder cannot be read.
     """
     _refuse_bad_paths(folder, {target: files})
-    file_changes: list[Change] = []
+    file_changes: list[FileChange] = []
     for path, text in files.items():
         is_unchanged = read_file(folder / path) == text.encode()
-        file_changes.append(Change(path, "unchanged" if is_unchanged else "written"))
+        file_changes.append(FileChange(path, "unchanged" if is_unchanged else "written"))
     obsolete_paths = (path for path in _listed_paths(folder, target) if path not in files)
-    file_changes += [Change(path, "removed") for path in obsolete_paths if (folder / path).is_file()]
+    file_changes += [FileChange(path, "removed") for path in obsolete_paths if (folder / path).is_file()]
     return sorted(file_changes, key=lambda change: change.path)
 
 
@@ -128,9 +128,9 @@ def write(
     force: bool = False,
     waiting: Callable[[], None] = lambda: None,
     gate: Callable[[], None] = lambda: None,
-    guard: Callable[[Mapping[str, Sequence[Change]]], None] = lambda _: None,
+    guard: Callable[[Mapping[str, Sequence[FileChange]]], None] = lambda _: None,
     families: Mapping[str, Sequence[str]] = MappingProxyType({}),
-) -> list[Change]:
+) -> list[FileChange]:
     """Write the files of ``targets`` to their folders, remove obsolete files, and keep foreign files.
 
     Args:
@@ -169,9 +169,9 @@ def _written(
     targets: Mapping[str, Mapping[str, str]],
     force: bool,
     gate: Callable[[], None],
-    guard: Callable[[Mapping[str, Sequence[Change]]], None],
+    guard: Callable[[Mapping[str, Sequence[FileChange]]], None],
     families: Mapping[str, Sequence[str]],
-) -> list[Change]:
+) -> list[FileChange]:
     """Write the targets to the folder, and return all changes. This process must hold its lock.
 
     ``guard`` and ``gate`` are called before anything changes, as in ``write``.
@@ -193,7 +193,7 @@ def _written(
 def _exchange_folders(
     folder: Path,
     targets: Mapping[str, Mapping[str, str]],
-    changes_by_target: Mapping[str, Sequence[Change]],
+    changes_by_target: Mapping[str, Sequence[FileChange]],
     families: Mapping[str, Sequence[str]],
 ) -> None:
     """Assemble the new content of each target's folder in a stage, and then exchange all folders.
@@ -224,12 +224,12 @@ def _exchange_folders(
             stage.remove()
 
 
-def _has_changes(target_changes: Iterable[Change]) -> bool:
+def _has_changes(target_changes: Iterable[FileChange]) -> bool:
     return any(change.what != "unchanged" for change in target_changes)
 
 
 def _needs_writing(
-    folder: Path, target: str, files: Mapping[str, str], target_changes: Iterable[Change], families: Sequence[str]
+    folder: Path, target: str, files: Mapping[str, str], target_changes: Iterable[FileChange], families: Sequence[str]
 ) -> bool:
     """Return whether files, their list, or the families in this list differ from the folder.
 
@@ -267,9 +267,9 @@ def _remove_left_stages(folder: Path) -> None:
             stage.remove()
 
 
-def left_stages(folder: Path) -> list[Change]:
+def left_stages(folder: Path) -> list[FileChange]:
     """Return the stages of a killed run, as files that the next run removes."""
-    return [Change(stage.folder.name, "removed") for stage in stages_in(folder)]
+    return [FileChange(stage.folder.name, "removed") for stage in stages_in(folder)]
 
 
 def _refuse_bad_paths(folder: Path, targets: Mapping[str, Iterable[str]]) -> None:
@@ -288,7 +288,10 @@ def _refuse_bad_paths(folder: Path, targets: Mapping[str, Iterable[str]]) -> Non
 
 
 def _refuse_what_is_in_the_way(
-    folder: Path, targets: Mapping[str, Mapping[str, str]], changes_by_target: Mapping[str, list[Change]], force: bool
+    folder: Path,
+    targets: Mapping[str, Mapping[str, str]],
+    changes_by_target: Mapping[str, list[FileChange]],
+    force: bool,
 ) -> None:
     """Refuse to overwrite anything that is not in our lists. ``force`` permits it, but not to replace a folder."""
     blocked: list[str] = []

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from codewheel import output_folder as stage_module
 from codewheel.output_folder import LIST, LIST_HEAD, Stage, WriteError
-from codewheel.write import Change, changes, digest_of, digest_on_disk, write
+from codewheel.write import FileChange, changes, digest_of, digest_on_disk, write
 
 FILES = {"python/a.py": "a\n", "python/pkg/b.py": "b\n"}
 
@@ -28,14 +28,14 @@ def tree(folder: Path) -> dict[str, str]:
 
 def test_writes_then_leaves_unchanged_files_alone(tmp_path: Path) -> None:
     assert write(tmp_path, {"python": FILES}) == [
-        Change("python/a.py", "written"),
-        Change("python/pkg/b.py", "written"),
+        FileChange("python/a.py", "written"),
+        FileChange("python/pkg/b.py", "written"),
     ]
     before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.py")}
     assert {item.what for item in write(tmp_path, {"python": FILES})} == {"unchanged"}
     assert write(tmp_path, {"python": {**FILES, "python/a.py": "new\n"}}) == [
-        Change("python/a.py", "written"),
-        Change("python/pkg/b.py", "unchanged"),
+        FileChange("python/a.py", "written"),
+        FileChange("python/pkg/b.py", "unchanged"),
     ]
     assert (tmp_path / "python/pkg/b.py").stat().st_mtime_ns == before[tmp_path / "python/pkg/b.py"]
     assert tree(tmp_path) == {"python/a.py": "new\n", "python/pkg/b.py": "b\n"}
@@ -47,7 +47,7 @@ def test_removes_what_it_no_longer_writes_and_nothing_else(tmp_path: Path) -> No
     (tmp_path / "python/pkg/mine.txt").write_text("mine too")
     (tmp_path / "other").mkdir()
     (tmp_path / "other/mine.txt").write_text("mine as well")
-    assert Change("python/pkg/b.py", "removed") in write(tmp_path, {"python": {"python/a.py": "a\n"}})
+    assert FileChange("python/pkg/b.py", "removed") in write(tmp_path, {"python": {"python/a.py": "a\n"}})
     assert tree(tmp_path) == {
         "other/mine.txt": "mine as well",
         "python/a.py": "a\n",
@@ -60,8 +60,8 @@ def test_check_changes_nothing(tmp_path: Path) -> None:
     write(tmp_path, {"python": FILES})
     before = tree(tmp_path)
     assert changes(tmp_path, "python", {"python/a.py": "x"}) == [
-        Change("python/a.py", "written"),
-        Change("python/pkg/b.py", "removed"),
+        FileChange("python/a.py", "written"),
+        FileChange("python/pkg/b.py", "removed"),
     ]
     assert tree(tmp_path) == before
 
@@ -331,7 +331,7 @@ def test_a_folder_in_the_way_is_named_and_never_overwritten(tmp_path: Path) -> N
 def test_a_file_that_is_the_same_already_is_taken_over(tmp_path: Path) -> None:
     (tmp_path / "python").mkdir()
     (tmp_path / "python/a.py").write_text("a\n")
-    assert Change("python/a.py", "unchanged") in write(tmp_path, {"python": FILES})
+    assert FileChange("python/a.py", "unchanged") in write(tmp_path, {"python": FILES})
     write(tmp_path, {"python": {"python/a.py": "new\n"}})
     assert tree(tmp_path) == {"python/a.py": "new\n"}
 

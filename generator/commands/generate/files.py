@@ -25,7 +25,7 @@ from ...removable_outputs import Guard
 from ...say.plain_text import counted
 from ...targets import Library, TargetError
 from ...targets.registry import load_target
-from ...write import Change, changes, digest_of, digest_on_disk, left_stages, write
+from ...write import FileChange, changes, digest_of, digest_on_disk, left_stages, write
 from ..outputs import accepted_devices
 from ..terminal import CommandError
 
@@ -76,7 +76,7 @@ def write_or_compare(
             not valid.
     """
 
-    def refuse_removals(changes_by_target: Mapping[str, Sequence[Change]]) -> None:
+    def refuse_removals(changes_by_target: Mapping[str, Sequence[FileChange]]) -> None:
         if not arguments.prune:
             guard.check(changes_by_target)
 
@@ -108,7 +108,7 @@ def _print_wait(output: Path) -> None:
     print(f"codewheel: waiting for another run that is writing to {output.as_posix()}", file=sys.stderr, flush=True)
 
 
-def _print_changes(file_changes: Sequence[Change], arguments: argparse.Namespace) -> None:
+def _print_changes(file_changes: Sequence[FileChange], arguments: argparse.Namespace) -> None:
     """Print the files that changed or, if they were only compared, differ, and a summary.
 
     Raises:
@@ -136,7 +136,7 @@ def _print_summary(arguments: argparse.Namespace, count: int, changed: int) -> N
         print(f"all {count} files unchanged")
 
 
-def _print_targets_by_state(file_changes: Iterable[Change]) -> None:
+def _print_targets_by_state(file_changes: Iterable[FileChange]) -> None:
     """Print which targets match the specs and which do not, if there are both.
 
     There are if a run was killed between two targets. The target of a file is the first folder of its path.
