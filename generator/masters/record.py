@@ -28,7 +28,7 @@ from ..model import (
 )
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
-from ..say.evidence import Subject, document, reference_to_mention
+from ..say.evidence import Topic, document, reference_to_mention
 from ..say.text import hertz, timeout_words
 from .channels import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
 from .frame_parts import (
@@ -78,7 +78,7 @@ class Record:
     cables: CableTable
     notes: tuple[str, ...]
     answers: Mapping[str, str]
-    mentioned: Mapping[Subject, str]
+    mentioned: Mapping[Topic, str]
     cable_m: int | None = None
     cable_row: CableRow | None = None
     step: Fraction | None = None
@@ -236,7 +236,7 @@ def _build_record(
         document=document(device),
         channels=frame_channels(interface, frame.placed_layout),
         layout=frame.placed_layout.name,
-        mentioned={subject: reference_to_mention(device, interface, subject) for subject in Subject},
+        mentioned={subject: reference_to_mention(device, interface, subject) for subject in Topic},
         used_hz=clock.used_hz if numbers["clock_max_hz"] is None else (),
     )
 

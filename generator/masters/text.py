@@ -11,7 +11,7 @@ from typing import Any
 from ..language.problems import listed
 from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import Match
-from ..say.evidence import Subject, grade_below_manual, origin
+from ..say.evidence import Topic, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
 from ..say.plain_text import WIDTH, two_columns, wrapped
 from ..say.text import PLAIN_STYLE, counted, hertz, microseconds, volts
@@ -41,14 +41,14 @@ def record_facts(record: Record) -> Iterator[tuple[str, str]]:
     if record.cables.rows:
         yield "Clock by cable", _cable_table_text(record)
     if INTERFACES[record.words["interface"]] is Biss:
-        yield "Time-out", record.timeout or _not_stated_text(record, Subject.TIMEOUT)
+        yield "Time-out", record.timeout or _not_stated_text(record, Topic.TIMEOUT)
         # 40 µs is the longest in the protocol description, p. 18.
-        allowed_busy_time = f"{_not_stated_text(record, Subject.REPLY_TIME)}, but BiSS C allows 40 µs"
+        allowed_busy_time = f"{_not_stated_text(record, Topic.REPLY_TIME)}, but BiSS C allows 40 µs"
         yield "Busy time", _time_limit_text(record.numbers["busy_us"], "at most") or allowed_busy_time
     else:
         pause_text = _time_limit_text(record.numbers["pause_us"], "at least")
-        yield "Pause", pause_text or _not_stated_text(record, Subject.PAUSE)
-    yield "Supply", _supply_text(record) or _not_stated_text(record, Subject.SUPPLY)
+        yield "Pause", pause_text or _not_stated_text(record, Topic.PAUSE)
+    yield "Supply", _supply_text(record) or _not_stated_text(record, Topic.SUPPLY)
 
 
 def _frame_facts(record: Record) -> Iterator[tuple[str, str]]:
@@ -94,7 +94,7 @@ def _clock_limits_text(record: Record) -> str:
     return _not_stated_text(record)
 
 
-def _not_stated_text(record: Record, subject: Subject | None = None) -> str:
+def _not_stated_text(record: Record, subject: Topic | None = None) -> str:
     """Return the words for a fact without a value, or a reference to the text of the manual that mentions it."""
     reference = record.mentioned[subject] if subject is not None else ""
     return reference or f"the {record.document} does not say"

@@ -150,7 +150,7 @@ def edition_test(revision: str, test: EditionTest) -> Statement:
     )
 
 
-class Subject(Enum):
+class Topic(Enum):
     """A subject, with the words of manuals for it."""
 
     REPLY_TIME = (
@@ -169,7 +169,7 @@ class Subject(Enum):
 _NOTE = "note on the interface"
 
 
-def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
+def mentions(device: Device, interface: Interface, subject: Topic) -> bool:
     """Return whether a text about the device or this interface contains words of the subject.
 
     The texts are those about times, characteristics, tables and notes, not about frames and registers.
@@ -177,12 +177,12 @@ def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
     return bool(place_of_mention(device, interface, subject))
 
 
-def place_of_mention(device: Device, interface: Interface, subject: Subject) -> str:
+def place_of_mention(device: Device, interface: Interface, subject: Topic) -> str:
     """Return the part of the spec whose text has words of the subject, such as ``times``, or an empty string."""
     return _place_with_words(subject, tuple(_interface_texts(device, interface)))
 
 
-def reference_to_mention(device: Device, interface: Interface, subject: Subject) -> str:
+def reference_to_mention(device: Device, interface: Interface, subject: Topic) -> str:
     """Return where to read about a subject, such as ``see the times in the manual``, or an empty string.
 
     A note on the interface is quoted, since commands do not show it.
@@ -195,7 +195,7 @@ def reference_to_mention(device: Device, interface: Interface, subject: Subject)
 
 
 @lru_cache
-def _place_with_words(subject: Subject, places_and_texts: tuple[tuple[str, str], ...]) -> str:
+def _place_with_words(subject: Topic, places_and_texts: tuple[tuple[str, str], ...]) -> str:
     """Return the place of the first text with words of the subject. The order codes of a family share their texts."""
     words_of_subject = re.compile(subject.value)
     for place, text in places_and_texts:

@@ -23,7 +23,7 @@ from ...model import (
 )
 from ...model.order_codes import fits
 from ...model.record import dataclass
-from ...say.evidence import Subject, document, mentions
+from ...say.evidence import Topic, document, mentions
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, link
 from ...say.order_code import bounds_with_codes, clock_words, settings
 from ...say.plain_text import counted
@@ -225,7 +225,7 @@ def _supply_text(supply: Supply) -> str:
     return f"{volts(supply.min_mv)} to {volts(supply.max_mv)} ({citation(supply.source)})"
 
 
-def unstated_facts(family_device: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
+def unstated_facts(family_device: Device, interface: Interface, subjects: Mapping[str, Topic]) -> Iterator[str]:
     """Yield the facts that the manual does not state, and links for those that a text may have, in one line.
 
     ``subjects`` are the facts by label. ``family_device`` contains the texts about all order codes, because a text
@@ -255,12 +255,12 @@ def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
         return ""
     if family_device.leds:
         return "The manual describes no LEDs of this order code."
-    return "" if mentions(family_device, interface, Subject.LEDS) else "The manual describes no LEDs."
+    return "" if mentions(family_device, interface, Topic.LEDS) else "The manual describes no LEDs."
 
 
 def no_supply(family_device: Device, interface: Interface) -> str:
     """Return the text instead of a supply: a link to the characteristics that may state it, or that none is known."""
-    if mentions(family_device, interface, Subject.SUPPLY):
+    if mentions(family_device, interface, Topic.SUPPLY):
         return f"see {link('characteristics', 'hardware.md#characteristics')}"
     return f"the {document(family_device)} does not say"
 
@@ -364,7 +364,7 @@ def _pause_sentences(family_device: Device, interface: Ssi | Biss) -> Iterator[s
         case Biss():
             for timeout in interface.timeouts:
                 yield f"Time-out after a frame: {timeout_words(timeout)} ({citation(timeout.source)})."
-            yield from unstated_facts(family_device, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
+            yield from unstated_facts(family_device, interface, {"reply time (acknowledge)": Topic.REPLY_TIME})
 
 
 def _baud_section(family_device: Device, device: Device, interface: Rs485) -> SpeedSection:
@@ -382,7 +382,7 @@ def _baud_section(family_device: Device, device: Device, interface: Rs485) -> Sp
     facts = (
         f"{baud_rate} ({citation(port.source)}).",
         f"Duration ({bits_per_byte} bits per byte): {', '.join(durations)}.",
-        *unstated_facts(family_device, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
+        *unstated_facts(family_device, interface, {"reply time": Topic.REPLY_TIME, "cable length": Topic.CABLE}),
     )
     return SpeedSection("Baud rate and times", facts)
 
