@@ -32,7 +32,7 @@ from ..model.record import dataclass
 from .errata import errata, erratum
 from .names_and_places import heading, register_at, register_field
 from .names_and_places import register as reference_to_register
-from .text import Code, Part, Ref, Statement, list_parts, microseconds, sentence, spec_text, statement
+from .text import Code, Ref, Statement, TextPart, list_parts, microseconds, sentence, spec_text, statement
 
 
 def procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
@@ -50,7 +50,9 @@ def about_procedure(sequence: Procedure) -> Iterator[Statement]:
 
 def argument(device: Device, parameter: Argument) -> Statement:
     """Return the meaning of an argument, the register to which it is written, and which of its meanings applies."""
-    sentence_parts: list[Part] = [f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "]
+    sentence_parts: list[TextPart] = [
+        f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "
+    ]
     sentence_parts.append(reference_to_register(device, parameter.of))
     if parameter.meant_as:
         sentence_parts += [" as its ", Code(parameter.meant_as)]
@@ -93,7 +95,7 @@ def read_back(device: Device, register: Register, field: str) -> Statement:
     )
 
 
-def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[Part]:
+def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[TextPart]:
     """Yield the parts of the instruction to read, poll or write a register or a field of it.
 
     Only a fixed value of a whole register is also shown as bytes.
@@ -124,12 +126,12 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[P
             assert_never(procedure_step)
 
 
-def _value_or_argument(name: str, value: int | None) -> tuple[Part, ...]:
+def _value_or_argument(name: str, value: int | None) -> tuple[TextPart, ...]:
     """Return the name of a value or, if ``value`` is None, the name of the argument whose value is written."""
     return ("the value of ", Code(name)) if value is None else (Code(name),)
 
 
-def _register_or_field(device: Device, register: str, field: str) -> Part:
+def _register_or_field(device: Device, register: str, field: str) -> TextPart:
     """Return a reference to a field of a register, or to the register if ``field`` is empty."""
     return register_field(device, f"{register}.{field}" if field else register)
 

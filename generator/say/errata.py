@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 
 from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout, layer_in_words
-from .text import Code, Part, Ref, Statement, list_parts, sentence, statement
+from .text import Code, Ref, Statement, TextPart, list_parts, sentence, statement
 
 #: Top-level parts of a spec that are not lists of named items.
 _TOP = {
@@ -271,7 +271,7 @@ def needed_answers(device: Device, layout: Layout) -> Iterator[Statement]:
         yield statement("The positions of its fields depend on your choice of ", choice, ": ", *answers)
 
 
-def answer_names(answers: Sequence[Answer]) -> Iterator[Part]:
+def answer_names(answers: Sequence[Answer]) -> Iterator[TextPart]:
     """Yield the names of the answers as parts, such as ``as_printed``."""
     yield from list_parts([Code(choice.name) for choice in answers])
 

@@ -24,10 +24,10 @@ from ..model.expressions import Expression
 from .errata import answer_names, deciding_alternatives, errata, erratum, needed_answers
 from .plain_text import counted
 from .report import conditions
-from .text import VERDICT_CLAUSES, Code, Part, Statement, join_groups, list_parts, sentence, spec_text, statement
+from .text import VERDICT_CLAUSES, Code, Statement, TextPart, join_groups, list_parts, sentence, spec_text, statement
 
 
-def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequence[Alternative] = ()) -> Statement:
+def head(interface: Interface, layout: Layout, name: TextPart, alternatives: Sequence[Alternative] = ()) -> Statement:
     """Return the frame's ``name``, sender, interface and length.
 
     If the length depends only on ``alternatives``, each possible length is followed by its answers.
@@ -37,7 +37,7 @@ def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequenc
     return statement(name, sender_text, *size(layout, alternatives), source=layout.source)
 
 
-def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part, ...]:
+def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[TextPart, ...]:
     """Return the length and the transmission order of a frame as parts of a statement.
 
     For example ``25 bits, most significant first``, ``4 bytes, low byte first``, or ``45 bits in 6 bytes, …``.
@@ -54,7 +54,7 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
     return (length_text,)
 
 
-def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]:
+def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[TextPart]:
     """Yield the number of bits of a frame as parts of a statement.
 
     If answers to ``alternatives`` alone decide it, these are ``25 (a) or 26 (b)`` with the names of the answers. If
@@ -64,7 +64,7 @@ def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iter
     if not deciding:
         yield layout.bits
         return
-    possible_lengths: list[list[Part]] = []
+    possible_lengths: list[list[TextPart]] = []
     for answers, answered_parameters in choices(deciding):
         bits = layout.bits.value(answered_parameters)
         possible_lengths.append([f"{bits} (", *answer_names(answers), ")"])

@@ -9,7 +9,7 @@ from ..model import Alternative, Biss, Device, Field, Interface, Layout, Registe
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .errata import answer_names, deciding_alternatives
-from .text import Code, Part, Ref, Statement, join_groups, statement
+from .text import Code, Ref, Statement, TextPart, join_groups, statement
 
 _ACRONYMS = {
     "biss": "BiSS",
@@ -181,7 +181,7 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
     return place if is_one_bit else f"{place}:{low % 8}"
 
 
-def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[Part]:
+def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[TextPart]:
     """Yield the location of a field with its padding, in bytes for a frame of bytes, otherwise in bits.
 
     If the location depends only on ``alternatives``, each possible location is followed by its answer. If it depends on
@@ -194,11 +194,11 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
     if deciding_parameters and not deciding:
         yield from ("starting at bit ", field.low)
         return
-    possible_places: list[list[Part]] = []
+    possible_places: list[list[TextPart]] = []
     # If nothing decides, there is one place, without answers.
     for answers, answered_parameters in choices(deciding):
         place = _place_text(layout, high.value(answered_parameters), field.low.value(answered_parameters))
-        explanation: list[Part] = [" (", *answer_names(answers), ")"] if answers else []
+        explanation: list[TextPart] = [" (", *answer_names(answers), ")"] if answers else []
         possible_places.append([place, *explanation])
     yield from join_groups(possible_places, " or ")
 

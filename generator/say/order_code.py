@@ -46,9 +46,9 @@ from .plain_text import counted, number
 from .register import limits, value
 from .text import (
     Code,
-    Part,
     Ref,
     Statement,
+    TextPart,
     hertz,
     join_groups,
     list_parts,
@@ -86,7 +86,7 @@ def part(code_part: CodePart) -> Statement:
     return statement(f"{code_part.meaning}: ", *values, label=code_part.name)
 
 
-def _value_with_meaning(value: CodeValue) -> tuple[Part, ...]:
+def _value_with_meaning(value: CodeValue) -> tuple[TextPart, ...]:
     """Return a value of a part of the order code, with its meaning if it has one: ``A = SSI``."""
     return (Code(value.text), f" = {value.meaning}") if value.meaning else (Code(value.text),)
 
@@ -126,7 +126,7 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
     if device_parameter.read_from:
         register_text = register_at(device.register(device_parameter.register))
         field_reference = register_field(device, device_parameter.read_from)
-        origin_parts: list[Part] = [f"Read at run time from {register_text} (", field_reference, ")"]
+        origin_parts: list[TextPart] = [f"Read at run time from {register_text} (", field_reference, ")"]
         lowest = Expression(device_parameter.min) if device_parameter.min is not None else None
         highest = Expression(device_parameter.max) if device_parameter.max is not None else None
         range_parts = limits(lowest, highest)
@@ -141,7 +141,7 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
         yield statement(f"The register holds a code: {', '.join(code_meanings)}")
 
 
-def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator[Part]:
+def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator[TextPart]:
     """Yield the parts of a text about the alternative that sets a parameter: a reference to it, and the values.
 
     The values follow only if the alternative has a default: ``first_bit: 0 for low (default), 1 for high``.
@@ -257,7 +257,7 @@ def settings(device: Device, line: Interface) -> Iterator[Statement]:
         yield statement(content, label=label, source=fact.source)
 
 
-def _label_and_content(device: Device, fact: Fact) -> tuple[str, Part]:
+def _label_and_content(device: Device, fact: Fact) -> tuple[str, TextPart]:
     """Return a fact about an interface as a label and its text, such as ``Clock`` and ``100 kHz to 4 MHz``."""
     match fact:
         case Clock():
@@ -411,7 +411,7 @@ def memory_access(access: MemoryAccess) -> Statement:
 
 def exchange(request: Exchange) -> Statement:
     """Return a request and its reply, with the effect of the request and the length of their words if it is fixed."""
-    exchange_parts: list[Part] = [Code(request.request)]
+    exchange_parts: list[TextPart] = [Code(request.request)]
     if request.reply:
         exchange_parts += [" is answered by ", Code(request.reply)]
     else:

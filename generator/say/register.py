@@ -39,9 +39,9 @@ from .text import (
     Code,
     Hex,
     Level,
-    Part,
     Ref,
     Statement,
+    TextPart,
     join_groups,
     list_parts,
     spec_text,
@@ -61,7 +61,7 @@ def access(register: Register) -> str:
     return _ACCESS[register.access]
 
 
-def head(device: Device, register: Register, name: Part) -> Statement:
+def head(device: Device, register: Register, name: TextPart) -> Statement:
     """Return the register's ``name``, address, access and interface."""
     interface = device.interface(register.interface).title
     return statement(name, f", {register_at(register)}, {access(register)}, over {interface}", source=register.source)
@@ -102,7 +102,7 @@ def _content_facts(register: Register) -> Iterator[Statement]:
         yield statement(*range_parts, label="Limits")
 
 
-def limits(low: Expression | None, high: Expression | None) -> tuple[Part, ...]:
+def limits(low: Expression | None, high: Expression | None) -> tuple[TextPart, ...]:
     """Return a range as parts of a statement: ``(0, " to ", 7)``, ``("at least ", 0)``, or ``()`` without limits."""
     if low is not None and high is not None:
         return low, " to ", high
@@ -184,7 +184,7 @@ def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Stat
     selecting_field = device.register(register_name).layout.field(field_name)
     selecting_value = selecting_field.value_named(register_meaning.value).value
     reference = register_field(device, register_meaning.when)
-    meaning_parts: list[Part] = ["While ", reference, f" is {selecting_value} (", Code(register_meaning.value)]
+    meaning_parts: list[TextPart] = ["While ", reference, f" is {selecting_value} (", Code(register_meaning.value)]
     meaning_parts += ["), the register holds ", Code(register_meaning.name)]
     range_parts = limits(register_meaning.min, register_meaning.max)
     if range_parts:
@@ -267,7 +267,7 @@ def _constant_rule(frame_field: Field, value: int) -> Iterator[Statement]:
 
 
 def _covered_by_crc(crc_value: CrcValue) -> Statement:
-    covered: list[Part] = _names_as_code(crc_value.of) if crc_value.of else ["everything before it"]
+    covered: list[TextPart] = _names_as_code(crc_value.of) if crc_value.of else ["everything before it"]
     return statement("CRC ", Ref("crc", crc_value.crc, crc_value.crc), " over ", *covered)
 
 
@@ -283,7 +283,7 @@ def _covered_by_parity(parity: Parity) -> Statement:
     return statement(polarity, f" parity of {counted_bits}", *_names_as_code(parity.covers))
 
 
-def _names_as_code(names: Iterable[str]) -> list[Part]:
+def _names_as_code(names: Iterable[str]) -> list[TextPart]:
     """Return the parts of a list of names, separated by commas."""
     return list(join_groups([Code(name)] for name in names))
 
@@ -359,7 +359,7 @@ def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
         yield statement(Level.INACTIVE, f" when {inactive_level}: {flag.when_inactive}")
 
 
-def _run_of_digits(digit_run: Digits) -> tuple[Part, ...]:
+def _run_of_digits(digit_run: Digits) -> tuple[TextPart, ...]:
     """Return the name of a run of digits, their number and their meaning, such as ``year 2 (of manufacture)``."""
     meaning_text = f" ({digit_run.meaning})" if digit_run.meaning else ""
     return Code(digit_run.name), f" {digit_run.digits}", meaning_text
@@ -369,7 +369,7 @@ def _hex_digits_for(bits: int) -> int:
     return (bits + 3) // 4
 
 
-def _expected_value(value: Expression | int | str, bits: int) -> Part:
+def _expected_value(value: Expression | int | str, bits: int) -> TextPart:
     """Return the constant value of a field of ``bits`` bits, as text or as a hexadecimal number."""
     if isinstance(value, str):
         return Code(value)
@@ -409,7 +409,7 @@ def measurement(unit_and_range: Measurement) -> Statement:
     These are counts per revolution and revolutions, or the length of a count, and then the whole counts and the
     highest position.
     """
-    quantities: list[tuple[Part, ...]] = []
+    quantities: list[tuple[TextPart, ...]] = []
     if unit_and_range.counts_per_turn is not None:
         quantities.append((Amount(unit_and_range.counts_per_turn, "counts"), " per revolution"))
     if unit_and_range.turns is not None:
@@ -433,7 +433,7 @@ def position_range(layout_range: LayoutRange) -> Statement:
     """Return the range of the position in one layout: that it never wraps, or its revolutions, counts and maximum."""
     if not layout_range.wraps:
         return statement("never wraps around", source=layout_range.source)
-    quantities: list[tuple[Part, ...]] = []
+    quantities: list[tuple[TextPart, ...]] = []
     if layout_range.turns is not None:
         quantities.append((Amount(layout_range.turns, "revolutions"),))
     if layout_range.modulus is not None:

@@ -17,7 +17,7 @@ from .commands import remedied, with_steps
 from .errata import errata, erratum
 from .names_and_places import only, register_field, title
 from .register import short
-from .text import Code, Part, Ref, Statement, join_groups, list_parts, sentence, spec_text, statement, volts
+from .text import Code, Ref, Statement, TextPart, join_groups, list_parts, sentence, spec_text, statement, volts
 
 
 def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
@@ -118,7 +118,7 @@ def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
     return statement(*join_groups(phrases, " and "))
 
 
-def _condition_parts(field: Field, value: int) -> tuple[Part, ...]:
+def _condition_parts(field: Field, value: int) -> tuple[TextPart, ...]:
     """Return a field with its bit or value: ``error is 0`` or ``mode is 5h (test)``.
 
     ``value`` is 1 for an active flag, whose bit is 0 if it is active low.

@@ -143,7 +143,7 @@ class Level(Enum):
 
 
 #: An expression with parameters is a separate part, because some outputs know the values of the parameters.
-Part = str | Code | Ref | Expression | Amount | Hex | Level
+TextPart = str | Code | Ref | Expression | Amount | Hex | Level
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +154,7 @@ class Statement:
     can.
     """
 
-    parts: tuple[Part, ...]
+    parts: tuple[TextPart, ...]
     label: str = ""
     source: Sources = ()
     #: Short form for an output that prints the full statement elsewhere. None if there is no short form.
@@ -162,7 +162,7 @@ class Statement:
     below: tuple[Statement, ...] = ()
 
 
-def statement(*parts: Part, label: str = "", source: Sources = ()) -> Statement:
+def statement(*parts: TextPart, label: str = "", source: Sources = ()) -> Statement:
     """Return the statement formed by these parts."""
     return Statement(parts, label, source)
 
@@ -173,7 +173,7 @@ def spec_text(text: str, label: str = "", source: Sources = ()) -> Iterator[Stat
         yield statement(text, label=label, source=source)
 
 
-def list_parts(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
+def list_parts(items: Sequence[TextPart], last: str = " and ") -> Iterator[TextPart]:
     """Yield the items as the parts of a list: ``a, b and c``."""
     for index, part in enumerate(items):
         is_last = index == len(items) - 1
@@ -183,7 +183,7 @@ def list_parts(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
         yield part
 
 
-def join_groups(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
+def join_groups(groups: Iterable[Sequence[TextPart]], between: str = ", ") -> Iterator[TextPart]:
     """Yield the parts of all non-empty groups, with the separator ``between`` after each group except the last."""
     is_first = True
     for group in groups:
@@ -253,7 +253,7 @@ class Style:
             return number(resolved.constant)
         return self.code(resolved.render())
 
-    def _write_part(self, part: Part) -> str:
+    def _write_part(self, part: TextPart) -> str:
         """Return a part of a statement in the syntax of the output."""
         match part:
             case str():
