@@ -32,7 +32,7 @@ from ..model.record import dataclass
 from .errata import errata, erratum
 from .names_and_places import heading, register_at, register_field
 from .names_and_places import register as reference_to_register
-from .text import Code, Ref, Statement, TextPart, list_parts, microseconds, sentence, spec_text, statement
+from .text import CodeText, Ref, Statement, TextPart, list_parts, microseconds, sentence, spec_text, statement
 
 
 def procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
@@ -55,7 +55,7 @@ def argument(device: Device, parameter: Argument) -> Statement:
     ]
     sentence_parts.append(reference_to_register(device, parameter.of))
     if parameter.meant_as:
-        sentence_parts += [" as its ", Code(parameter.meant_as)]
+        sentence_parts += [" as its ", CodeText(parameter.meant_as)]
     return statement(*sentence_parts)
 
 
@@ -65,9 +65,9 @@ def step(device: Device, procedure_step: Step) -> Statement:
         case WaitStep():
             return statement(f"Wait at least {microseconds(procedure_step.microseconds)}")
         case SendStep():
-            request_bytes = Code(procedure_step.request.hex(" ").upper())
+            request_bytes = CodeText(procedure_step.request.hex(" ").upper())
             repetition = _repetition_text(procedure_step)
-            return statement("Send the request ", Code(procedure_step.data_id), f"{repetition}: ", request_bytes)
+            return statement("Send the request ", CodeText(procedure_step.data_id), f"{repetition}: ", request_bytes)
         case _:
             return statement(*_register_access(device, procedure_step))
 
@@ -117,7 +117,7 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[T
                 address_text,
             )
             if value is not None:
-                yield from (": ", Code(register.bytes_of(value).hex(" ").upper()))
+                yield from (": ", CodeText(register.bytes_of(value).hex(" ").upper()))
         case ModifyStep(field=field, value_name=name, value=value):
             yield from ("Write ", *_value_or_argument(name, value), " to ")
             yield from (_register_or_field(device, register.name, field), address_text)
@@ -128,7 +128,7 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[T
 
 def _value_or_argument(name: str, value: int | None) -> tuple[TextPart, ...]:
     """Return the name of a value or, if ``value`` is None, the name of the argument whose value is written."""
-    return ("the value of ", Code(name)) if value is None else (Code(name),)
+    return ("the value of ", CodeText(name)) if value is None else (CodeText(name),)
 
 
 def _register_or_field(device: Device, register: str, field: str) -> TextPart:

@@ -13,7 +13,7 @@ from functools import lru_cache
 from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest, Interface
 from .errata import erratum
 from .names_and_places import words
-from .text import Code, Ref, Statement, sentence, statement
+from .text import CodeText, Ref, Statement, sentence, statement
 
 _MEANING = {
     "manual": "all pages of the manufacturer's document were read",
@@ -96,16 +96,16 @@ def origin(device: Device) -> Iterator[Statement]:
     """Yield how the family differs from its manual: as a special model, as another edition, and by overlays."""
     specials = [overlay.special for overlay in device.overlays if overlay.special]
     if specials:
-        suffix = Code(f"/{specials[0]}")
+        suffix = CodeText(f"/{specials[0]}")
         yield statement(
-            "Only for encoders whose order code ends in ", suffix, ". For all others use ", Code(device.base)
+            "Only for encoders whose order code ends in ", suffix, ". For all others use ", CodeText(device.base)
         )
     if device.edition:
         date = f" of {device.manual.date}" if device.manual.date else ""
         yield statement(
             f"Describes encoders of edition {device.edition} of the manual{date}, as far as they are known. "
             "The edition that the spec transcribes is ",
-            Code(device.base),
+            CodeText(device.base),
             ". Each difference is given with its source. Unknown parts are omitted",
         )
     for overlay in device.overlays:
@@ -121,7 +121,7 @@ def other_editions(device: Device, where: str = "inline") -> Iterator[Statement]
         example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
         yield statement(
             f"Differences from other editions of the manual are noted {where}. For the files of another edition, use ",
-            Code(example),
+            CodeText(example),
         )
 
 

@@ -24,7 +24,17 @@ from ..model.expressions import Expression
 from .errata import answer_names, deciding_alternatives, errata, erratum, needed_answers
 from .plain_text import counted
 from .report import conditions
-from .text import VERDICT_CLAUSES, Code, Statement, TextPart, join_groups, list_parts, sentence, spec_text, statement
+from .text import (
+    VERDICT_CLAUSES,
+    CodeText,
+    Statement,
+    TextPart,
+    join_groups,
+    list_parts,
+    sentence,
+    spec_text,
+    statement,
+)
 
 
 def head(interface: Interface, layout: Layout, name: TextPart, alternatives: Sequence[Alternative] = ()) -> Statement:
@@ -99,13 +109,13 @@ def _has_parity_over_gray(layout: Layout) -> bool:
     return False
 
 
-def _excess_number_or_parameter(layout: Layout) -> str | Code:
+def _excess_number_or_parameter(layout: Layout) -> str | CodeText:
     """Return the number that is added before the position is sent in Gray code, or the parameter with this number.
 
     Without an excess, it is ``0``.
     """
     excess = layout.gray_excess or Expression(0)
-    return str(excess.constant) if excess.is_constant else Code(excess.render())
+    return str(excess.constant) if excess.is_constant else CodeText(excess.render())
 
 
 def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
@@ -129,9 +139,9 @@ def _gray_code(layout: Layout) -> Iterator[Statement]:
 
     Nothing is yielded for a frame without Gray code.
     """
-    number_name = Code(layout.gray_of)
+    number_name = CodeText(layout.gray_of)
     if layout.gray_when:
-        parameter = Code(layout.gray_when)
+        parameter = CodeText(layout.gray_when)
         yield statement(number_name, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
         if has_excess(layout):
             excess = _excess_number_or_parameter(layout)
@@ -175,7 +185,7 @@ def carries(interface: Interface, layout: Layout) -> Iterator[Statement]:
     selector_values = []
     for value in layout.selects:
         selector_values.append(f"{value:X} ({data_id_names[value]})" if value in data_id_names else f"{value:X}")
-    yield statement("Its ", Code(layout.selector), " is ", *list_parts(selector_values, " or "))
+    yield statement("Its ", CodeText(layout.selector), " is ", *list_parts(selector_values, " or "))
 
 
 def joins(layout: Layout) -> Iterator[Statement]:
@@ -188,8 +198,8 @@ def joins(layout: Layout) -> Iterator[Statement]:
 
 def join(joined_number: Join) -> Statement:
     """Return the fields that form a number."""
-    names = list_parts([Code(name) for name in joined_number.fields])
-    return statement(Code(joined_number.name), " consists of ", *names, ", most significant first")
+    names = list_parts([CodeText(name) for name in joined_number.fields])
+    return statement(CodeText(joined_number.name), " consists of ", *names, ", most significant first")
 
 
 def as_one_number(parts: str) -> str:

@@ -9,7 +9,7 @@ from ..model import Alternative, Biss, Device, Field, Interface, Layout, Registe
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .errata import answer_names, deciding_alternatives
-from .text import Code, Ref, Statement, TextPart, join_groups, statement
+from .text import CodeText, Ref, Statement, TextPart, join_groups, statement
 
 _ACRONYMS = {
     "biss": "BiSS",
@@ -94,7 +94,7 @@ def register_field(device: Device, path: str) -> Ref:
 def only(codes: str) -> Iterator[Statement]:
     """Yield the order codes, unless the item applies to all of them."""
     if codes:
-        yield statement("Only with ", Code(codes))
+        yield statement("Only with ", CodeText(codes))
 
 
 def hexadecimal(value: int, digits: int = 2) -> str:

@@ -45,7 +45,7 @@ from .names_and_places import register as reference_to_register
 from .plain_text import counted, number
 from .register import limits, value
 from .text import (
-    Code,
+    CodeText,
     Ref,
     Statement,
     TextPart,
@@ -64,7 +64,7 @@ from .text import (
 def order_code(device: Device) -> Iterator[Statement]:
     """Yield all statements about the order codes, for running text."""
     code = device.order_code
-    yield statement(Code(code.pattern), label="Order codes", source=code.source)
+    yield statement(CodeText(code.pattern), label="Order codes", source=code.source)
     for code_part in code.parts:
         yield part(code_part)
         yield from open_values(code_part)
@@ -88,19 +88,19 @@ def part(code_part: CodePart) -> Statement:
 
 def _value_with_meaning(value: CodeValue) -> tuple[TextPart, ...]:
     """Return a value of a part of the order code, with its meaning if it has one: ``A = SSI``."""
-    return (Code(value.text), f" = {value.meaning}") if value.meaning else (Code(value.text),)
+    return (CodeText(value.text), f" = {value.meaning}") if value.meaning else (CodeText(value.text),)
 
 
 def open_values(code_part: CodePart) -> Iterator[Statement]:
     """Yield the rule for values that the manual does not list."""
     if code_part.open:
-        yield statement("Other values that match ", Code(code_part.open), " are accepted and shown as unlisted")
+        yield statement("Other values that match ", CodeText(code_part.open), " are accepted and shown as unlisted")
 
 
 def spelling(label_spelling: Spelling) -> Statement:
     """Return the pattern of another spelling found on labels, and where it is used."""
     return statement(
-        Code(label_spelling.pattern),
+        CodeText(label_spelling.pattern),
         f", as in {label_spelling.where}",
         label="Also written",
         source=label_spelling.source,
@@ -154,11 +154,11 @@ def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator
             continue
         default_answer, *other_answers = alternative.answers
         yield f": {default_answer.sets[device_parameter.name]} for "
-        yield Code(default_answer.name)
+        yield CodeText(default_answer.name)
         yield " (default)"
         for answer in other_answers:
             yield f", {answer.sets[device_parameter.name]} for "
-            yield Code(answer.name)
+            yield CodeText(answer.name)
 
 
 def initial(device: Device) -> str:
@@ -283,7 +283,7 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, TextPart]:
 
 
 def _label_and_text(fact: Signals | Alignment | OutputCode | Profile | DescriptionFile) -> tuple[str, str]:
-    """Return a label and a text for a fact that the spec states as a word or a text, such as ``Code`` and ``Gray``."""
+    """Return a label and a text for a fact that the spec states as a word or a text, such as ``CodeText`` and ``Gray``."""
     match fact:
         case Signals(text):
             return "Signals", text
@@ -411,9 +411,9 @@ def memory_access(access: MemoryAccess) -> Statement:
 
 def exchange(request: Exchange) -> Statement:
     """Return a request and its reply, with the effect of the request and the length of their words if it is fixed."""
-    exchange_parts: list[TextPart] = [Code(request.request)]
+    exchange_parts: list[TextPart] = [CodeText(request.request)]
     if request.reply:
-        exchange_parts += [" is answered by ", Code(request.reply)]
+        exchange_parts += [" is answered by ", CodeText(request.reply)]
     else:
         exchange_parts.append(" has no reply")
     effect = PURPOSES[request.purpose]

@@ -36,7 +36,7 @@ from .plain_text import formula
 from .text import (
     VERDICT_CLAUSES,
     Amount,
-    Code,
+    CodeText,
     Hex,
     Level,
     Ref,
@@ -91,14 +91,14 @@ def _content_facts(register: Register) -> Iterator[Statement]:
         yield statement(order_text, label="Byte order")
     default = register.default_bytes()
     if default is not None:
-        yield statement(Code(default.hex(" ").upper()), label="Default")
+        yield statement(CodeText(default.hex(" ").upper()), label="Default")
     has_limits = register.min is not None or register.max is not None
     # Each meaning has limits of its own.
     if has_limits and not register.meanings:
         range_parts = limits(register.min, register.max)
         # The limits may apply to one field.
         if register.limits_of != register.name:
-            range_parts = (*range_parts, " for ", Code(register.limits_of))
+            range_parts = (*range_parts, " for ", CodeText(register.limits_of))
         yield statement(*range_parts, label="Limits")
 
 
@@ -172,7 +172,7 @@ def _opening_condition(device: Device, register: Register) -> Statement:
         digits = 2 * opening_register.length
         value_text = hexadecimal(opening_field.value_named(value_name).value, digits)
     reference = register_field(device, opener_path)
-    return statement("Can be written only while ", reference, f" is {value_text} (", Code(value_name), ")")
+    return statement("Can be written only while ", reference, f" is {value_text} (", CodeText(value_name), ")")
 
 
 def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Statement:
@@ -184,8 +184,8 @@ def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Stat
     selecting_field = device.register(register_name).layout.field(field_name)
     selecting_value = selecting_field.value_named(register_meaning.value).value
     reference = register_field(device, register_meaning.when)
-    meaning_parts: list[TextPart] = ["While ", reference, f" is {selecting_value} (", Code(register_meaning.value)]
-    meaning_parts += ["), the register holds ", Code(register_meaning.name)]
+    meaning_parts: list[TextPart] = ["While ", reference, f" is {selecting_value} (", CodeText(register_meaning.value)]
+    meaning_parts += ["), the register holds ", CodeText(register_meaning.name)]
     range_parts = limits(register_meaning.min, register_meaning.max)
     if range_parts:
         meaning_parts += [", ", *range_parts]
@@ -285,14 +285,14 @@ def _covered_by_parity(parity: Parity) -> Statement:
 
 def _names_as_code(names: Iterable[str]) -> list[TextPart]:
     """Return the parts of a list of names, separated by commas."""
-    return list(join_groups([Code(name)] for name in names))
+    return list(join_groups([CodeText(name)] for name in names))
 
 
 def _unused_rules(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
     """Yield the documented value of unused bits, and the effect of other values: a verdict if there is a position."""
     yield statement(f"Unused, documented as {short(unused.value)}")
     if _is_in_frame_with_position(device, frame_field):
-        verdict = Code(unused.makes_position.value)
+        verdict = CodeText(unused.makes_position.value)
         yield statement("Frames with other values are still decoded, with the verdict ", verdict)
     else:
         yield statement("Other values are still decoded")
@@ -323,7 +323,7 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
     """
     yield from _flag_levels(flag, is_implemented=is_implemented)
     if flag.sums_up:
-        yield statement("Combines ", *list_parts([Code(name) for name in flag.sums_up]))
+        yield statement("Combines ", *list_parts([CodeText(name) for name in flag.sums_up]))
     if is_implemented:
         yield from _flag_verdict(flag)
     if flag.only:
@@ -331,7 +331,7 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
         verdict_without_meaning = flag.unexplained.makes_position
         if verdict_without_meaning is not None:
             remark += f", and {VERDICT_CLAUSES[verdict_without_meaning]}"
-        yield statement("This applies only to ", Code(flag.only), remark)
+        yield statement("This applies only to ", CodeText(flag.only), remark)
 
 
 def _flag_verdict(flag: Flag) -> Iterator[Statement]:
@@ -344,7 +344,9 @@ def _flag_verdict(flag: Flag) -> Iterator[Statement]:
             verdict_text += ". If a flag that it combines is active in the same frame, that flag decides instead"
         yield statement("While it is ", Level.WHILE_ACTIVE, verdict_text)
     if flag.verdict_if_set is not None:
-        yield statement("If you set ", Code(flag.verdict_parameter), f" to 1, {VERDICT_CLAUSES[flag.verdict_if_set]}")
+        yield statement(
+            "If you set ", CodeText(flag.verdict_parameter), f" to 1, {VERDICT_CLAUSES[flag.verdict_if_set]}"
+        )
 
 
 def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
@@ -362,7 +364,7 @@ def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
 def _run_of_digits(digit_run: Digits) -> tuple[TextPart, ...]:
     """Return the name of a run of digits, their number and their meaning, such as ``year 2 (of manufacture)``."""
     meaning_text = f" ({digit_run.meaning})" if digit_run.meaning else ""
-    return Code(digit_run.name), f" {digit_run.digits}", meaning_text
+    return CodeText(digit_run.name), f" {digit_run.digits}", meaning_text
 
 
 def _hex_digits_for(bits: int) -> int:
@@ -372,14 +374,14 @@ def _hex_digits_for(bits: int) -> int:
 def _expected_value(value: Expression | int | str, bits: int) -> TextPart:
     """Return the constant value of a field of ``bits`` bits, as text or as a hexadecimal number."""
     if isinstance(value, str):
-        return Code(value)
+        return CodeText(value)
     number = value if isinstance(value, Expression) else Expression(value)
     return Hex(number, _hex_digits_for(bits))
 
 
 def choices(values: tuple[Value, ...]) -> Statement:
     """Return all named values in one statement, such as ``0 off, 1 on, 1Fh test``."""
-    numbers_and_names = [(f"{short(named_value.value)} ", Code(named_value.name)) for named_value in values]
+    numbers_and_names = [(f"{short(named_value.value)} ", CodeText(named_value.name)) for named_value in values]
     return statement(*join_groups(numbers_and_names), label="Values")
 
 
@@ -389,7 +391,7 @@ def value(named_value: Value, bits: int) -> Statement:
     names_text = f" ({manual_names})" if manual_names else ""
     meaning_text = f": {named_value.meaning}" if named_value.meaning else ""
     number_text = hexadecimal(named_value.value, _hex_digits_for(bits))
-    name = Code(named_value.name)
+    name = CodeText(named_value.name)
     return statement(f"{number_text} ", name, names_text, meaning_text, effect(named_value), source=named_value.source)
 
 

@@ -17,7 +17,7 @@ from .commands import remedied, with_steps
 from .errata import errata, erratum
 from .names_and_places import only, register_field, title
 from .register import short
-from .text import Code, Ref, Statement, TextPart, join_groups, list_parts, sentence, spec_text, statement, volts
+from .text import CodeText, Ref, Statement, TextPart, join_groups, list_parts, sentence, spec_text, statement, volts
 
 
 def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
@@ -31,7 +31,7 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     """Yield the flag that shows an alarm, its cause, duration and remedy, and the procedures that clear it."""
     if device_alarm.group:
         group = member_named(device.field_groups, device_alarm.group, "field group")
-        yield statement(Code(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
+        yield statement(CodeText(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
     elif device_alarm.register:
         # Without a field, the whole register is the flag.
         flag_path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
@@ -127,8 +127,8 @@ def _condition_parts(field: Field, value: int) -> tuple[TextPart, ...]:
         is_active = bool(value)
         # The bit is 1 for an active flag that is active high, and for an inactive one that is active low.
         bit = int(is_active != field.kind.active_low)
-        return Code(field.name), f" is {bit}"
-    return Code(field.name), f" is {short(value)} (", Code(field.value_of(value).name), ")"
+        return CodeText(field.name), f" is {bit}"
+    return CodeText(field.name), f" is {short(value)} (", CodeText(field.value_of(value).name), ")"
 
 
 def remedy(field: Field, alarm: Alarm | None) -> str:

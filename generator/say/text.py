@@ -93,7 +93,7 @@ def sentence(text: str) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Code:
+class CodeText:
     """Name or bytes as written in code or on a label."""
 
     text: str
@@ -143,7 +143,7 @@ class Level(Enum):
 
 
 #: An expression with parameters is a separate part, because some outputs know the values of the parameters.
-TextPart = str | Code | Ref | Expression | Amount | Hex | Level
+TextPart = str | CodeText | Ref | Expression | Amount | Hex | Level
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,7 +258,7 @@ class Style:
         match part:
             case str():
                 return self.text(part)
-            case Code(text):
+            case CodeText(text):
                 return self.code(text)
             case Ref():
                 return self.ref(part)

@@ -21,7 +21,7 @@ from codewheel.say.text import (
     DOCSTRING_STYLE,
     PLAIN_STYLE,
     TITLE_STYLE,
-    Code,
+    CodeText,
     Hex,
     Level,
     Ref,
@@ -241,7 +241,7 @@ def test_every_output_says_it(
 
 PARTS = statement(
     "Set ",
-    Code("a_b"),
+    CodeText("a_b"),
     " of ",
     Ref("register", "one.two", "Two of One"),
     " to ",
@@ -291,7 +291,7 @@ def test_lists() -> None:
 
 
 def test_markup_in_a_spec_stays_text() -> None:
-    hostile = statement("a | b <i> ", Code("c|`d"), label="[x](y)")
+    hostile = statement("a | b <i> ", CodeText("c|`d"), label="[x](y)")
     assert MARKDOWN.sentence(hostile) == "\\[x\\](y): a \\| b &lt;i&gt; ``c\\|`d``."
 
 

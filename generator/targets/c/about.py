@@ -39,7 +39,7 @@ from ...say import register as say_field
 from ...say import register as say_register
 from ...say import report as say_report
 from ...say.names_and_places import addresses, bit_range, field_place, full_title, register_field, title
-from ...say.text import Code, Statement, counted, list_parts, statement
+from ...say.text import CodeText, Statement, counted, list_parts, statement
 from .comments import HEADER_STYLE, Paragraph
 from .order_codes import unknown_parts
 from .structs import Struct
@@ -159,7 +159,7 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
     frame_layout = struct.layout
     statements_on_joins = list(say_layout.joins(frame_layout))  # The comments on their members contain them.
     errata = list(say_layout.errata_of(device, interface, frame_layout))
-    head = say_layout.head(interface, frame_layout, Code(frame_layout.name), device.alternatives)
+    head = say_layout.head(interface, frame_layout, CodeText(frame_layout.name), device.alternatives)
     paragraphs: list[Paragraph] = [HEADER_STYLE.sentence(head)]
     for layout_statement in say_layout.layout(device, interface, frame_layout):
         if layout_statement not in statements_on_joins and layout_statement not in errata:

@@ -40,7 +40,7 @@ from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import Named, addresses, title, words
 from ...say.order_code import PURPOSES, initial
 from ...say.register import measurement, own_ranges, position_range
-from ...say.text import Code, Statement, list_parts, statement, volts
+from ...say.text import CodeText, Statement, list_parts, statement, volts
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
 from .order_code_tables import order_codes
@@ -231,7 +231,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
     """
     return {
         "layout": layout,
-        "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
+        "head": say_layout.head(interface, layout, CodeText(layout.name), device.alternatives),
         "size": MARKDOWN.phrase(statement(*say_layout.size(layout, device.alternatives))),
         "facts": [*say_layout.facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
@@ -255,7 +255,7 @@ def _register_section(device: Device, register: Register) -> Section:
         "register": register,
         "title": title(register),
         "access": say_register.access(register),
-        "head": say_register.head(device, register, Code(register.name)),
+        "head": say_register.head(device, register, CodeText(register.name)),
         "facts": say_register.facts(device, register),
         "rows": [] if repeats_register else rows,
         "value_tables": [_value_table(field, len(fields) == 1) for field in fields if has_value_table(field)],

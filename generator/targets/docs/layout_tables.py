@@ -26,7 +26,7 @@ from ...say.errata import answer_names
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, table
 from ...say.names_and_places import Named, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.register import rules, value
-from ...say.text import Code, Statement, join_groups, list_parts, spec_text, statement
+from ...say.text import CodeText, Statement, join_groups, list_parts, spec_text, statement
 from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_tables import order_codes
 
@@ -132,7 +132,7 @@ def _group_row(device: Device, layout: Layout, field_group: FieldGroup) -> tuple
     group_cell = join_filled(
         [link(code(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
     )
-    field_names = [Code(field.name) for field in layout.fields if field.group == field_group.name]
+    field_names = [CodeText(field.name) for field in layout.fields if field.group == field_group.name]
     fields_sentence = MARKDOWN.sentence(statement(*list_parts(field_names), label="Fields"))
     return group_cell, group_place(device, layout, field_group), f"{field_group.bits}", fields_sentence, ""
 

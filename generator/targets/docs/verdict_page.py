@@ -21,7 +21,7 @@ from ...say.evidence import document
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.names_and_places import own_names
 from ...say.report import alarm_of, conditions, deciding_bits, manual_steps, meaning, remedy_text, source
-from ...say.text import Code, list_parts, statement
+from ...say.text import CodeText, list_parts, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
 
@@ -99,7 +99,7 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgeme
     name_of_other_cases = "none of these" if deciders else "no field decides"
     yield name_of_other_cases, "", EFFECTS[judgement.otherwise], "", ""
     if judgement.may_be_unknown:
-        judging_names = [Code(field.name) for field in layout.judging_fields]
+        judging_names = [CodeText(field.name) for field in layout.judging_fields]
         missing_names = MARKDOWN.phrase(statement(*list_parts(judging_names)))
         yield f"order codes that lack {missing_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
 
@@ -189,7 +189,7 @@ def _values_of_sign(layout: Layout, sign: Sign) -> str:
 def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     """Return the flags of the frame that must be inactive if a flag that combines them is to decide."""
     names_in_layout = {field.name for field in layout.fields}
-    lower_flags = [Code(name) for name in combined_flag_names(field) if name in names_in_layout]
+    lower_flags = [CodeText(name) for name in combined_flag_names(field) if name in names_in_layout]
     if not lower_flags:
         return ""
     return f", with {MARKDOWN.phrase(statement(*list_parts(lower_flags)))} inactive"
