@@ -32,7 +32,7 @@ from ..model.record import dataclass
 from .errata import errata, erratum
 from .names_and_places import heading, register_at, register_field
 from .names_and_places import register as reference_to_register
-from .text import CodeText, Ref, Statement, TextPart, list_parts, microseconds, sentence, spec_text, statement
+from .text import CodeText, Reference, Statement, TextPart, list_parts, microseconds, sentence, spec_text, statement
 
 
 def procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
@@ -269,7 +269,7 @@ def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
     if not names:
         yield from spec_text(text, label="Remedy")
         return
-    steps = list_parts([Ref("by-hand", name, heading(name)) for name in names], " or ")
+    steps = list_parts([Reference("by-hand", name, heading(name)) for name in names], " or ")
     introduction = f"{sentence(text)} Steps: " if text else "Steps: "
     yield statement(introduction, *steps, label="Remedy")
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 
 from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout, layer_in_words
-from .text import CodeText, Ref, Statement, TextPart, list_parts, sentence, statement
+from .text import CodeText, Reference, Statement, TextPart, list_parts, sentence, statement
 
 #: Top-level parts of a spec that are not lists of named items.
 _TOP = {
@@ -267,7 +267,7 @@ def needed_answers(device: Device, layout: Layout) -> Iterator[Statement]:
     """Yield a statement for each choice that is needed to read or write a frame of this layout, with its answers."""
     for alternative in device.alternatives_of(layout):
         answers = list_parts([CodeText(choice.name) for choice in alternative.answers], " or ")
-        choice = Ref("alternative", alternative.name, alternative.name)
+        choice = Reference("alternative", alternative.name, alternative.name)
         yield statement("The positions of its fields depend on your choice of ", choice, ": ", *answers)
 
 

@@ -11,7 +11,7 @@ from html import escape as escape_xml
 
 from ..model import Source, Sources, cite
 from .plain_text import one_line, plain
-from .text import Ref, Style
+from .text import Reference, Style
 
 _MARKS = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})
 _ENTITIES = {ord(mark): f"&#{ord(mark)};" for mark in r"\`*[]|~$"}
@@ -130,7 +130,7 @@ def join_filled(parts: Iterable[str], between: str = "<br>") -> str:
     return between.join(part for part in parts if part)
 
 
-def reference(ref: Ref) -> str:
+def reference(ref: Reference) -> str:
     """Return a name with a link to its description. Manual steps are on the hardware page."""
     if ref.kind == "by-hand":
         return link(escape(ref.title), f"hardware.md#{ref.anchor}")

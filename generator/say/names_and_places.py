@@ -9,7 +9,7 @@ from ..model import Alternative, Biss, Device, Field, Interface, Layout, Registe
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .errata import answer_names, deciding_alternatives
-from .text import CodeText, Ref, Statement, TextPart, join_groups, statement
+from .text import CodeText, Reference, Statement, TextPart, join_groups, statement
 
 _ACRONYMS = {
     "biss": "BiSS",
@@ -78,17 +78,17 @@ def full_title(named: Named) -> str:
     return f"{own_title} ({'; '.join(other_names)})" if other_names else own_title
 
 
-def register(device: Device, name: str) -> Ref:
-    return Ref("register", name, title(device.register(name)))
+def register(device: Device, name: str) -> Reference:
+    return Reference("register", name, title(device.register(name)))
 
 
-def register_field(device: Device, path: str) -> Ref:
+def register_field(device: Device, path: str) -> Reference:
     """Return a reference to ``register.field``, or to the register if no field is given."""
     name, _, field = path.partition(".")
     if not field:
         return register(device, name)
     owner = device.register(name)
-    return Ref("register", path, f"{title(owner.layout.field(field))} in {title(owner)}")
+    return Reference("register", path, f"{title(owner.layout.field(field))} in {title(owner)}")
 
 
 def only(codes: str) -> Iterator[Statement]:

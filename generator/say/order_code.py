@@ -46,7 +46,7 @@ from .plain_text import counted, number
 from .register import limits, value
 from .text import (
     CodeText,
-    Ref,
+    Reference,
     Statement,
     TextPart,
     hertz,
@@ -147,7 +147,7 @@ def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator
     The values follow only if the alternative has a default: ``first_bit: 0 for low (default), 1 for high``.
     """
     name = device_parameter.alternative
-    yield Ref("alternative", name, name)
+    yield Reference("alternative", name, name)
     # Only alternatives with a default are optional.
     for alternative in device.optional_alternatives:
         if alternative.name != name:

@@ -39,7 +39,7 @@ from .text import (
     CodeText,
     Hex,
     Level,
-    Ref,
+    Reference,
     Statement,
     TextPart,
     join_groups,
@@ -268,7 +268,7 @@ def _constant_rule(frame_field: Field, value: int) -> Iterator[Statement]:
 
 def _covered_by_crc(crc_value: CrcValue) -> Statement:
     covered: list[TextPart] = _names_as_code(crc_value.of) if crc_value.of else ["everything before it"]
-    return statement("CRC ", Ref("crc", crc_value.crc, crc_value.crc), " over ", *covered)
+    return statement("CRC ", Reference("crc", crc_value.crc, crc_value.crc), " over ", *covered)
 
 
 def covered_by_parity_bit(frame_field: Field) -> Statement | None:

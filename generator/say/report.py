@@ -17,7 +17,18 @@ from .commands import remedied, with_steps
 from .errata import errata, erratum
 from .names_and_places import only, register_field, title
 from .register import short
-from .text import CodeText, Ref, Statement, TextPart, join_groups, list_parts, sentence, spec_text, statement, volts
+from .text import (
+    CodeText,
+    Reference,
+    Statement,
+    TextPart,
+    join_groups,
+    list_parts,
+    sentence,
+    spec_text,
+    statement,
+    volts,
+)
 
 
 def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
@@ -31,7 +42,9 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     """Yield the flag that shows an alarm, its cause, duration and remedy, and the procedures that clear it."""
     if device_alarm.group:
         group = member_named(device.field_groups, device_alarm.group, "field group")
-        yield statement(CodeText(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
+        yield statement(
+            CodeText(device_alarm.field), " in ", Reference("group", group.name, title(group)), label="Flag"
+        )
     elif device_alarm.register:
         # Without a field, the whole register is the flag.
         flag_path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
@@ -48,7 +61,7 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     yield from remedied(device_alarm.remedy, device_alarm.by_hand)
     yield from only(device_alarm.only)
     if device_alarm.cleared_by:
-        procedures = [Ref("procedure", name, name) for name in device_alarm.cleared_by]
+        procedures = [Reference("procedure", name, name) for name in device_alarm.cleared_by]
         yield statement(*list_parts(procedures, " or "), label="Cleared by")
 
 

@@ -100,7 +100,7 @@ class CodeText:
 
 
 @dataclass(frozen=True, slots=True)
-class Ref:
+class Reference:
     """Reference to another item of the device: a register, a CRC, a procedure or an erratum.
 
     ``name`` is the name in the spec, such as ``configuration.enable_preset`` for a field of a register. ``title`` is
@@ -143,7 +143,7 @@ class Level(Enum):
 
 
 #: An expression with parameters is a separate part, because some outputs know the values of the parameters.
-TextPart = str | CodeText | Ref | Expression | Amount | Hex | Level
+TextPart = str | CodeText | Reference | Expression | Amount | Hex | Level
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,7 +205,7 @@ class Style:
 
     text: Callable[[str], str]
     code: Callable[[str], str]
-    ref: Callable[[Ref], str]
+    ref: Callable[[Reference], str]
     cited: Callable[[Sources], str] = _bracketed_sources
     #: Function that fills known values into an expression, for an output about one order code.
     resolve: Callable[[Expression], Expression] = lambda expression: expression
@@ -260,7 +260,7 @@ class Style:
                 return self.text(part)
             case CodeText(text):
                 return self.code(text)
-            case Ref():
+            case Reference():
                 return self.ref(part)
             case Expression():
                 return self.number(part)

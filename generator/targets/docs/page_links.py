@@ -9,7 +9,7 @@ from dataclasses import replace
 from ...model import Alarm, Device, Erratum, Interface, Layout, Procedure, Register
 from ...say.markdown import MARKDOWN, code, escape, link, reference
 from ...say.names_and_places import heading
-from ...say.text import Ref, Style
+from ...say.text import Reference, Style
 
 #: Page with all errata of a family, in its folder.
 ERRATA = "errata.md"
@@ -117,7 +117,7 @@ def links_to_steps(folder: str, names: Iterable[str]) -> list[str]:
 def style_in_folder(device: Device) -> Style:
     """Return the style for a page in the folder of the family, with links to registers on their interface page."""
 
-    def reference_text(ref: Ref) -> str:
+    def reference_text(ref: Reference) -> str:
         for register in device.registers:
             if ref.anchor == f"register-{register.name}":
                 return link(code(ref.name), f"{page_in_folder(register.interface, 'registers')}#{ref.anchor}")
