@@ -14,7 +14,7 @@ from ...say import register as say_register
 from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
-from ...say.names_and_places import TERMS, Term, Titled, addresses, title, words
+from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses, title, words
 from ...say.order_code import parameter_value, settings
 from ...say.text import volts
 from .order_code_tables import order_codes
@@ -339,7 +339,7 @@ def _interface_page(device: Device, interface: Interface) -> _InterfacePage:
     return _InterfacePage(interface_device, interface, tuple(_anchors_by_name(interface_device, interface)))
 
 
-def _links_to_term(term: Term, pages: Sequence[_InterfacePage]) -> str:
+def _links_to_term(term: GlossaryTerm, pages: Sequence[_InterfacePage]) -> str:
     """Return links to the sections about a term, one for each interface page with such a section."""
     page_links: list[str] = []
     for page in pages:
@@ -350,7 +350,7 @@ def _links_to_term(term: Term, pages: Sequence[_InterfacePage]) -> str:
     return ", ".join(page_links)
 
 
-def _anchor_of_term(term: Term, page: _InterfacePage) -> str:
+def _anchor_of_term(term: GlossaryTerm, page: _InterfacePage) -> str:
     """Return the anchor of the section about a term on an interface page, or an empty string.
 
     It is the section that a term of an interface states. For another term, it is the first name that is a spelling of
