@@ -36,7 +36,7 @@ class Titled(Protocol):
     def printed_name(self) -> str: ...
 
 
-class Named(Titled, Protocol):
+class HasOtherNames(Titled, Protocol):
     """Item that may also have other names in other editions of the manual."""
 
     @property
@@ -59,19 +59,19 @@ def title(titled: Titled) -> str:
     return titled.printed_name or heading(titled.name)
 
 
-def printed(named: Named) -> str:
+def printed(named: HasOtherNames) -> str:
     """Return the name used in any edition of the manual, or an empty string."""
     return named.printed_name or ", ".join(named.names.values())
 
 
-def own_names(named: Named) -> str:
+def own_names(named: HasOtherNames) -> str:
     """Return the names used in the manual and its other editions: ``Command, it: Comando``."""
     names = [named.printed_name] if named.printed_name else []
     names += [f"{language}: {name}" for language, name in named.names.items()]
     return ", ".join(names)
 
 
-def full_title(named: Named) -> str:
+def full_title(named: HasOtherNames) -> str:
     """Return the title, followed by the names used in other editions: ``Command (it: Comando)``."""
     own_title = title(named)
     other_names = [f"{language}: {name}" for language, name in named.names.items() if name != own_title]

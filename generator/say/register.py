@@ -30,7 +30,7 @@ from ..model import (
 from ..model.expressions import Expression
 from .commands import remedied
 from .errata import errata, erratum, needed_answers
-from .names_and_places import Named, hexadecimal, own_names, printed, register_at, register_field
+from .names_and_places import HasOtherNames, hexadecimal, own_names, printed, register_at, register_field
 from .names_and_places import register as reference_to_register
 from .plain_text import formula
 from .text import (
@@ -201,7 +201,7 @@ def field(device: Device, frame_field: Field) -> Iterator[Statement]:
     yield from spec_text(frame_field.note)
 
 
-def meaning(named_item: Named, text: str) -> Iterator[Statement]:
+def meaning(named_item: HasOtherNames, text: str) -> Iterator[Statement]:
     """Yield the meaning ``text``, labelled with the manual's name of a part, or the name alone if it is empty."""
     manual_name = printed(named_item)
     if text:

@@ -37,7 +37,7 @@ from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
-from ...say.names_and_places import Named, addresses, title, words
+from ...say.names_and_places import HasOtherNames, addresses, title, words
 from ...say.order_code import PURPOSES, initial
 from ...say.register import measurement, own_ranges, position_range
 from ...say.text import CodeText, Statement, list_parts, statement, volts
@@ -435,7 +435,7 @@ def _name_rows(device: Device) -> Iterator[Row]:
                 )
 
 
-def _parts_with_names(device: Device) -> Iterator[Named]:
+def _parts_with_names(device: Device) -> Iterator[HasOtherNames]:
     """Yield the parts of an interface that may have other names. Of fields or values with one name, yield the last."""
     (interface,) = device.interfaces
     layouts = [*interface.layouts, *(register.layout for register in device.registers)]

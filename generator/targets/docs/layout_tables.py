@@ -24,7 +24,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.errata import answer_names
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, table
-from ...say.names_and_places import Named, bit_range, bits, field_place, frame_bytes, hexadecimal
+from ...say.names_and_places import HasOtherNames, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.register import rules, value
 from ...say.text import CodeText, Statement, join_groups, list_parts, spec_text, statement
 from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
@@ -72,7 +72,7 @@ def _shape_of(placed_layout: PlacedLayout) -> _Shape:
     return tuple((field.name, field.low, field.width) for field in placed_layout.fields)
 
 
-def name_cell(named_part: Named) -> str:
+def name_cell(named_part: HasOtherNames) -> str:
     """Return a name as code, with the name used in the manual below it."""
     return join_filled([code(named_part.name), escape(named_part.printed_name)])
 
