@@ -14,7 +14,7 @@ from .terminal import CommandError, print_json
 if TYPE_CHECKING:
     import argparse
 
-    from ..layout_search.answers import Answer
+    from ..layout_search.answers import PossibleLine
     from ..layout_search.frames import Recording
 
 EXAMPLES = (
@@ -215,7 +215,7 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
     return positions
 
 
-def _json_data(recording: Recording, proposals: Sequence[Answer]) -> dict[str, Any]:
+def _json_data(recording: Recording, proposals: Sequence[PossibleLine]) -> dict[str, Any]:
     """Return the proposals in the form that ``--json`` prints."""
     return {
         "version": JSON_VERSION,
@@ -225,7 +225,7 @@ def _json_data(recording: Recording, proposals: Sequence[Answer]) -> dict[str, A
     }
 
 
-def _proposal_data(proposal: Answer) -> dict[str, Any]:
+def _proposal_data(proposal: PossibleLine) -> dict[str, Any]:
     return {
         "line": proposal.line,
         "equal": [{"line": equal_line.line, "reason": equal_line.reason} for equal_line in proposal.equal_lines],
@@ -233,7 +233,7 @@ def _proposal_data(proposal: Answer) -> dict[str, Any]:
     }
 
 
-def _text_lines(recording: Recording, proposals: Sequence[Answer], first_frame: str) -> Iterator[str]:
+def _text_lines(recording: Recording, proposals: Sequence[PossibleLine], first_frame: str) -> Iterator[str]:
     """Yield the proposals as lines of text, and the commands to continue with the first proposal."""
     yield f"{counted(len(recording.frames), 'frame')} of {counted(recording.bits, 'bit')}, most likely layout first"
     for rank, proposal in enumerate(proposals, 1):

@@ -23,7 +23,7 @@ class EqualLine:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class PossibleLine:
     """A line, the lines that these frames cannot distinguish from it, and notes about it."""
 
     line: str
@@ -48,10 +48,10 @@ class _Parts:
         return f"{head}:{','.join(field for field in fields if field)}"
 
 
-def answer_with_lines(recording: Recording, layout: FoundLayout) -> Answer:
+def answer_with_lines(recording: Recording, layout: FoundLayout) -> PossibleLine:
     """Return a layout as a line, with the lines that are equal to it for these frames and with notes."""
     parts = _parts_of_line(recording, layout)
-    return Answer(
+    return PossibleLine(
         line=parts.line(recording.interface),
         equal_lines=tuple(_equal_lines(recording, layout, parts)),
         notes=tuple(_describe_certainty(recording, layout)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from codewheel.layout_search.answers import Answer
+from codewheel.layout_search.answers import PossibleLine
 from codewheel.one_line.line import Crc, Line, Parity
 from codewheel.one_line.parse import parse_line
 
@@ -33,7 +33,7 @@ def parity_of(line: Line) -> tuple[int, str] | None:
     return None
 
 
-def is_right(answer: Answer, wanted_text: str, frames: Sequence[str], *, only_first: bool = False) -> bool:
+def is_right(answer: PossibleLine, wanted_text: str, frames: Sequence[str], *, only_first: bool = False) -> bool:
     """Return True if an answer has the width, code and CRC of a line, in it or in the lines that are equal.
 
     Bits in front of the position that are the same in all frames can belong to it or not. ``only_first`` demands the

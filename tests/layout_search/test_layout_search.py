@@ -13,7 +13,7 @@ from codewheel.commands.cli import main
 from codewheel.commands.decode.frames import decode_text
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
-from codewheel.layout_search.answers import Answer, answer_with_lines
+from codewheel.layout_search.answers import PossibleLine, answer_with_lines
 from codewheel.layout_search.frames import Recording
 from codewheel.layout_search.search import find_layouts
 from codewheel.model.known_crcs import KNOWN_CRCS
@@ -36,7 +36,9 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
     return run
 
 
-def answers_for(layout: Made, count: int, seed: int, *, with_positions: bool = False) -> tuple[list[Answer], list[str]]:
+def answers_for(
+    layout: Made, count: int, seed: int, *, with_positions: bool = False
+) -> tuple[list[PossibleLine], list[str]]:
     """Return the answers for frames of a turning shaft, and the bits of the frames."""
     random_numbers = random.Random(seed)
     positions = turning(count, layout.width, random_numbers)
