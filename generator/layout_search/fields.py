@@ -39,7 +39,7 @@ class Field:
 
 
 @dataclass(frozen=True, slots=True)
-class Split:
+class FrameSplit:
     """The place of the position, and the other fields in front of it and behind it.
 
     ``byte_order`` is set if the position has several bytes over RS-485. ``is_smooth`` is true if the values of the
@@ -60,7 +60,7 @@ class Split:
         return self.end - self.start
 
 
-def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
+def splits_of(recording: Recording, first: int, end: int) -> Iterator[FrameSplit]:
     """Yield every split of the bits from ``first`` to before ``end`` that has a position, with its cost in bits.
 
     There is a split for each place of the position, and each code or byte order in which it may be sent. The cost is
@@ -85,7 +85,7 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[Split]:
             gray_cost = _GRAY_BITS.get(recording.interface, 1.0) if reading.is_gray else 0.0
             # Of several numbers, the widest one is rather the position.
             preference = width / 8
-            yield Split(
+            yield FrameSplit(
                 start=position_start,
                 end=position_end,
                 is_gray=reading.is_gray,

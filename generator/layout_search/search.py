@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from .checks import FoundCrc, FoundParity, crcs_of, parities_of
-from .fields import Split, splits_of
+from .fields import FrameSplit, splits_of
 from .frames import FEWEST, MOST_FRAMES, NoLayout, Recording
 
 #: Number of layouts in an answer.
@@ -30,7 +30,7 @@ class FoundLayout:
 
     crc: FoundCrc | None
     parity: FoundParity | None
-    split: Split
+    split: FrameSplit
     cost: float
     other_code: bool = False
 
