@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from ..say.plain_text import counted
 from .checks import CrcForm, FoundCrc
-from .fields import MOST_BITS, Field, is_all_ones
+from .fields import MOST_BITS, FoundField, is_all_ones
 from .frames import Recording
 from .search import FoundLayout
 
@@ -89,7 +89,7 @@ def _parts_of_line(recording: Recording, layout: FoundLayout) -> _Parts:
     )
 
 
-def _field_texts(field: Field, name: str) -> Iterator[str]:
+def _field_texts(field: FoundField, name: str) -> Iterator[str]:
     """Yield a field as in a line, such as ``before=3``. Bits that never change are ``unused``.
 
     A field of more than 64 bits, which a line cannot have, becomes several.
@@ -207,7 +207,7 @@ def _describe_certainty(recording: Recording, layout: FoundLayout) -> Iterator[s
         yield "the positions do not move smoothly, so its width and code are only the simplest ones"
 
 
-def _constant_text(recording: Recording, field: Field) -> str:
+def _constant_text(recording: Recording, field: FoundField) -> str:
     """Return the bits of a constant field with their values, such as ``bits 7:6 were always 10``."""
     levels = "".join(str(recording.level(place)) for place in range(field.start, field.end))
     # ``start`` and ``end`` count from the first bit sent, these from the last.

@@ -26,7 +26,7 @@ _SCALE_BITS = 4.0
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class FoundField:
     """Bits from ``start`` to before ``end``, all of which change, or none."""
 
     start: int
@@ -50,8 +50,8 @@ class FrameSplit:
     end: int
     is_gray: bool
     byte_order: str
-    front: tuple[Field, ...]
-    behind: tuple[Field, ...]
+    front: tuple[FoundField, ...]
+    behind: tuple[FoundField, ...]
     cost: float
     is_smooth: bool
 
@@ -69,7 +69,7 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[FrameSplit
     step = 8 if recording.interface == "rs485" else 1
 
     @cache
-    def fields_and_cost(fields_start: int, fields_end: int) -> tuple[tuple[Field, ...], float]:
+    def fields_and_cost(fields_start: int, fields_end: int) -> tuple[tuple[FoundField, ...], float]:
         is_in_front = fields_start == first
         fields = tuple(_divide_by_change(recording, fields_start, fields_end, step))
         return fields, sum(_field_cost(recording, field, is_in_front=is_in_front) for field in fields)
@@ -173,7 +173,7 @@ def _position_cost(recording: Recording, values: Sequence[int], width: int, cons
     return min(random_cost, moving_cost), is_smooth
 
 
-def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> Iterator[Field]:
+def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> Iterator[FoundField]:
     """Yield a field for each run of bits, or of bytes, that all change or that are all constant.
 
     ``step`` is 1 for bits and 8 for bytes. A byte changes if one of its bits does.
@@ -186,10 +186,10 @@ def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> 
         # ``places`` are the starts of adjacent steps.
         first_place, *later_places = places
         last_place = later_places[-1] if later_places else first_place
-        yield Field(start=first_place, end=last_place + step, changes=changes)
+        yield FoundField(start=first_place, end=last_place + step, changes=changes)
 
 
-def _field_cost(recording: Recording, field: Field, *, is_in_front: bool) -> float:
+def _field_cost(recording: Recording, field: FoundField, *, is_in_front: bool) -> float:
     """Return the cost of a field other than the position: the bits that describe it and its values.
 
     A constant field costs its width and a few bits more, and any other also the bits of its value in each frame.
@@ -206,7 +206,7 @@ def _field_cost(recording: Recording, field: Field, *, is_in_front: bool) -> flo
     return _NUMBER_BITS + uniform_cost(field.width, len(values))
 
 
-def is_all_ones(recording: Recording, field: Field) -> bool:
+def is_all_ones(recording: Recording, field: FoundField) -> bool:
     """Return True if all bits of a constant field are 1."""
     return all(recording.level(place) for place in range(field.start, field.end))
 
