@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import argparse
 
     from ..layout_search.answers import PossibleLine
-    from ..layout_search.frames import Recording
+    from ..layout_search.frames import RecordedFrames
 
 EXAMPLES = (
     "codewheel find biss --bits 30 0x02EFCADC 0x02FF6BCE 0x031254F2",
@@ -80,13 +80,13 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _read_recording(arguments: argparse.Namespace) -> Recording:
+def _read_recording(arguments: argparse.Namespace) -> RecordedFrames:
     """Return the frames of the arguments.
 
     Raises:
         Stop: They are not frames of one length. The exit code is 2.
     """
-    from ..layout_search.frames import FEWEST, Recording
+    from ..layout_search.frames import FEWEST, RecordedFrames
 
     frame_texts = _frame_texts(arguments.frame)
     if len(frame_texts) < FEWEST:
@@ -108,7 +108,7 @@ def _read_recording(arguments: argparse.Namespace) -> Recording:
     positions: tuple[float, ...] = ()
     if arguments.positions is not None:
         positions = _read_positions(arguments.positions, len(frame_texts))
-    return Recording(
+    return RecordedFrames(
         interface=arguments.interface,
         bits=common_length,
         frames=tuple(frame.number for frame in frames),
@@ -215,7 +215,7 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
     return positions
 
 
-def _json_data(recording: Recording, proposals: Sequence[PossibleLine]) -> dict[str, Any]:
+def _json_data(recording: RecordedFrames, proposals: Sequence[PossibleLine]) -> dict[str, Any]:
     """Return the proposals in the form that ``--json`` prints."""
     return {
         "version": JSON_VERSION,
@@ -233,7 +233,7 @@ def _proposal_data(proposal: PossibleLine) -> dict[str, Any]:
     }
 
 
-def _text_lines(recording: Recording, proposals: Sequence[PossibleLine], first_frame: str) -> Iterator[str]:
+def _text_lines(recording: RecordedFrames, proposals: Sequence[PossibleLine], first_frame: str) -> Iterator[str]:
     """Yield the proposals as lines of text, and the commands to continue with the first proposal."""
     yield f"{counted(len(recording.frames), 'frame')} of {counted(recording.bits, 'bit')}, most likely layout first"
     for rank, proposal in enumerate(proposals, 1):

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ..say.plain_text import counted
 from .checks import CrcForm, FoundCrc
 from .fields import MOST_BITS, FoundField, is_all_ones
-from .frames import Recording
+from .frames import RecordedFrames
 from .search import FoundLayout
 
 _FLAG_NAMES = {1: "error", 2: "error,warning"}
@@ -48,7 +48,7 @@ class _Parts:
         return f"{head}:{','.join(field for field in fields if field)}"
 
 
-def answer_with_lines(recording: Recording, layout: FoundLayout) -> PossibleLine:
+def answer_with_lines(recording: RecordedFrames, layout: FoundLayout) -> PossibleLine:
     """Return a layout as a line, with the lines that are equal to it for these frames and with notes."""
     parts = _parts_of_line(recording, layout)
     return PossibleLine(
@@ -58,7 +58,7 @@ def answer_with_lines(recording: Recording, layout: FoundLayout) -> PossibleLine
     )
 
 
-def _parts_of_line(recording: Recording, layout: FoundLayout) -> _Parts:
+def _parts_of_line(recording: RecordedFrames, layout: FoundLayout) -> _Parts:
     """Return the parts of the line for a layout, with the most usual form of its CRC.
 
     Fields are texts such as ``before=3``, ``unused=2`` or ``parity=even``, in the order sent.
@@ -124,7 +124,7 @@ def _crc_text(interface: str, crc: FoundCrc, form: CrcForm) -> str:
     return f"{text}:inverted" if form.is_inverted else f"{text}:plain"
 
 
-def _equal_lines(recording: Recording, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
+def _equal_lines(recording: RecordedFrames, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
     """Yield the lines that differ from the first one only in what the frames cannot show, each with the reason.
 
     ``line_parts`` are the parts of the first line.
@@ -152,7 +152,7 @@ def _equal_lines(recording: Recording, layout: FoundLayout, line_parts: _Parts) 
     yield from _line_with_flags(recording, layout, line_parts)
 
 
-def _constant_bits_in_position(recording: Recording, layout: FoundLayout) -> int:
+def _constant_bits_in_position(recording: RecordedFrames, layout: FoundLayout) -> int:
     """Return the number of bits at the beginning of the position that did not change. Over RS-485, whole bytes."""
     split = layout.split
     changes = recording.changing[split.start : split.end]
@@ -161,7 +161,9 @@ def _constant_bits_in_position(recording: Recording, layout: FoundLayout) -> int
     return whole_bytes_of_bits if recording.interface == "rs485" else constant_bits
 
 
-def _line_with_wider_position(recording: Recording, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
+def _line_with_wider_position(
+    recording: RecordedFrames, layout: FoundLayout, line_parts: _Parts
+) -> Iterator[EqualLine]:
     """Yield the line in which constant bits in front of the position are its highest bits, if there are any.
 
     A position has at most 64 bits.
@@ -175,7 +177,7 @@ def _line_with_wider_position(recording: Recording, layout: FoundLayout, line_pa
         yield EqualLine(wider_parts.line(recording.interface), reason)
 
 
-def _line_with_flags(recording: Recording, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
+def _line_with_flags(recording: RecordedFrames, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
     """Yield the line with the flags of BiSS instead of one or two 1 bits after the position, if there are any.
 
     They are the last bits before the CRC. With a parity bit, there is no such line.
@@ -189,7 +191,7 @@ def _line_with_flags(recording: Recording, layout: FoundLayout, line_parts: _Par
         yield EqualLine(replace(line_parts, behind=behind).line("biss"), reason)
 
 
-def _describe_certainty(recording: Recording, layout: FoundLayout) -> Iterator[str]:
+def _describe_certainty(recording: RecordedFrames, layout: FoundLayout) -> Iterator[str]:
     """Yield how certain the CRC, the constant bits and the position are."""
     split = layout.split
     crc = layout.crc
@@ -207,7 +209,7 @@ def _describe_certainty(recording: Recording, layout: FoundLayout) -> Iterator[s
         yield "the positions do not move smoothly, so its width and code are only the simplest ones"
 
 
-def _constant_text(recording: Recording, field: FoundField) -> str:
+def _constant_text(recording: RecordedFrames, field: FoundField) -> str:
     """Return the bits of a constant field with their values, such as ``bits 7:6 were always 10``."""
     levels = "".join(str(recording.level(place)) for place in range(field.start, field.end))
     # ``start`` and ``end`` count from the first bit sent, these from the last.

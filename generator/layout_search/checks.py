@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import log2
 
 from ..model.known_crcs import KNOWN_CRCS
-from .frames import MOST_FRAMES, Recording
+from .frames import MOST_FRAMES, RecordedFrames
 
 #: Fewest bits that must match before a CRC is considered.
 _LEAST_EVIDENCE = 4
@@ -47,7 +47,7 @@ class FoundCrc:
         return self.polynomial.bit_length() - 1
 
 
-def crcs_of(recording: Recording) -> list[FoundCrc]:
+def crcs_of(recording: RecordedFrames) -> list[FoundCrc]:
     """Return the CRCs that all frames satisfy: all known ones with enough evidence, or else one of another polynomial.
 
     The list is empty if there are none.
@@ -62,7 +62,7 @@ def crcs_of(recording: Recording) -> list[FoundCrc]:
     return proved_crcs or list(_unlisted_crcs(recording))
 
 
-def _divides_all(recording: Recording, polynomial: int) -> bool:
+def _divides_all(recording: RecordedFrames, polynomial: int) -> bool:
     """Return True if the polynomial divides the differences of all frames, and its CRC leaves bits in front."""
     # A polynomial has one bit more than its CRC.
     leaves_bits = polynomial.bit_length() <= recording.bits
@@ -70,7 +70,7 @@ def _divides_all(recording: Recording, polynomial: int) -> bool:
     return leaves_bits and not any(remainder(difference, polynomial) for difference in recording.differences)
 
 
-def _crc_with_polynomial(recording: Recording, polynomial: int) -> FoundCrc:
+def _crc_with_polynomial(recording: RecordedFrames, polynomial: int) -> FoundCrc:
     """Return the CRC with the two forms in which it matches the frames: plain and inverted, the most usual first.
 
     Each form has the start value that the first frame needs.
@@ -124,7 +124,7 @@ def _start_value(constant: int, message_bits: int, polynomial: int) -> int:
     return start
 
 
-def _unlisted_crcs(recording: Recording) -> Iterator[FoundCrc]:
+def _unlisted_crcs(recording: RecordedFrames) -> Iterator[FoundCrc]:
     """Yield the CRC whose polynomial is the greatest common divisor of all differences, if the frames prove it.
 
     Nothing is yielded over RS-485, or if the CRC has fewer than 3 or more than 32 bits.
@@ -171,7 +171,7 @@ class FoundParity:
     is_odd: bool
 
 
-def parities_of(recording: Recording, body_bits: int) -> list[FoundParity]:
+def parities_of(recording: RecordedFrames, body_bits: int) -> list[FoundParity]:
     """Return the parity bits that all frames satisfy: the first bit, or the last bit before the CRC, if it changes."""
     crc_bits = recording.bits - body_bits
     parities = {(frame >> crc_bits).bit_count() % 2 for frame in recording.frames}

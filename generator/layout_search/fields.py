@@ -11,7 +11,7 @@ from math import e, log2
 from typing import NamedTuple
 
 from ..reference.bits import gray_to_binary
-from .frames import MOST_FRAMES, Recording
+from .frames import MOST_FRAMES, RecordedFrames
 
 #: Bits that describe one more field, whose values change or not.
 _NUMBER_BITS, _CONSTANT_BITS = 8.0, 3.0
@@ -60,7 +60,7 @@ class FrameSplit:
         return self.end - self.start
 
 
-def splits_of(recording: Recording, first: int, end: int) -> Iterator[FrameSplit]:
+def splits_of(recording: RecordedFrames, first: int, end: int) -> Iterator[FrameSplit]:
     """Yield every split of the bits from ``first`` to before ``end`` that has a position, with its cost in bits.
 
     There is a split for each place of the position, and each code or byte order in which it may be sent. The cost is
@@ -97,7 +97,7 @@ def splits_of(recording: Recording, first: int, end: int) -> Iterator[FrameSplit
             )
 
 
-def _places_of_position(recording: Recording, first: int, end: int, step: int) -> Iterator[tuple[int, int]]:
+def _places_of_position(recording: RecordedFrames, first: int, end: int, step: int) -> Iterator[tuple[int, int]]:
     """Yield the start and end of each place for a position, in steps of a bit or a byte.
 
     The last step of a position changes. It begins with a step that changes, or with the first of the constant steps
@@ -124,7 +124,7 @@ class _Reading(NamedTuple):
     byte_order: str = ""
 
 
-def _read_in_each_code(recording: Recording, sent_values: Sequence[int], width: int) -> Iterator[_Reading]:
+def _read_in_each_code(recording: RecordedFrames, sent_values: Sequence[int], width: int) -> Iterator[_Reading]:
     """Yield the values read as binary and as Gray code or, over RS-485, in both byte orders.
 
     One bit is the same in both codes, and one byte in both orders.
@@ -146,7 +146,7 @@ def _with_bytes_swapped(two_bytes: int, byte_count: int) -> int:
     return int.from_bytes(two_bytes.to_bytes(byte_count, "big"), "little")
 
 
-def _constant_bits(recording: Recording, start: int) -> int:
+def _constant_bits(recording: RecordedFrames, start: int) -> int:
     """Return the number of constant bits at the beginning of a position, or 0 over RS-485.
 
     Constant bytes there are more likely other fields.
@@ -156,7 +156,9 @@ def _constant_bits(recording: Recording, start: int) -> int:
     return recording.changing[start:].index(True)
 
 
-def _position_cost(recording: Recording, values: Sequence[int], width: int, constant_bits: int) -> tuple[float, bool]:
+def _position_cost(
+    recording: RecordedFrames, values: Sequence[int], width: int, constant_bits: int
+) -> tuple[float, bool]:
     """Return the bits that describe the values of a position, and whether the values fit a moving shaft.
 
     They fit if the steps from value to value, or the user's positions, describe them with fewer bits than random
@@ -173,7 +175,7 @@ def _position_cost(recording: Recording, values: Sequence[int], width: int, cons
     return min(random_cost, moving_cost), is_smooth
 
 
-def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> Iterator[FoundField]:
+def _divide_by_change(recording: RecordedFrames, start: int, end: int, step: int) -> Iterator[FoundField]:
     """Yield a field for each run of bits, or of bytes, that all change or that are all constant.
 
     ``step`` is 1 for bits and 8 for bytes. A byte changes if one of its bits does.
@@ -189,7 +191,7 @@ def _divide_by_change(recording: Recording, start: int, end: int, step: int) -> 
         yield FoundField(start=first_place, end=last_place + step, changes=changes)
 
 
-def _field_cost(recording: Recording, field: FoundField, *, is_in_front: bool) -> float:
+def _field_cost(recording: RecordedFrames, field: FoundField, *, is_in_front: bool) -> float:
     """Return the cost of a field other than the position: the bits that describe it and its values.
 
     A constant field costs its width and a few bits more, and any other also the bits of its value in each frame.
@@ -206,7 +208,7 @@ def _field_cost(recording: Recording, field: FoundField, *, is_in_front: bool) -
     return _NUMBER_BITS + uniform_cost(field.width, len(values))
 
 
-def is_all_ones(recording: Recording, field: FoundField) -> bool:
+def is_all_ones(recording: RecordedFrames, field: FoundField) -> bool:
     """Return True if all bits of a constant field are 1."""
     return all(recording.level(place) for place in range(field.start, field.end))
 

@@ -17,7 +17,7 @@ class NoLayout(ValueError):
 
 
 @dataclass(frozen=True)
-class Recording:
+class RecordedFrames:
     """Frames of ``bits`` bits over an interface, each as a number whose highest bit is sent first.
 
     ``positions`` contains the positions that the user turned to, one for each frame, or nothing.

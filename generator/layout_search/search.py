@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from .checks import FoundCrc, FoundParity, crcs_of, parities_of
 from .fields import FrameSplit, splits_of
-from .frames import FEWEST, MOST_FRAMES, NoLayout, Recording
+from .frames import FEWEST, MOST_FRAMES, NoLayout, RecordedFrames
 
 #: Number of layouts in an answer.
 MOST_LAYOUTS = 3
@@ -35,7 +35,7 @@ class FoundLayout:
     other_code: bool = False
 
 
-def find_layouts(recording: Recording) -> list[FoundLayout]:
+def find_layouts(recording: RecordedFrames) -> list[FoundLayout]:
     """Return up to ``MOST_LAYOUTS`` layouts, the layout with the lowest cost first.
 
     Of layouts that differ only in constant bits in front of the position, only the layout with the lowest cost remains.
@@ -54,7 +54,7 @@ def find_layouts(recording: Recording) -> list[FoundLayout]:
     return [layout for layout in layouts[:MOST_LAYOUTS] if layout.cost <= highest_cost]
 
 
-def _possible_layouts(recording: Recording) -> Iterator[FoundLayout]:
+def _possible_layouts(recording: RecordedFrames) -> Iterator[FoundLayout]:
     """Yield every combination of a CRC or none, a parity bit or none, and a split of the other bits.
 
     If the frames prove a CRC, layouts without a CRC are left out.
@@ -86,7 +86,7 @@ def _bits_between_checks(parity: FoundParity | None, body_bits: int) -> tuple[in
     return (1, body_bits) if is_first_bit else (0, body_bits - 1)
 
 
-def _parity_cost(recording: Recording, parity: FoundParity, crc: FoundCrc | None) -> float:
+def _parity_cost(recording: RecordedFrames, parity: FoundParity, crc: FoundCrc | None) -> float:
     """Return the cost of a parity bit in bits: one for each frame that does not prove it, and its place and kind."""
     sample_count = min(len(recording.frames), MOST_FRAMES)
     unproved_bits = max(sample_count - recording.independent, 0)
@@ -100,7 +100,7 @@ def _parity_cost(recording: Recording, parity: FoundParity, crc: FoundCrc | None
     return cost
 
 
-def _group_key(recording: Recording, layout: FoundLayout) -> object:
+def _group_key(recording: RecordedFrames, layout: FoundLayout) -> object:
     """Return a key that is equal for layouts that differ only in the constant bits in front of the position."""
     split = layout.split
     first_changing_bit = recording.changing.index(True, split.start, split.end)

@@ -14,7 +14,7 @@ from codewheel.commands.decode.frames import decode_text
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.layout_search.answers import PossibleLine, answer_with_lines
-from codewheel.layout_search.frames import Recording
+from codewheel.layout_search.frames import RecordedFrames
 from codewheel.layout_search.search import find_layouts
 from codewheel.model.known_crcs import KNOWN_CRCS
 from codewheel.one_line.encoder import device_of_line
@@ -43,7 +43,7 @@ def answers_for(
     random_numbers = random.Random(seed)
     positions = turning(count, layout.width, random_numbers)
     frames = [layout.encode(position, random_numbers) for position in positions]
-    recording = Recording(
+    recording = RecordedFrames(
         interface=parse_line(layout.line).interface,
         bits=len(frames[0]),
         frames=tuple(int(frame, 2) for frame in frames),
@@ -118,7 +118,7 @@ def test_constants_are_not_named() -> None:
 def test_random_frames_have_no_crc() -> None:
     random_numbers = random.Random(9)
     for _ in range(20):
-        recording = Recording("biss", 32, tuple(random_numbers.getrandbits(32) for _ in range(6)))
+        recording = RecordedFrames("biss", 32, tuple(random_numbers.getrandbits(32) for _ in range(6)))
         assert all("crc=" not in answer_with_lines(recording, layout).line for layout in find_layouts(recording))
 
 
