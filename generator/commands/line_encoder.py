@@ -6,7 +6,7 @@ import shlex
 import sys
 from typing import TYPE_CHECKING
 
-from ..one_line.line import Line, LineError
+from ..one_line.line import EncoderLine, LineError
 from ..one_line.parse import is_line as is_line
 from ..one_line.parse import parse_line
 from ..say.plain_text import counted
@@ -34,7 +34,7 @@ def encoder_in_line(text: str) -> tuple[Device, Match]:
         raise line_problems(error) from None
 
 
-def checked_line(text: str) -> Line:
+def checked_line(text: str) -> EncoderLine:
     """Return a line whose spec has no problems.
 
     Raises:

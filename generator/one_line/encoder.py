@@ -9,7 +9,7 @@ from ..language.read import document_of_text
 from ..loading.library import families_of
 from ..model import Device
 from ..order_codes.labels import Match
-from .line import Line, LineError, LineProblem
+from .line import EncoderLine, LineError, LineProblem
 from .parse import parse_line
 from .spec import spec_text
 
@@ -39,7 +39,7 @@ def device_of_line(text: str) -> tuple[Device, Match]:
     return device, Match(variant, unlisted=(), tail="", special=False)
 
 
-def _problems_in_line(line: Line, report: ProblemReport) -> list[LineProblem]:
+def _problems_in_line(line: EncoderLine, report: ProblemReport) -> list[LineProblem]:
     """Return the problems of the spec of a line, each at the field that it is about."""
     columns = {field.name: field.column for field in line.fields}
     return [LineProblem(_column_of(problem, columns), problem.message) for problem in report.problems]

@@ -98,7 +98,7 @@ class Options:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class EncoderLine:
     """An encoder as one line describes it."""
 
     text: str

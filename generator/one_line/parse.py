@@ -11,7 +11,7 @@ from ..language.problems import listed, quoted, suggestion
 from ..model.key_types import LARGEST
 from .checks import problems_of_fields, problems_of_options
 from .fields import FieldError, number_in, read_field
-from .line import POSITION, Line, LineError, LineField, LineProblem, Options
+from .line import POSITION, EncoderLine, LineError, LineField, LineProblem, Options
 
 INTERFACES = ("biss", "ssi", "spi", "rs485")
 #: Characters of the longest line, and the highest number of fields in a line.
@@ -40,7 +40,7 @@ def is_line(text: str) -> bool:
     return "=" in text or _BEGINNING.match(text) is not None
 
 
-def parse_line(text: str) -> Line:
+def parse_line(text: str) -> EncoderLine:
     """Return the encoder that a line describes. The functions that it calls add their problems to one list.
 
     Raises:
@@ -64,7 +64,7 @@ def parse_line(text: str) -> Line:
         problems += problems_of_options(options, option_columns, fields, interface)
     if problems:
         raise LineError(text, problems)
-    return Line(text, interface, options, tuple(fields))
+    return EncoderLine(text, interface, options, tuple(fields))
 
 
 _EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:0x43"

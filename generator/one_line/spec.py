@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 
-from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, Line, LineField, Number, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, EncoderLine, Filler, Flag, LineField, Number, Parity
 
 #: Source of the facts that the line states, and of the remaining facts.
 _LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
@@ -28,7 +28,7 @@ _MEANINGS = {
 SCHEMA = "device.schema.json"
 
 
-def spec_text(line: Line, name: str, manufacturer: str, schema: str = SCHEMA) -> str:
+def spec_text(line: EncoderLine, name: str, manufacturer: str, schema: str = SCHEMA) -> str:
     """Return the text of a spec of the family ``name``, which ``check`` accepts."""
     return "\n".join(
         [
@@ -41,7 +41,7 @@ def spec_text(line: Line, name: str, manufacturer: str, schema: str = SCHEMA) ->
     )
 
 
-def order_code(line: Line, name: str) -> str:
+def order_code(line: EncoderLine, name: str) -> str:
     """Return the only order code of the spec of a line."""
     return f"{_fixed_text_of_code(name)}-{line.interface.upper()}"
 
@@ -50,7 +50,7 @@ def _fixed_text_of_code(family_name: str) -> str:
     return family_name.replace("_", "-").upper()
 
 
-def _write_head(line: Line, family_name: str, manufacturer: str, schema: str) -> Iterator[str]:
+def _write_head(line: EncoderLine, family_name: str, manufacturer: str, schema: str) -> Iterator[str]:
     """Yield the spec up to its measurement."""
     yield f"# yaml-language-server: $schema={schema}"
     yield "#"
@@ -89,7 +89,7 @@ def _write_head(line: Line, family_name: str, manufacturer: str, schema: str) ->
     yield from _write_measurement(line)
 
 
-def _write_measurement(line: Line) -> Iterator[str]:
+def _write_measurement(line: EncoderLine) -> Iterator[str]:
     """Yield the size of a count, if the line states it."""
     widths = {field.name: field.bits for field in line.fields}
     if IN_TURN in widths:
@@ -107,7 +107,7 @@ def _write_measurement(line: Line) -> Iterator[str]:
     yield ""
 
 
-def _write_crc(line: Line) -> Iterator[str]:
+def _write_crc(line: EncoderLine) -> Iterator[str]:
     """Yield the definition of the CRC, if the line has one."""
     for field in line.fields:
         if isinstance(field, Crc):
@@ -120,7 +120,7 @@ def _write_crc(line: Line) -> Iterator[str]:
             yield ""
 
 
-def _write_interface(line: Line) -> Iterator[str]:
+def _write_interface(line: EncoderLine) -> Iterator[str]:
     """Yield the interface with its layouts. A fact that the line does not state has a placeholder as its source."""
     options = line.options
     yield "interfaces:"
@@ -143,7 +143,7 @@ def _write_interface(line: Line) -> Iterator[str]:
     yield from _write_layout(line)
 
 
-def _write_clock(line: Line) -> Iterator[str]:
+def _write_clock(line: EncoderLine) -> Iterator[str]:
     """Yield the clock of an interface, and the mode of SPI."""
     options = line.options
     is_mode_unknown = line.interface == "spi" and options.mode is None
@@ -156,7 +156,7 @@ def _write_clock(line: Line) -> Iterator[str]:
         yield f"    clock: {{source: {_NOT_STATED}}}"
 
 
-def _write_serial_port(line: Line) -> Iterator[str]:
+def _write_serial_port(line: EncoderLine) -> Iterator[str]:
     """Yield the serial port, and the exchange with the reply."""
     source = _LINE if line.options.baud else _NOT_STATED
     port = f"baud: {line.options.baud or _PLACEHOLDER_BAUD}, data_bits: 8, parity: none, stop_bits: 1"
@@ -168,7 +168,7 @@ def _write_serial_port(line: Line) -> Iterator[str]:
     yield f"      - {{request: position_request, reply: reply, purpose: {purpose}, source: {_LINE}}}"
 
 
-def _write_request(line: Line) -> Iterator[str]:
+def _write_request(line: EncoderLine) -> Iterator[str]:
     """Yield the request to which the frame is the reply over RS-485.
 
     If the line does not state it, it is one byte of any value.
@@ -184,7 +184,7 @@ def _write_request(line: Line) -> Iterator[str]:
     yield f"          - {{name: request, bits: {8 * request_bytes}, {content}}}"
 
 
-def _write_layout(line: Line) -> Iterator[str]:
+def _write_layout(line: EncoderLine) -> Iterator[str]:
     """Yield the layout of the frame."""
     yield f"      - name: {_LAYOUTS[line.interface]}"
     yield "        from: encoder"
@@ -208,7 +208,7 @@ def _write_layout(line: Line) -> Iterator[str]:
             yield f"          - {{{keys}}}"
 
 
-def _names_in_spec(line: Line) -> list[str]:
+def _names_in_spec(line: EncoderLine) -> list[str]:
     """Return the name of each field. Repeated fillers have numbers: ``zero_bits``, ``zero_bits_2``."""
     taken_names = {field.name for field in line.fields if not isinstance(field, Filler)}
     names: list[str] = []
@@ -223,7 +223,7 @@ def _names_in_spec(line: Line) -> list[str]:
     return names
 
 
-def _field_names(line: Line) -> list[str]:
+def _field_names(line: EncoderLine) -> list[str]:
     """Return the names of the fields and of the bytes of split numbers, in the order in which they are sent."""
     names: list[str] = []
     for field, name in zip(line.fields, _names_in_spec(line), strict=True):
@@ -231,7 +231,7 @@ def _field_names(line: Line) -> list[str]:
     return names
 
 
-def _byte_names(field: LineField, line: Line) -> list[str]:
+def _byte_names(field: LineField, line: EncoderLine) -> list[str]:
     """Return the names of the bytes of a number of several bytes over SPI that is sent low byte first.
 
     They are in the order sent: ``position_byte_0``, ``position_byte_1``. Return nothing for all other fields.
@@ -242,7 +242,7 @@ def _byte_names(field: LineField, line: Line) -> list[str]:
     return [f"{field.name}_byte_{index}" for index in range(field.bits // 8)]
 
 
-def _write_joins(line: Line) -> Iterator[str]:
+def _write_joins(line: EncoderLine) -> Iterator[str]:
     """Yield the numbers that consist of several fields: split numbers, and the position made of turns and the rest.
 
     Their fields are listed most significant first.
@@ -258,7 +258,7 @@ def _write_joins(line: Line) -> Iterator[str]:
         yield f"          {POSITION}: [{', '.join([*fields_of_number[TURNS], *fields_of_number[IN_TURN]])}]"
 
 
-def _write_erratum(line: Line) -> Iterator[str]:
+def _write_erratum(line: EncoderLine) -> Iterator[str]:
     """Yield an erratum for a frame that differs from BiSS frames, so that ``check`` accepts it."""
     places = list(_places_unlike_biss(line)) if line.interface == "biss" else []
     if not places:
@@ -276,7 +276,7 @@ def _write_erratum(line: Line) -> Iterator[str]:
     yield f"    affects: [{', '.join(places)}]"
 
 
-def _places_unlike_biss(line: Line) -> Iterator[str]:
+def _places_unlike_biss(line: EncoderLine) -> Iterator[str]:
     """Yield the paths of the differences from BiSS in a frame with an error or warning bit: ``crcs.line_crc.xorout``.
 
     A usual frame has the position, the error and then the warning bit, both active low, and an inverted CRC.
@@ -301,7 +301,7 @@ def _places_unlike_biss(line: Line) -> Iterator[str]:
         yield f"{frame}.fields"
 
 
-def _write_field(field: LineField, name: str, line: Line, parity_fields: Sequence[str]) -> Iterator[str]:
+def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: Sequence[str]) -> Iterator[str]:
     """Yield the keys of a field in the spec, ``name: zero_bits, bits: 2, constant: 0``, or those of each split byte.
 
     Effects on the position are left out of a frame without a position.

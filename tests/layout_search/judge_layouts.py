@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from codewheel.layout_search.answers import PossibleLine
-from codewheel.one_line.line import Crc, Line, Parity
+from codewheel.one_line.line import Crc, EncoderLine, Parity
 from codewheel.one_line.parse import parse_line
 
 
-def place_of(line: Line) -> tuple[int, int]:
+def place_of(line: EncoderLine) -> tuple[int, int]:
     """Return the first bit of the position, and the end of its bits."""
     start = 0
     for field in line.fields:
@@ -19,12 +19,12 @@ def place_of(line: Line) -> tuple[int, int]:
     raise AssertionError(line.text)
 
 
-def crc_of(line: Line) -> tuple[int, int, int, bool] | None:
+def crc_of(line: EncoderLine) -> tuple[int, int, int, bool] | None:
     last = line.fields[-1]
     return (last.bits, last.poly, last.init, last.is_inverted) if isinstance(last, Crc) else None
 
 
-def parity_of(line: Line) -> tuple[int, str] | None:
+def parity_of(line: EncoderLine) -> tuple[int, str] | None:
     start = 0
     for field in line.fields:
         if isinstance(field, Parity):
