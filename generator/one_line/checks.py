@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ..loading.position_rules import is_probably_highest
 from ..model.expressions import is_power_of_two
 from .fields import WIDEST
-from .line import IN_TURN, POSITION, TURNS, Crc, Filler, LineField, LineProblem, Number, Options, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, Filler, LineField, LineProblem, NumberField, Options, Parity
 
 #: Most bits of a frame over RS-485.
 _MOST_BITS_OF_BYTES = 1024
@@ -32,7 +32,7 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
 
 def _can_change(field: LineField) -> bool:
     """Return True if a field is not a check or a constant."""
-    is_constant_number = isinstance(field, Number) and field.value is not None
+    is_constant_number = isinstance(field, NumberField) and field.value is not None
     is_constant = is_constant_number or field.name == "zero"
     is_check = isinstance(field, Parity | Crc)
     return not is_constant and not is_check
@@ -97,7 +97,7 @@ def _problems_of_gray(
     for field in positions:
         if field.bits == 1 and not has_turns:
             yield LineProblem(field.column, f"'{field.name}' has one bit, which is the same in Gray code; remove gray")
-        if isinstance(field, Number) and field.is_signed:
+        if isinstance(field, NumberField) and field.is_signed:
             yield LineProblem(field.column, f"'{field.name}' is signed, and Gray code is not; remove one of the two")
     if options.counts and not is_power_of_two(options.counts):
         message = f"Gray code with {options.counts} counts (Gray excess) is not supported; remove gray and counts"
@@ -109,7 +109,7 @@ def _problems_of_counts(
 ) -> Iterator[LineProblem]:
     """Yield the problems of counts per revolution, and of numbers of revolutions."""
     column = columns.get("counts", columns.get("turns", 1))
-    positions = [field for field in fields if isinstance(field, Number) and field.name == POSITION]
+    positions = [field for field in fields if isinstance(field, NumberField) and field.name == POSITION]
     if not positions:
         message = "'counts' and 'turns' need a field 'position'; singleturn and multiturn already give them"
         yield LineProblem(column, message)
@@ -141,7 +141,7 @@ def _problems_of_byte_order(options: Options, fields: Sequence[LineField], inter
         if interface == "rs485" and is_wide and not options.byte_order:
             message = f"the byte order of '{field.name}' is not known; write rs485,low_byte_first: or high_byte_first"
             yield LineProblem(field.column, message)
-        is_split = interface == "spi" and options.byte_order == "low_byte_first" and isinstance(field, Number)
+        is_split = interface == "spi" and options.byte_order == "low_byte_first" and isinstance(field, NumberField)
         if is_split and is_wide:
             yield from _problems_of_split(field, bits_before)
         bits_before += field.bits
@@ -156,6 +156,6 @@ def _problems_of_split(field: LineField, bits_before: int) -> Iterator[LineProbl
     if not is_whole_bytes:
         message = f"'{field.name}' is not whole bytes, so low_byte_first cannot apply; add zero or unused bits"
         yield LineProblem(field.column, message)
-    if isinstance(field, Number) and (field.is_signed or field.value is not None):
+    if isinstance(field, NumberField) and (field.is_signed or field.value is not None):
         message = f"'{field.name}' is signed or a constant, and cannot be sent low byte first; write its bytes"
         yield LineProblem(field.column, message)

@@ -8,7 +8,7 @@ from typing import Literal
 
 from ..language.problems import quoted, suggestion
 from ..model.key_types import LARGEST
-from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, LineField, Number, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, LineField, NumberField, Parity
 
 #: Verdict of an active flag, by the word for it in the line.
 VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": "usable"}
@@ -79,7 +79,7 @@ def _read_width(name: str, width_text: str, widest: int = WIDEST) -> int:
     return bits
 
 
-def _read_number(name: str, values: Sequence[str], column: int) -> Number:
+def _read_number(name: str, values: Sequence[str], column: int) -> NumberField:
     """Return a number from its values: a width, and ``signed`` or the value of a constant, such as ``24:signed``."""
     if not values or values == [""]:
         hint = suggestion(name, _KNOWN_NAMES) if name not in _KNOWN_NAMES else ""
@@ -88,9 +88,9 @@ def _read_number(name: str, values: Sequence[str], column: int) -> Number:
         raise FieldError(f"'{name}' is one bit; write {name}=low or {name}=high", len(name) + 1)
     bits = _read_width(name, values[0])
     if len(values) == 1:
-        return Number(name, bits, column)
+        return NumberField(name, bits, column)
     if values[1:] == ["signed"]:
-        return Number(name, bits, column, is_signed=True)
+        return NumberField(name, bits, column, is_signed=True)
     value = number_in(values[1])
     offset = len(name) + len(values[0]) + 2  # after "name=width:"
     if value is None or len(values) > 2:
@@ -102,7 +102,7 @@ def _read_number(name: str, values: Sequence[str], column: int) -> Number:
         raise FieldError(f"{value:#x} is too large; write at most {LARGEST:#x}, or two constants", offset)
     if name in (POSITION, IN_TURN, TURNS):
         raise FieldError(f"'{name}' is not a constant; give the constant bits another name", offset)
-    return Number(name, bits, column, value=value)
+    return NumberField(name, bits, column, value=value)
 
 
 def _read_flag(name: str, values: Sequence[str], column: int) -> Flag:

@@ -27,7 +27,7 @@ class LineError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Number:
+class NumberField:
     """A number. ``value`` is set for a constant, which identifies a valid frame."""
 
     name: str
@@ -79,7 +79,7 @@ class Crc:
     is_inverted: bool
 
 
-LineField = Number | Flag | Filler | Parity | Crc
+LineField = NumberField | Flag | Filler | Parity | Crc
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 
-from .line import IN_TURN, POSITION, TURNS, Crc, EncoderLine, Filler, Flag, LineField, Number, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, EncoderLine, Filler, Flag, LineField, NumberField, Parity
 
 #: Source of the facts that the line states, and of the remaining facts.
 _LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
@@ -237,7 +237,7 @@ def _byte_names(field: LineField, line: EncoderLine) -> list[str]:
     They are in the order sent: ``position_byte_0``, ``position_byte_1``. Return nothing for all other fields.
     """
     is_low_first = line.interface == "spi" and line.options.byte_order == "low_byte_first"
-    if not is_low_first or not isinstance(field, Number) or field.bits <= 8:
+    if not is_low_first or not isinstance(field, NumberField) or field.bits <= 8:
         return []
     return [f"{field.name}_byte_{index}" for index in range(field.bits // 8)]
 
@@ -313,7 +313,7 @@ def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: 
         return
     has_position = line.has(POSITION) or line.has(IN_TURN)
     match field:
-        case Number():
+        case NumberField():
             has_counts = field.name == POSITION and line.options.counts
             note = ", note: The line states its bits and its counts." if has_counts else ""
             yield _keys_of_number(field) + note
@@ -331,7 +331,7 @@ def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: 
             yield f"name: {name}, crc: {_CRC_NAME}"
 
 
-def _keys_of_number(field: Number) -> str:
+def _keys_of_number(field: NumberField) -> str:
     """Return the keys of a number in the spec. Only the parts of the position have a unit and a meaning."""
     keys = f"name: {field.name}, bits: {field.bits}"
     if field.is_signed:
