@@ -8,7 +8,7 @@ from typing import Literal
 
 from ..language.problems import quoted, suggestion
 from ..model.key_types import LARGEST
-from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, LineField, NumberField, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, Filler, FlagField, LineField, NumberField, Parity
 
 #: Verdict of an active flag, by the word for it in the line.
 VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": "usable"}
@@ -105,7 +105,7 @@ def _read_number(name: str, values: Sequence[str], column: int) -> NumberField:
     return NumberField(name, bits, column, value=value)
 
 
-def _read_flag(name: str, values: Sequence[str], column: int) -> Flag:
+def _read_flag(name: str, values: Sequence[str], column: int) -> FlagField:
     """Return a flag from its values: its active level, and its effect on the position, such as ``low:error``.
 
     By default, the flags ``error`` and ``warning`` have the effect of their name, and others have none (``status``).
@@ -121,14 +121,14 @@ def _read_flag(name: str, values: Sequence[str], column: int) -> Flag:
         message = f"{quoted(':'.join(values[1:]))} is not an effect of a flag; write error, warning or status"
         offset = len(name) + len(values[0]) + 2  # after "name=low:"
         raise FieldError(message, offset)
-    return Flag(name, column, level, VERDICTS[effect])
+    return FlagField(name, column, level, VERDICTS[effect])
 
 
-def _flag_of_interface(name: str, column: int, interface: str) -> Flag:
+def _flag_of_interface(name: str, column: int, interface: str) -> FlagField:
     """Return a flag with the level of the interface: active low over BiSS, and unknown over other interfaces."""
     if interface != "biss":
         raise FieldError(f"'{name}' has no active level; write {name}=low or {name}=high")
-    return Flag(name, column, "low", VERDICTS[name])
+    return FlagField(name, column, "low", VERDICTS[name])
 
 
 def _read_filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> Filler:

@@ -38,7 +38,7 @@ class NumberField:
 
 
 @dataclass(frozen=True, slots=True)
-class Flag:
+class FlagField:
     """A bit with an active level. ``verdict`` is the verdict on the position while the flag is active."""
 
     name: str
@@ -79,7 +79,7 @@ class Crc:
     is_inverted: bool
 
 
-LineField = NumberField | Flag | Filler | Parity | Crc
+LineField = NumberField | FlagField | Filler | Parity | Crc
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +130,6 @@ class EncoderLine:
             yield "The request that asks for this reply."
         if self.has(POSITION) and not options.counts:
             yield "The counts per revolution."
-        if not any(isinstance(field, Flag) and field.verdict == "not_usable" for field in self.fields):
+        if not any(isinstance(field, FlagField) and field.verdict == "not_usable" for field in self.fields):
             yield "Flags that tell whether the position is usable."
         yield "Registers, alarms, timings, supply and wiring."

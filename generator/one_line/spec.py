@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 
-from .line import IN_TURN, POSITION, TURNS, Crc, EncoderLine, Filler, Flag, LineField, NumberField, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, EncoderLine, Filler, FlagField, LineField, NumberField, Parity
 
 #: Source of the facts that the line states, and of the remaining facts.
 _LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
@@ -287,7 +287,7 @@ def _places_unlike_biss(line: EncoderLine) -> Iterator[str]:
     if not flag_names:
         return
     for field in line.fields:
-        if isinstance(field, Flag) and field.name in flag_names and field.level == "high":
+        if isinstance(field, FlagField) and field.name in flag_names and field.level == "high":
             yield f"{frame}.{field.name}.active"
         if isinstance(field, Crc) and not field.is_inverted:
             yield f"crcs.{_CRC_NAME}.xorout"
@@ -317,7 +317,7 @@ def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: 
             has_counts = field.name == POSITION and line.options.counts
             note = ", note: The line states its bits and its counts." if has_counts else ""
             yield _keys_of_number(field) + note
-        case Flag():
+        case FlagField():
             effect = f", makes_position: {field.verdict}" if has_position else ""
             yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANINGS[field.verdict]}"
         case Filler(name="zero"):
