@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ..loading.position_rules import is_probably_highest
 from ..model.expressions import is_power_of_two
 from .fields import WIDEST
-from .line import IN_TURN, POSITION, TURNS, Crc, Filler, LineField, LineProblem, NumberField, Options, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, FillerField, LineField, LineProblem, NumberField, Options, Parity
 
 #: Most bits of a frame over RS-485.
 _MOST_BITS_OF_BYTES = 1024
@@ -17,7 +17,7 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
     """Yield the problems of fields that do not fit together."""
     names: set[str] = set()
     for field in fields:
-        if not isinstance(field, Filler) and field.name in names:
+        if not isinstance(field, FillerField) and field.name in names:
             yield LineProblem(field.column, f"a second field has the name '{field.name}'; rename one of them")
         names.add(field.name)
         if isinstance(field, Crc) and field is not fields[-1]:
@@ -137,7 +137,7 @@ def _problems_of_byte_order(options: Options, fields: Sequence[LineField], inter
     """
     bits_before = 0  # Number of bits sent before the field.
     for field in fields:
-        is_wide = field.bits > 8 and not isinstance(field, Filler)
+        is_wide = field.bits > 8 and not isinstance(field, FillerField)
         if interface == "rs485" and is_wide and not options.byte_order:
             message = f"the byte order of '{field.name}' is not known; write rs485,low_byte_first: or high_byte_first"
             yield LineProblem(field.column, message)

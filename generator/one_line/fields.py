@@ -8,7 +8,7 @@ from typing import Literal
 
 from ..language.problems import quoted, suggestion
 from ..model.key_types import LARGEST
-from .line import IN_TURN, POSITION, TURNS, Crc, Filler, FlagField, LineField, NumberField, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, FillerField, FlagField, LineField, NumberField, Parity
 
 #: Verdict of an active flag, by the word for it in the line.
 VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": "usable"}
@@ -131,11 +131,11 @@ def _flag_of_interface(name: str, column: int, interface: str) -> FlagField:
     return FlagField(name, column, "low", VERDICTS[name])
 
 
-def _read_filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> Filler:
+def _read_filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> FillerField:
     """Return bits without content from their only value, the width."""
     if len(values) != 1:
         raise FieldError(f"'{name}' takes only a width; write {name}=2 for two bits")
-    return Filler(name, _read_width(name, values[0]), column)
+    return FillerField(name, _read_width(name, values[0]), column)
 
 
 def _read_parity(values: Sequence[str], column: int) -> Parity:

@@ -49,7 +49,7 @@ class FlagField:
 
 
 @dataclass(frozen=True, slots=True)
-class Filler:
+class FillerField:
     """Bits that are always zero, or that have no meaning."""
 
     name: Literal["zero", "unused"]
@@ -79,7 +79,7 @@ class Crc:
     is_inverted: bool
 
 
-LineField = NumberField | FlagField | Filler | Parity | Crc
+LineField = NumberField | FlagField | FillerField | Parity | Crc
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 
-from .line import IN_TURN, POSITION, TURNS, Crc, EncoderLine, Filler, FlagField, LineField, NumberField, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, EncoderLine, FillerField, FlagField, LineField, NumberField, Parity
 
 #: Source of the facts that the line states, and of the remaining facts.
 _LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
@@ -210,13 +210,13 @@ def _write_layout(line: EncoderLine) -> Iterator[str]:
 
 def _names_in_spec(line: EncoderLine) -> list[str]:
     """Return the name of each field. Repeated fillers have numbers: ``zero_bits``, ``zero_bits_2``."""
-    taken_names = {field.name for field in line.fields if not isinstance(field, Filler)}
+    taken_names = {field.name for field in line.fields if not isinstance(field, FillerField)}
     names: list[str] = []
     for field in line.fields:
-        name = f"{field.name}_bits" if isinstance(field, Filler) else field.name
+        name = f"{field.name}_bits" if isinstance(field, FillerField) else field.name
         name_without_number = name
         number = 1
-        while isinstance(field, Filler) and (name in names or name in taken_names):
+        while isinstance(field, FillerField) and (name in names or name in taken_names):
             number += 1
             name = f"{name_without_number}_{number}"
         names.append(name)
@@ -320,9 +320,9 @@ def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: 
         case FlagField():
             effect = f", makes_position: {field.verdict}" if has_position else ""
             yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANINGS[field.verdict]}"
-        case Filler(name="zero"):
+        case FillerField(name="zero"):
             yield f"name: {name}, bits: {field.bits}, constant: 0"
-        case Filler():
+        case FillerField():
             unused = ", unused: 0, makes_position: usable" if has_position else ""
             yield f"name: {name}, bits: {field.bits}{unused}"
         case Parity():
