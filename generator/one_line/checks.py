@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ..loading.position_rules import is_probably_highest
 from ..model.expressions import is_power_of_two
 from .fields import WIDEST
-from .line import IN_TURN, POSITION, TURNS, Crc, FillerField, LineField, LineProblem, NumberField, Options, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, FillerField, LineField, LineProblem, NumberField, Options, ParityField
 
 #: Most bits of a frame over RS-485.
 _MOST_BITS_OF_BYTES = 1024
@@ -24,7 +24,7 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
             yield LineProblem(field.column, "the CRC must be the last field; move it to the end")
         if isinstance(field, Crc) and interface == "rs485" and field.bits % 8:
             yield LineProblem(field.column, f"the CRC has {field.bits} bits; over RS-485, write whole bytes")
-        if isinstance(field, Parity) and not any(map(_can_change, fields)):
+        if isinstance(field, ParityField) and not any(map(_can_change, fields)):
             yield LineProblem(field.column, "a parity bit needs other fields that change; add them")
     yield from _problems_of_position(fields, interface)
     yield from _problems_of_length(fields, interface)
@@ -34,7 +34,7 @@ def _can_change(field: LineField) -> bool:
     """Return True if a field is not a check or a constant."""
     is_constant_number = isinstance(field, NumberField) and field.value is not None
     is_constant = is_constant_number or field.name == "zero"
-    is_check = isinstance(field, Parity | Crc)
+    is_check = isinstance(field, ParityField | Crc)
     return not is_constant and not is_check
 
 
@@ -86,7 +86,7 @@ def _problems_of_gray(
     if not positions:
         yield LineProblem(column, "'gray' needs a position; add position=BITS, or remove gray")
     for field in fields:
-        if isinstance(field, Parity):
+        if isinstance(field, ParityField):
             yield LineProblem(field.column, "a parity over Gray code is not supported; write its bit as unused=1")
     names = [field.name for field in fields]
     has_turns = TURNS in names

@@ -8,7 +8,7 @@ from typing import Literal
 
 from ..language.problems import quoted, suggestion
 from ..model.key_types import LARGEST
-from .line import IN_TURN, POSITION, TURNS, Crc, FillerField, FlagField, LineField, NumberField, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, FillerField, FlagField, LineField, NumberField, ParityField
 
 #: Verdict of an active flag, by the word for it in the line.
 VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": "usable"}
@@ -138,12 +138,12 @@ def _read_filler(name: Literal["zero", "unused"], values: Sequence[str], column:
     return FillerField(name, _read_width(name, values[0]), column)
 
 
-def _read_parity(values: Sequence[str], column: int) -> Parity:
+def _read_parity(values: Sequence[str], column: int) -> ParityField:
     """Return a parity bit from its only value: ``even`` or ``odd``."""
     if values == ["even"]:
-        return Parity("parity", column, "even")
+        return ParityField("parity", column, "even")
     if values == ["odd"]:
-        return Parity("parity", column, "odd")
+        return ParityField("parity", column, "odd")
     raise FieldError("a parity bit is even or odd; write parity=even or parity=odd")
 
 

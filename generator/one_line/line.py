@@ -58,7 +58,7 @@ class FillerField:
 
 
 @dataclass(frozen=True, slots=True)
-class Parity:
+class ParityField:
     """A parity bit over all other fields."""
 
     name: str
@@ -79,7 +79,7 @@ class Crc:
     is_inverted: bool
 
 
-LineField = NumberField | FlagField | FillerField | Parity | Crc
+LineField = NumberField | FlagField | FillerField | ParityField | Crc
 
 
 @dataclass(frozen=True, slots=True)

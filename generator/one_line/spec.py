@@ -5,7 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 
-from .line import IN_TURN, POSITION, TURNS, Crc, EncoderLine, FillerField, FlagField, LineField, NumberField, Parity
+from .line import (
+    IN_TURN,
+    POSITION,
+    TURNS,
+    Crc,
+    EncoderLine,
+    FillerField,
+    FlagField,
+    LineField,
+    NumberField,
+    ParityField,
+)
 
 #: Source of the facts that the line states, and of the remaining facts.
 _LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
@@ -325,7 +336,7 @@ def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: 
         case FillerField():
             unused = ", unused: 0, makes_position: usable" if has_position else ""
             yield f"name: {name}, bits: {field.bits}{unused}"
-        case Parity():
+        case ParityField():
             yield f"name: {name}, parity_of: [{', '.join(parity_fields)}], parity: {field.kind}"
         case Crc():
             yield f"name: {name}, crc: {_CRC_NAME}"

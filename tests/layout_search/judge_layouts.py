@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from codewheel.layout_search.answers import PossibleLine
-from codewheel.one_line.line import Crc, EncoderLine, Parity
+from codewheel.one_line.line import Crc, EncoderLine, ParityField
 from codewheel.one_line.parse import parse_line
 
 
@@ -27,7 +27,7 @@ def crc_of(line: EncoderLine) -> tuple[int, int, int, bool] | None:
 def parity_of(line: EncoderLine) -> tuple[int, str] | None:
     start = 0
     for field in line.fields:
-        if isinstance(field, Parity):
+        if isinstance(field, ParityField):
             return start, field.kind
         start += field.bits
     return None
