@@ -7,7 +7,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from ..loading.position_rules import is_probably_highest
 from ..model.expressions import is_power_of_two
 from .fields import WIDEST
-from .line import IN_TURN, POSITION, TURNS, Crc, FillerField, LineField, LineProblem, NumberField, Options, ParityField
+from .line import (
+    IN_TURN,
+    POSITION,
+    TURNS,
+    CrcField,
+    FillerField,
+    LineField,
+    LineProblem,
+    NumberField,
+    Options,
+    ParityField,
+)
 
 #: Most bits of a frame over RS-485.
 _MOST_BITS_OF_BYTES = 1024
@@ -20,9 +31,9 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
         if not isinstance(field, FillerField) and field.name in names:
             yield LineProblem(field.column, f"a second field has the name '{field.name}'; rename one of them")
         names.add(field.name)
-        if isinstance(field, Crc) and field is not fields[-1]:
+        if isinstance(field, CrcField) and field is not fields[-1]:
             yield LineProblem(field.column, "the CRC must be the last field; move it to the end")
-        if isinstance(field, Crc) and interface == "rs485" and field.bits % 8:
+        if isinstance(field, CrcField) and interface == "rs485" and field.bits % 8:
             yield LineProblem(field.column, f"the CRC has {field.bits} bits; over RS-485, write whole bytes")
         if isinstance(field, ParityField) and not any(map(_can_change, fields)):
             yield LineProblem(field.column, "a parity bit needs other fields that change; add them")
@@ -34,7 +45,7 @@ def _can_change(field: LineField) -> bool:
     """Return True if a field is not a check or a constant."""
     is_constant_number = isinstance(field, NumberField) and field.value is not None
     is_constant = is_constant_number or field.name == "zero"
-    is_check = isinstance(field, ParityField | Crc)
+    is_check = isinstance(field, ParityField | CrcField)
     return not is_constant and not is_check
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 from ..language.problems import quoted, suggestion
 from ..model.key_types import LARGEST
-from .line import IN_TURN, POSITION, TURNS, Crc, FillerField, FlagField, LineField, NumberField, ParityField
+from .line import IN_TURN, POSITION, TURNS, CrcField, FillerField, FlagField, LineField, NumberField, ParityField
 
 #: Verdict of an active flag, by the word for it in the line.
 VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": "usable"}
@@ -147,7 +147,7 @@ def _read_parity(values: Sequence[str], column: int) -> ParityField:
     raise FieldError("a parity bit is even or odd; write parity=even or parity=odd")
 
 
-def _read_crc(values: Sequence[str], column: int, interface: str) -> Crc:
+def _read_crc(values: Sequence[str], column: int, interface: str) -> CrcField:
     """Return a CRC from its values: width, polynomial, start value, and ``inverted`` or ``plain``.
 
     The last two are optional. The start value is then 0, and the CRC is inverted only over BiSS.
@@ -169,7 +169,7 @@ def _read_crc(values: Sequence[str], column: int, interface: str) -> Crc:
     if init is None or init > highest:
         offset += len(numbers[0]) + 1
         raise FieldError(f"{quoted(numbers[1])} is not a start value; write at most {highest:#x}", offset)
-    return Crc("crc", bits, column, poly, init, is_inverted)
+    return CrcField("crc", bits, column, poly, init, is_inverted)
 
 
 def _read_polynomial(polynomial_text: str, bits: int, offset: int) -> int:

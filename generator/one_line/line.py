@@ -68,7 +68,7 @@ class ParityField:
 
 
 @dataclass(frozen=True, slots=True)
-class Crc:
+class CrcField:
     """A CRC over everything sent before it. ``poly`` has no top bit."""
 
     name: str
@@ -79,7 +79,7 @@ class Crc:
     is_inverted: bool
 
 
-LineField = NumberField | FlagField | FillerField | ParityField | Crc
+LineField = NumberField | FlagField | FillerField | ParityField | CrcField
 
 
 @dataclass(frozen=True, slots=True)

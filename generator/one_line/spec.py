@@ -9,7 +9,7 @@ from .line import (
     IN_TURN,
     POSITION,
     TURNS,
-    Crc,
+    CrcField,
     EncoderLine,
     FillerField,
     FlagField,
@@ -121,7 +121,7 @@ def _write_measurement(line: EncoderLine) -> Iterator[str]:
 def _write_crc(line: EncoderLine) -> Iterator[str]:
     """Yield the definition of the CRC, if the line has one."""
     for field in line.fields:
-        if isinstance(field, Crc):
+        if isinstance(field, CrcField):
             all_ones = (1 << field.bits) - 1
             xorout = all_ones if field.is_inverted else 0
             numbers = f"width: {field.bits}, poly: {field.poly:#x}, init: {field.init:#x}"
@@ -300,7 +300,7 @@ def _places_unlike_biss(line: EncoderLine) -> Iterator[str]:
     for field in line.fields:
         if isinstance(field, FlagField) and field.name in flag_names and field.level == "high":
             yield f"{frame}.{field.name}.active"
-        if isinstance(field, Crc) and not field.is_inverted:
+        if isinstance(field, CrcField) and not field.is_inverted:
             yield f"crcs.{_CRC_NAME}.xorout"
     if flag_names == ["warning", "error"]:
         yield f"{frame}.warning"
@@ -338,7 +338,7 @@ def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: 
             yield f"name: {name}, bits: {field.bits}{unused}"
         case ParityField():
             yield f"name: {name}, parity_of: [{', '.join(parity_fields)}], parity: {field.kind}"
-        case Crc():
+        case CrcField():
             yield f"name: {name}, crc: {_CRC_NAME}"
 
 

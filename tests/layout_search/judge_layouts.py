@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from codewheel.layout_search.answers import PossibleLine
-from codewheel.one_line.line import Crc, EncoderLine, ParityField
+from codewheel.one_line.line import CrcField, EncoderLine, ParityField
 from codewheel.one_line.parse import parse_line
 
 
@@ -21,7 +21,7 @@ def place_of(line: EncoderLine) -> tuple[int, int]:
 
 def crc_of(line: EncoderLine) -> tuple[int, int, int, bool] | None:
     last = line.fields[-1]
-    return (last.bits, last.poly, last.init, last.is_inverted) if isinstance(last, Crc) else None
+    return (last.bits, last.poly, last.init, last.is_inverted) if isinstance(last, CrcField) else None
 
 
 def parity_of(line: EncoderLine) -> tuple[int, str] | None:
