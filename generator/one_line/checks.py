@@ -14,9 +14,9 @@ from .line import (
     CrcField,
     FillerField,
     LineField,
+    LineOptions,
     LineProblem,
     NumberField,
-    Options,
     ParityField,
 )
 
@@ -78,7 +78,7 @@ def _problems_of_length(fields: Sequence[LineField], interface: str) -> Iterator
 
 
 def problems_of_options(
-    options: Options, columns: Mapping[str, int], fields: Sequence[LineField], interface: str
+    options: LineOptions, columns: Mapping[str, int], fields: Sequence[LineField], interface: str
 ) -> Iterator[LineProblem]:
     """Yield the problems of options that do not fit the fields. ``columns`` maps each option to its column."""
     if options.is_gray:
@@ -89,7 +89,7 @@ def problems_of_options(
 
 
 def _problems_of_gray(
-    options: Options, columns: Mapping[str, int], fields: Sequence[LineField]
+    options: LineOptions, columns: Mapping[str, int], fields: Sequence[LineField]
 ) -> Iterator[LineProblem]:
     """Yield the problems of Gray code, which needs an unsigned position that is one number of more than one bit."""
     column = columns.get("gray", 1)
@@ -116,7 +116,7 @@ def _problems_of_gray(
 
 
 def _problems_of_counts(
-    options: Options, columns: Mapping[str, int], fields: Sequence[LineField]
+    options: LineOptions, columns: Mapping[str, int], fields: Sequence[LineField]
 ) -> Iterator[LineProblem]:
     """Yield the problems of counts per revolution, and of numbers of revolutions."""
     column = columns.get("counts", columns.get("turns", 1))
@@ -141,7 +141,7 @@ def _problems_of_counts(
             yield LineProblem(column, message)
 
 
-def _problems_of_byte_order(options: Options, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
+def _problems_of_byte_order(options: LineOptions, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
     """Yield the problems of numbers of several bytes.
 
     Over RS-485, their byte order must be known. Over SPI, a number that is sent low byte first must be whole bytes.

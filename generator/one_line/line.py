@@ -83,7 +83,7 @@ LineField = NumberField | FlagField | FillerField | ParityField | CrcField
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class LineOptions:
     """Words between the interface and the colon. An empty value, None or 0 is a fact that the line does not state."""
 
     is_gray: bool = False
@@ -103,7 +103,7 @@ class EncoderLine:
 
     text: str
     interface: str
-    options: Options
+    options: LineOptions
     fields: tuple[LineField, ...]
 
     @property

@@ -11,7 +11,7 @@ from ..language.problems import listed, quoted, suggestion
 from ..model.key_types import LARGEST
 from .checks import problems_of_fields, problems_of_options
 from .fields import FieldError, number_in, read_field
-from .line import POSITION, EncoderLine, LineError, LineField, LineProblem, Options
+from .line import POSITION, EncoderLine, LineError, LineField, LineOptions, LineProblem
 
 INTERFACES = ("biss", "ssi", "spi", "rs485")
 #: Characters of the longest line, and the highest number of fields in a line.
@@ -102,9 +102,9 @@ def _split_at_commas(text: str, column: int) -> Iterator[tuple[int, str]]:
         column += len(piece) + 1
 
 
-def _read_options(head: str, interface: str, problems: list[LineProblem]) -> tuple[Options, dict[str, int]]:
+def _read_options(head: str, interface: str, problems: list[LineProblem]) -> tuple[LineOptions, dict[str, int]]:
     """Return the options, and the column of each by its name. ``head`` is the line up to the colon."""
-    options = Options()
+    options = LineOptions()
     columns: dict[str, int] = {}
     for column, piece in list(_split_at_commas(head, 1))[1:]:  # The first one is the interface.
         try:
@@ -175,7 +175,7 @@ _SETTINGS: Mapping[str, tuple[tuple[str, ...], str, Callable[[str], Any], str]] 
 }
 
 
-def with_option(options: Options, text: str, interface: str) -> Options:
+def with_option(options: LineOptions, text: str, interface: str) -> LineOptions:
     """Return the options with one more, such as ``gray`` or ``clock=1MHz``. Without an interface, each option is valid.
 
     Raises:
