@@ -19,8 +19,8 @@ from ...why import MOST_FRAMES
 from ..open_questions import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels
 from .frames import (
+    FrameLine,
     FrameTextError,
-    Line,
     OtherFrames,
     decode_register_text,
     frame_lines,
@@ -62,7 +62,7 @@ class Request:
     answers: Mapping[str, str]
 
 
-def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
+def argument_lines(arguments: Sequence[str]) -> Iterator[FrameLine]:
     """Yield the frames in the arguments, or for ``-`` the frames on standard input, one per line.
 
     The arguments form one text, in which each line is a frame. A single frame has no line number. Arguments without
@@ -77,7 +77,7 @@ def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
     # As on standard input, only line feeds and carriage returns end a line.
     lines = list(frame_lines(io.StringIO(joined_arguments, newline=None)))
     if not lines:
-        yield Line(None, "", joined_arguments)
+        yield FrameLine(None, "", joined_arguments)
     elif len(lines) == 1:
         yield lines[0]._replace(number=None)
     else:
@@ -126,7 +126,7 @@ class Decoding:
                 return code
         return DONE
 
-    def run(self, lines: Iterable[Line]) -> None:
+    def run(self, lines: Iterable[FrameLine]) -> None:
         """Print each frame decoded, and then the mistakes that explain several frames with an error.
 
         Text that cannot be decoded is reported on standard error, and the next line follows. ``code`` changes with
@@ -162,7 +162,7 @@ class Decoding:
             common_mistakes = self._mistakes_in_all()
             print(*together_lines(common_mistakes, len(self._failed_frames)), sep="\n", end="")
 
-    def _print_channels(self, line: Line, decoder: ChannelDecoder, frame: TypedFrame) -> None:
+    def _print_channels(self, line: FrameLine, decoder: ChannelDecoder, frame: TypedFrame) -> None:
         """Print a frame that carries all data channels, as text or as JSON."""
         request = self._request
         result = decoder.decode(frame)
@@ -304,7 +304,7 @@ class Decoding:
 
     def _frame_output(
         self,
-        line: Line,
+        line: FrameLine,
         decoded: codec.DecodedFrame,
         frame_findings: Findings,
         diagnosis: Diagnosis | None,

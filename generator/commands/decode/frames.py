@@ -52,7 +52,7 @@ class FrameTextError(ValueError):
     """The text is not a frame. The message shows the accepted forms."""
 
 
-class Line(NamedTuple):
+class FrameLine(NamedTuple):
     """A frame as text, with its line number (None if it is the only one) and its leading timestamp, or ``""``."""
 
     number: int | None
@@ -60,7 +60,7 @@ class Line(NamedTuple):
     text: str
 
 
-def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
+def frame_lines(lines: Iterable[str]) -> Iterator[FrameLine]:
     """Yield the frames in lines, one per line, with their line numbers from 1 and their times.
 
     Comments after ``#`` are removed, and empty lines are skipped. A time in front of a frame is not part of its text.
@@ -71,9 +71,9 @@ def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
         time_and_frame = before_comment.strip()
         time = _TIME.match(time_and_frame)
         if time:
-            yield Line(number=line_number, time=time[1], text=time_and_frame[time.end() :])
+            yield FrameLine(number=line_number, time=time[1], text=time_and_frame[time.end() :])
         elif time_and_frame:
-            yield Line(number=line_number, time="", text=time_and_frame)
+            yield FrameLine(number=line_number, time="", text=time_and_frame)
 
 
 def undecorated(frame_text: str) -> str:

@@ -9,7 +9,7 @@ from ...model import Device, PlacedLayout, Scale, Variant
 from ...reference import codec
 from ...reference.findings import Findings, FrameReport, ValueDifference
 from .channel_frames import ChannelResult
-from .frames import Line
+from .frames import FrameLine
 from .text import NO_ANSWERS, NO_LINE
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def decoded_data(
     decoded: codec.DecodedFrame,
     frame_findings: Findings,
     diagnosis: Diagnosis | None = None,
-    line: Line = NO_LINE,
+    line: FrameLine = NO_LINE,
     answers: Mapping[str, str] = NO_ANSWERS,
     other_layouts: Sequence[PlacedLayout] = (),
 ) -> dict[str, Any]:
@@ -54,7 +54,9 @@ def decoded_data(
     }
 
 
-def channel_data(device: Device, variant: Variant, sender: str, result: ChannelResult, line: Line) -> dict[str, Any]:
+def channel_data(
+    device: Device, variant: Variant, sender: str, result: ChannelResult, line: FrameLine
+) -> dict[str, Any]:
     """Return a frame with several data channels as plain data, with the errors and reports of all channels.
 
     Each channel also has the errors and reports of its frame, and its fields. ``agree`` is null if nothing is compared.

@@ -21,14 +21,14 @@ from ...say.plain_text import WIDTH, decimal
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, counted, sentence
 from .field_table import capitalized, field_table, wrapped
-from .frames import Line, frame_number, is_frame_of_other_kind, undecorated
+from .frames import FrameLine, frame_number, is_frame_of_other_kind, undecorated
 
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis, Explanation
     from ...why.together import CommonMistake
 
 NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
-NO_LINE = Line(None, "", "")
+NO_LINE = FrameLine(None, "", "")
 _NO_FINDINGS = Findings()
 
 
@@ -39,7 +39,7 @@ def explain(
     decoded: codec.DecodedFrame,
     findings: Findings = _NO_FINDINGS,
     diagnosis: Diagnosis | None = None,
-    line: Line = NO_LINE,
+    line: FrameLine = NO_LINE,
     answers: Mapping[str, str] = NO_ANSWERS,
     label: Sequence[str] | None = None,
     other_frames: str = "",
@@ -125,7 +125,7 @@ def _other_position_lines(
         yield wrapped(sentence(capitalized(say_report.own_request(request_name))), WIDTH, prefix="  ", first="")
 
 
-def line_prefix(line: Line) -> str:
+def line_prefix(line: FrameLine) -> str:
     """Return the number and the time of a line of input, such as ``line 3 at 0.125: ``, or an empty string."""
     number_text = f"line {line.number}" if line.number is not None else ""
     time_text = f"at {line.time}" if line.time else ""
