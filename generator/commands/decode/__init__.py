@@ -15,7 +15,7 @@ from ..terminal import CommandError, release_streams
 if TYPE_CHECKING:
     import argparse
 
-    from .decoding import Request
+    from .decoding import DecodeRequest
 
 EXAMPLES = (
     "codewheel decode MY-ENCODER-13-SC 0b0001111101000_1_1_011010",
@@ -82,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
     return decoding.code
 
 
-def _request_of(arguments: argparse.Namespace) -> Request:
+def _request_of(arguments: argparse.Namespace) -> DecodeRequest:
     """Return the encoder as ``--edition``, ``--register`` and ``--choose`` determine it, with the options.
 
     Register bytes that identify the order code do not change it. Values that contradict it become differences.
@@ -96,7 +96,7 @@ def _request_of(arguments: argparse.Namespace) -> Request:
     from ..find_encoder import find_requested
     from ..open_questions import answers_of
     from ..read_specs import specs_to_read
-    from .decoding import Request
+    from .decoding import DecodeRequest
 
     cache = cache_for(arguments)
     device, match, register_bytes = find_requested(arguments, specs_to_read(arguments.specs), cache)
@@ -109,7 +109,7 @@ def _request_of(arguments: argparse.Namespace) -> Request:
         variant = with_answers(device, variant_with_registers, answers)
     except RegisterError as error:
         raise CommandError(str(error), 2) from None
-    return Request(
+    return DecodeRequest(
         device=reduced_to_codes(device, [variant.code]),
         match=replace(match, variant=variant),
         sender=arguments.sender,

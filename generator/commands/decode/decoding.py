@@ -47,7 +47,7 @@ _ONE_LINE = json.JSONEncoder(ensure_ascii=False)
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class DecodeRequest:
     """Options for decoding the value of ``register`` if that is set, else a frame."""
 
     device: Device
@@ -98,7 +98,7 @@ def _bounded_lines(file: TextIO) -> Iterator[str]:
 class Decoding:
     """Decoder of one frame after another. ``code`` is the exit code so far."""
 
-    def __init__(self, request: Request) -> None:
+    def __init__(self, request: DecodeRequest) -> None:
         """Prepare to decode what is requested. Other layouts are tried too unless a layout or a register is named."""
         self._request = request
         device = request.device
