@@ -27,7 +27,7 @@ class Manual(TypedDict):
     date: str | None
 
 
-class Row(TypedDict):
+class FamilyRow(TypedDict):
     """Facts about a family. Each interface has a name and a title."""
 
     family: str
@@ -76,12 +76,12 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _rows_of_specs(paths: Sequence[Path], cache: Cache) -> list[Row]:
+def _rows_of_specs(paths: Sequence[Path], cache: Cache) -> list[FamilyRow]:
     """Return the facts about the families of specs, from an earlier run if they have not changed."""
     from .cached_result import cached_result
 
     cached_rows = cached_result(cache, "list", paths)
-    stored_rows: list[Row] | None = cached_rows.get()
+    stored_rows: list[FamilyRow] | None = cached_rows.get()
     if stored_rows is not None:
         return stored_rows
     new_rows = family_rows(_load_devices(paths))
@@ -103,12 +103,12 @@ def _load_devices(paths: Sequence[Path]) -> Sequence[Device]:
     return devices
 
 
-def family_rows(devices: Sequence[Device]) -> list[Row]:
+def family_rows(devices: Sequence[Device]) -> list[FamilyRow]:
     """Return the facts about each family, as data that JSON can express."""
     return [_summarise_family(device) for device in devices]
 
 
-def _summarise_family(device: Device) -> Row:
+def _summarise_family(device: Device) -> FamilyRow:
     """Return the facts about a family."""
     manual = device.manual
     return {
@@ -124,8 +124,8 @@ def _summarise_family(device: Device) -> Row:
 
 
 def without_packaged_duplicates(
-    own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()
-) -> tuple[list[Row], list[str]]:
+    own_rows: Sequence[FamilyRow] = (), packaged: Sequence[FamilyRow] = ()
+) -> tuple[list[FamilyRow], list[str]]:
     """Return the user's families, then the packaged ones, except families whose name or order code a user's family has.
 
     The second list contains the names of these exceptions.
@@ -133,7 +133,7 @@ def without_packaged_duplicates(
     user_names = {row["family"] for row in own_rows}
     user_codes = {code for row in own_rows for code in row["order_codes"]}
     repeated_names: list[str] = []
-    other_rows: list[Row] = []
+    other_rows: list[FamilyRow] = []
     for row in packaged:
         has_code_of_user = not user_codes.isdisjoint(row["order_codes"])
         if row["family"] in user_names or has_code_of_user:
@@ -143,23 +143,23 @@ def without_packaged_duplicates(
     return [*own_rows, *other_rows], repeated_names
 
 
-def as_data(families: Sequence[Row]) -> dict[str, Any]:
+def as_data(families: Sequence[FamilyRow]) -> dict[str, Any]:
     """Return the families in the form that ``--json`` prints."""
     return {"version": 1, "families": [_with_interface_names(family) for family in families]}
 
 
-def _with_interface_names(family: Row) -> dict[str, Any]:
+def _with_interface_names(family: FamilyRow) -> dict[str, Any]:
     return {**family, "interfaces": [name for name, _ in family["interfaces"]]}
 
 
-def _pattern_or_codes(family: Row) -> str:
+def _pattern_or_codes(family: FamilyRow) -> str:
     """Return the pattern of the order codes, or the codes themselves if it is only one part, such as ``{model}``."""
     pattern = family["pattern"]
     has_text_or_parts = not pattern.startswith("{") or pattern.count("{") > 1
     return pattern if has_text_or_parts else ", ".join(family["order_codes"])
 
 
-def as_text(families: Sequence[Row]) -> str:
+def as_text(families: Sequence[FamilyRow]) -> str:
     """Return a heading and four lines of facts about each family, at most 80 columns wide."""
     from ..say.plain_text import WIDTH, two_columns, wrapped
 
