@@ -27,7 +27,7 @@ _SEVERAL_FILES = {
 }
 
 
-class Example(TypedDict):
+class RuleExample(TypedDict):
     """A problem in a small spec: the message, and the lines of the spec around it."""
 
     message: str
@@ -74,7 +74,7 @@ def explain(name: str | None) -> str:
     return "\n\n".join(descriptions)
 
 
-def rules_of_check() -> dict[str, Example]:
+def rules_of_check() -> dict[str, RuleExample]:
     """Return an example of each rule of ``check``, by the name of the rule.
 
     Rules about several files have no example.
@@ -82,11 +82,11 @@ def rules_of_check() -> dict[str, Example]:
     from importlib.resources import files
 
     rules_file = files("codewheel.language").joinpath("rules.json")
-    examples: dict[str, Example] = json.loads(rules_file.read_text(encoding="utf-8"))
+    examples: dict[str, RuleExample] = json.loads(rules_file.read_text(encoding="utf-8"))
     return examples
 
 
-def _list_rules(examples: dict[str, Example]) -> str:
+def _list_rules(examples: dict[str, RuleExample]) -> str:
     """Return all rules: the rules of diff with their impacts and conditions, and the names of the rules of check.
 
     ``examples`` contains an example of each rule of check about a single file, by the name of the rule.
@@ -106,7 +106,7 @@ def _list_rules(examples: dict[str, Example]) -> str:
     return "\n".join(lines)
 
 
-def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str]:
+def _describe_rule_of_check(name: str, examples: dict[str, RuleExample]) -> list[str]:
     """Return the description of a rule of check as one text, or an empty list if there is no such rule."""
     from ..say.plain_text import WIDTH, wrapped
 
