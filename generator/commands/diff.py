@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ..loading.configuration import FamilyFilters
     from ..loading.library import Family
     from ..model import Device
-    from .review_formats import Finding
+    from .review_formats import ReviewFinding
 
 EXAMPLES = (
     "codewheel diff old/my_encoder.yaml my_encoder.yaml",
@@ -377,7 +377,7 @@ def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: boo
 # -- places in the new specs, for review tools
 
 
-def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Finding]:
+def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[ReviewFinding]:
     """Return the changes with their places in the new specs. A removed item is at the nearest remaining place.
 
     A change in a family that the new specs lack is at the beginning of their first spec.
@@ -395,14 +395,14 @@ def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Findi
     return findings
 
 
-def _review_finding(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
+def _review_finding(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> ReviewFinding:
     """Return a change in the form for review tools, at its place in the new spec."""
     from ..changes.report import describe_effect
-    from .review_formats import Finding
+    from .review_formats import ReviewFinding
 
     line_number, column = document.position(path)
     file = document.file_of(path) or document.file
-    return Finding(
+    return ReviewFinding(
         file=file_names.get(file, file),
         line=line_number,
         column=column,

@@ -16,7 +16,7 @@ _LEVELS = {"error": "error", "warning": "warning", "notice": "note"}
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class ReviewFinding:
     """A finding at a place of a file. ``level`` is ``error``, ``warning`` or ``notice``."""
 
     file: str
@@ -27,14 +27,14 @@ class Finding:
     level: str = "error"
 
 
-def as_review(findings: Sequence[Finding], form: str) -> str:
+def as_review(findings: Sequence[ReviewFinding], form: str) -> str:
     """Return findings as ``github`` or ``sarif``, without a final line break."""
     if form == "github":
         return "\n".join(map(_workflow_command, findings))
     return json.dumps(_sarif_log(findings), indent=2, ensure_ascii=False)
 
 
-def _workflow_command(finding: Finding) -> str:
+def _workflow_command(finding: ReviewFinding) -> str:
     """Return a workflow command, in which line ends and percent signs are escaped.
 
     For example ``::error file=x24.yaml,line=3,col=5,title=not-allowed::the message``.
@@ -54,7 +54,7 @@ def _escape_workflow_text(text: str, more_characters: str = "") -> str:
     return text
 
 
-def _sarif_log(findings: Sequence[Finding]) -> dict[str, object]:
+def _sarif_log(findings: Sequence[ReviewFinding]) -> dict[str, object]:
     rule_names = sorted({finding.rule for finding in findings})
     driver = {"name": "codewheel", "version": __version__, "rules": [{"id": name} for name in rule_names]}
     results = [_sarif_result(finding) for finding in findings]
@@ -62,7 +62,7 @@ def _sarif_log(findings: Sequence[Finding]) -> dict[str, object]:
     return {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
 
 
-def _sarif_result(finding: Finding) -> dict[str, object]:
+def _sarif_result(finding: ReviewFinding) -> dict[str, object]:
     """Return a finding as a result of SARIF."""
     location = {
         "artifactLocation": {"uri": _uri_of_file(finding.file)},

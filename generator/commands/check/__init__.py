@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...loading.configuration import Configuration
     from ...readings.second_readings import Coverage
     from ..cached_result import CachedResult
-    from ..review_formats import Finding
+    from ..review_formats import ReviewFinding
 
 JSON_VERSION = 1
 EXAMPLES = ("codewheel check my_encoder.yaml", "codewheel check .", "codewheel check --json")
@@ -194,11 +194,11 @@ def _review_text(report: ProblemReport, form: str) -> str:
     return as_review([_review_finding(problem) for problem in report.shown], form)
 
 
-def _review_finding(problem: Problem) -> Finding:
+def _review_finding(problem: Problem) -> ReviewFinding:
     """Return a problem in the form for review tools."""
-    from ..review_formats import Finding
+    from ..review_formats import ReviewFinding
 
-    return Finding(
+    return ReviewFinding(
         file=problem.file,
         line=problem.line,
         column=problem.column,
