@@ -42,7 +42,7 @@ _CLEAN = "clean family"
 
 
 @dataclass(frozen=True)
-class Checked:
+class CheckedSpecs:
     """Families and second readings that were checked, with their problems."""
 
     families: Sequence[Family]
@@ -50,7 +50,7 @@ class Checked:
     report: ProblemReport
 
 
-def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache = NO_CACHE) -> Checked:
+def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache = NO_CACHE) -> CheckedSpecs:
     """Check the specs at ``paths`` and the second readings next to them.
 
     Families that are in the cache, which had no problems with the same content, are not checked again. Their second
@@ -118,7 +118,7 @@ def check_families(
     report: ProblemReport,
     read: Reader = read_beside,
     read_words: SheetReader = read_sheet,
-) -> Checked:
+) -> CheckedSpecs:
     """Check families against the targets, and against the second readings and sheets of words next to their specs.
 
     ``read`` and ``read_words`` return the second reading and the sheet of a family, or None if there is none. Problems
@@ -131,7 +131,7 @@ def check_families(
     report_unfit_parts(families, targets, report)
     readings = compare_readings(families, comparable_files, report, read)
     check_sheets(families, comparable_files, report, read_words)
-    return Checked(families=families, readings=readings, report=report)
+    return CheckedSpecs(families=families, readings=readings, report=report)
 
 
 #: Kind of entry for a family that may be released.
@@ -140,7 +140,7 @@ _COLUMNS = ("twice", "explained", "decided", "once", "derived")
 _OUT_OF_DATE = "the counts do not match the readings; update them with codewheel check --coverage --write"
 
 
-def check_counts(checked: Checked, *, write: bool) -> None:
+def check_counts(checked: CheckedSpecs, *, write: bool) -> None:
     """Report files with counts of readings, next to the specs, that are out of date. With ``write``, write them all.
 
     A family without such a file has no counts.
@@ -226,7 +226,7 @@ def _fact_data(family_coverage: Coverage, sort: FactClass, place: SpecPath) -> d
     }
 
 
-def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
+def as_text(covered: Sequence[Coverage], checked: CheckedSpecs) -> str:
     """Return the coverage as text: a table of counts by class and by family, and the facts to read a second time.
 
     ``covered`` are the families in the table. Other checked families are listed as not read twice.
