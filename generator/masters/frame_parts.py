@@ -35,7 +35,7 @@ class NoRecord(ValueError):
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Part:
+class FramePart:
     """A run of bits in the frame.
 
     ``role`` is ``padding``, ``multiturn``, ``singleturn``, ``status``, ``crc``, ``parity`` or ``other``.
@@ -52,7 +52,7 @@ class Part:
 _ROLES_AS_SENT = ("before", "position", "after", "status", "crc")
 
 
-def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
+def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[FramePart]:
     """Yield the parts of the frame in the order sent. Bits that the common frame does not have there are ``other``.
 
     Raises:
@@ -85,16 +85,16 @@ def _next_stage(stage: str, role: str) -> str:
     return "status" if stage in ("position", "after") else stage
 
 
-def _part_without_position(field: PlacedField, role: str) -> Part:
+def _part_without_position(field: PlacedField, role: str) -> FramePart:
     """Return the part for a field that is not of the position. Zero bits on both sides of the position are padding."""
     if role in ("before", "after"):
-        return Part(name=field.name, role="padding", bits=field.width)
+        return FramePart(name=field.name, role="padding", bits=field.width)
     if role == "status":
-        return Part(name=field.name, role="status", bits=field.width, active=_active_level(field.field))
-    return Part(name=field.name, role=role, bits=field.width)
+        return FramePart(name=field.name, role="status", bits=field.width, active=_active_level(field.field))
+    return FramePart(name=field.name, role=role, bits=field.width)
 
 
-def rough_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
+def rough_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[FramePart]:
     """Yield the parts of a frame that masters cannot take, in the order sent.
 
     The kind of a field decides its role, wherever it is in the frame. If no bits of the position are the revolutions,
@@ -222,14 +222,14 @@ def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -
     raise NoRecord(f"'{measurement.of}' has {counts} counts per revolution, so no bits of it are the revolutions")
 
 
-def _position_parts(field: PlacedField, turn_bits: int) -> Iterator[Part]:
+def _position_parts(field: PlacedField, turn_bits: int) -> Iterator[FramePart]:
     """Yield the part of a field of the position, or two parts if only its highest bits are revolutions."""
     singleturn_bits = field.width - turn_bits
     if turn_bits:
         turns_name = f"{field.name}_turns" if singleturn_bits else field.name
-        yield Part(name=turns_name, role="multiturn", bits=turn_bits)
+        yield FramePart(name=turns_name, role="multiturn", bits=turn_bits)
     if singleturn_bits:
-        yield Part(name=field.name, role="singleturn", bits=singleturn_bits)
+        yield FramePart(name=field.name, role="singleturn", bits=singleturn_bits)
 
 
 def _active_level(field: Field) -> str:
@@ -239,7 +239,7 @@ def _active_level(field: Field) -> str:
     return "low" if field.kind.active_low else "high"
 
 
-def parity_of_frame(placed_layout: PlacedLayout, frame_parts: Sequence[Part]) -> str:
+def parity_of_frame(placed_layout: PlacedLayout, frame_parts: Sequence[FramePart]) -> str:
     """Return ``odd`` or ``even`` for a frame that ends in a parity bit over the whole of it, or else ``none``."""
     kind = placed_layout.fields[-1].field.kind
     if frame_parts[-1].role != "parity" or not isinstance(kind, Parity):
@@ -247,7 +247,7 @@ def parity_of_frame(placed_layout: PlacedLayout, frame_parts: Sequence[Part]) ->
     return "odd" if kind.odd else "even"
 
 
-def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame_parts: Sequence[Part]) -> str:
+def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame_parts: Sequence[FramePart]) -> str:
     """Return the code of the position: ``binary``, ``gray``, or a variety of Gray code.
 
     It is ``gray_with_status`` if the bits in Gray code are the position and all status bits, ``gray_excess`` if
@@ -266,11 +266,11 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
     return "other"
 
 
-def _bits_of_role(frame_parts: Sequence[Part], role: str) -> int:
+def _bits_of_role(frame_parts: Sequence[FramePart], role: str) -> int:
     return sum(part.bits for part in frame_parts if part.role == role)
 
 
-def bit_counts(frame_parts: Sequence[Part]) -> dict[str, int | None]:
+def bit_counts(frame_parts: Sequence[FramePart]) -> dict[str, int | None]:
     """Return the numbers of bits of a frame by the names of the items for rules: ``{"crc_bits": 6, ...}``.
 
     ``left`` in a name means bits sent before the position, and ``right`` means bits sent after it. ``frame_bits``
@@ -302,14 +302,14 @@ def bit_counts(frame_parts: Sequence[Part]) -> dict[str, int | None]:
     }
 
 
-def _parts_before_position(frame_parts: Sequence[Part]) -> Sequence[Part]:
+def _parts_before_position(frame_parts: Sequence[FramePart]) -> Sequence[FramePart]:
     """Return the parts that are sent before the position, which every frame of a record has."""
     roles = [part.role for part in frame_parts]
     first_indices = [roles.index(role) for role in ("multiturn", "singleturn") if role in roles]
     return frame_parts[: min(first_indices)]
 
 
-def _parts_after_status(frame_parts: Sequence[Part]) -> Sequence[Part]:
+def _parts_after_status(frame_parts: Sequence[FramePart]) -> Sequence[FramePart]:
     """Return the parts from the first status bit on, or none without a status bit."""
     roles = [part.role for part in frame_parts]
     if "status" not in roles:

@@ -9,7 +9,7 @@ from ..model import Alternative, Device, Measurement, PlacedLayout, Variant
 from ..say.names_and_places import addresses
 from ..say.order_code import initial
 from ..say.text import counted
-from .frame_parts import CableTable, NoRecord, Part, turn_bits_of_fields
+from .frame_parts import CableTable, FramePart, NoRecord, turn_bits_of_fields
 
 
 def answer_notes(alternatives: Sequence[Alternative], answer_names: Mapping[str, str]) -> Iterator[str]:
@@ -37,7 +37,11 @@ def _register_in_words(device: Device, name: str) -> str:
 
 
 def frame_notes(
-    device: Device, position_name: str, placed_layout: PlacedLayout, frame_parts: Sequence[Part], as_delivered: bool
+    device: Device,
+    position_name: str,
+    placed_layout: PlacedLayout,
+    frame_parts: Sequence[FramePart],
+    as_delivered: bool,
 ) -> Iterator[str]:
     """Yield sentences about registers that change the frame, about a signed position, and about fixed status bits.
 

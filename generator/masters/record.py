@@ -34,8 +34,8 @@ from .channels import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
 from .frame_parts import (
     CableRow,
     CableTable,
+    FramePart,
     NoRecord,
-    Part,
     bit_counts,
     cable_table,
     frame_parts,
@@ -73,7 +73,7 @@ class Record:
     family: str
     words: Mapping[str, str]
     numbers: Mapping[str, int | None]
-    parts: tuple[Part, ...]
+    parts: tuple[FramePart, ...]
     timeout: str
     cables: CableTable
     notes: tuple[str, ...]
@@ -172,7 +172,7 @@ def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]
     )
 
 
-def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[Part, ...], str]:
+def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[FramePart, ...], str]:
     """Return the parts of the frame, and the reason why no master can take them, or an empty string if they can.
 
     With a reason, the parts are only rough.
@@ -209,7 +209,7 @@ def _is_common_form(device: Device, crc: Crc) -> bool:
 
 def _build_record(
     frame: _PositionFrame,
-    frame_parts: tuple[Part, ...],
+    frame_parts: tuple[FramePart, ...],
     numbers: Mapping[str, int | None],
     cables: CableTable,
     notes: tuple[str, ...],
@@ -241,7 +241,7 @@ def _build_record(
     )
 
 
-def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[Part]) -> dict[str, int | None]:
+def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[FramePart]) -> dict[str, int | None]:
     """Return the numbers of a record by name, in the order of ``NUMBERS``: ``{"position_bits": 24, …}``.
 
     A number that the spec does not give is None.
@@ -260,7 +260,7 @@ def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[Part]) -> dict
 
 
 def _words_by_name(
-    frame: _PositionFrame, frame_parts: Sequence[Part], numbers: Mapping[str, int | None]
+    frame: _PositionFrame, frame_parts: Sequence[FramePart], numbers: Mapping[str, int | None]
 ) -> dict[str, str]:
     """Return the facts of a record that are words, by name: ``{"coding": "gray", "parity": "none", ...}``."""
     movement = frame.device.movement
@@ -274,7 +274,7 @@ def _words_by_name(
     }
 
 
-def _status_active(frame_parts: Sequence[Part]) -> str:
+def _status_active(frame_parts: Sequence[FramePart]) -> str:
     """Return the level at which the status bits are active, ``mixed`` if they differ, or ``none``."""
     # A bit that is always 1 has no level. It is an active-low bit that is never active.
     levels = {part.active or "low" for part in frame_parts if part.role == "status"}

@@ -15,7 +15,7 @@ from ..language.master_items import NUMBERS, STEPS, WORDS
 from ..model.expressions import Expression, ExpressionError
 from ..say.plain_text import decimal
 from ..say.text import counted, hertz
-from .frame_parts import Part
+from .frame_parts import FramePart
 from .record import Record
 
 Raw = Mapping[str, Any]
@@ -353,25 +353,25 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
         yield _filled_if_known(part_text, record)
 
 
-def _with_whole_position(record: Record) -> Sequence[Part]:
+def _with_whole_position(record: Record) -> Sequence[FramePart]:
     """Return the parts of the frame with all parts of the position merged into one."""
     roles = ["position" if part.role in ("multiturn", "singleturn") else part.role for part in record.parts]
     parts = [replace(part, role=role) for part, role in zip(record.parts, roles, strict=True)]
     return _with_neighbours_merged(parts, ("position",))
 
 
-def _with_two_parts_of_position(record: Record) -> Sequence[Part]:
+def _with_two_parts_of_position(record: Record) -> Sequence[FramePart]:
     """Return the parts of the frame with all multiturn bits in one, and all singleturn bits in one."""
     return _with_neighbours_merged(record.parts, ("multiturn", "singleturn"))
 
 
-def _with_neighbours_merged(frame_parts: Sequence[Part], roles: Collection[str]) -> Sequence[Part]:
+def _with_neighbours_merged(frame_parts: Sequence[FramePart], roles: Collection[str]) -> Sequence[FramePart]:
     """Return the parts, with adjacent parts of the same role merged if the role is in ``roles``.
 
     Two neighbouring parts of 4 and 8 singleturn bits become the part ``singleturn`` of 12 bits. Such a part is named
     after its role, even if it has no such neighbour.
     """
-    merged_parts: list[Part] = []
+    merged_parts: list[FramePart] = []
     for part in frame_parts:
         if part.role not in roles:
             merged_parts.append(part)

@@ -21,7 +21,7 @@ from ..model import INTERFACES, Document
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..say.order_code import clocks_in_use
-from .frame_parts import Part
+from .frame_parts import FramePart
 from .places import MasterDevice, Place, WriteCondition, devices_of, places_of, reason_for_misfit, writing_of
 from .record import Record
 from .setting_values import (
@@ -335,7 +335,7 @@ def _refusal_of_gap(uncovered: str) -> Refusal:
     return Refusal(reason=reason, standing="inferred", source="")
 
 
-def _items_of_parts(frame_parts: Sequence[Part]) -> Iterator[str]:
+def _items_of_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:
     """Yield, for each part, the item that counts its bits, such as ``parity_bits``.
 
     For the parts of the common frame, which every master has, yield an empty string.
