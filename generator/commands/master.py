@@ -20,7 +20,7 @@ from .line_encoder import OR_A_LINE
 from .terminal import CommandError, print_json, problems, refuse_missing
 
 if TYPE_CHECKING:
-    from ..masters.record import Record
+    from ..masters.record import EncoderFacts
     from ..masters.sheet import Master, Sheet
     from ..model import Device
     from ..order_codes.labels import Match
@@ -134,7 +134,7 @@ def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
         raise CommandError(f"there is no master '{name}'{hint}", 2)
 
 
-def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Record]:
+def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, EncoderFacts]:
     """Return the family and match of the order code, and the record of the settings that masters need for it.
 
     Raises:
@@ -166,7 +166,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Rec
 
 
 def _file_for_master(
-    arguments: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_record: Record
+    arguments: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_record: EncoderFacts
 ) -> str:
     """Return the text of a file for ``--master`` in the ``--format`` that the user chose.
 
@@ -213,7 +213,7 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
     return formats[arguments.format]
 
 
-def _cannot_use_message(master_sheet: Sheet, masters: Sequence[Master], encoder_record: Record) -> str:
+def _cannot_use_message(master_sheet: Sheet, masters: Sequence[Master], encoder_record: EncoderFacts) -> str:
     """Return the message about a master that cannot use the encoder: the reason, and the masters with files that can.
 
     The master has refusals, of which the first one is given.

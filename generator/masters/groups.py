@@ -11,7 +11,7 @@ from typing import NamedTuple
 from ..model import Device, Interface, Variant, choices
 from ..model.record import dataclass
 from .frame_parts import NoRecord
-from .record import Record, Undecided, record
+from .record import EncoderFacts, Undecided, record
 from .sheet import Master, Sheet, sheet
 
 
@@ -21,7 +21,7 @@ class Group:
 
     device: Device
     codes: tuple[str, ...]
-    record: Record
+    record: EncoderFacts
 
 
 def order_code_groups(device: Device, interface: Interface) -> list[Group]:
@@ -29,14 +29,14 @@ def order_code_groups(device: Device, interface: Interface) -> list[Group]:
 
     Order codes are in one group if their records are equal apart from the code.
     """
-    records_by_facts: dict[str, list[Record]] = {}
+    records_by_facts: dict[str, list[EncoderFacts]] = {}
     for code_record in records_of(device, interface):
         facts_without_code = repr(replace(code_record, code=""))
         records_by_facts.setdefault(facts_without_code, []).append(code_record)
     return [_build_group(device, records) for records in records_by_facts.values()]
 
 
-def _build_group(device: Device, records: Sequence[Record]) -> Group:
+def _build_group(device: Device, records: Sequence[EncoderFacts]) -> Group:
     codes = tuple(code_record.code for code_record in records)
     return Group(device, codes, record=records[0])
 
@@ -91,7 +91,7 @@ def _sheets_for(master: Master, groups: Sequence[Group]) -> tuple[Sheet, ...]:
     return tuple(sheet(master, group.record) for group in groups)
 
 
-def records_of(device: Device, interface: Interface) -> Iterator[Record]:
+def records_of(device: Device, interface: Interface) -> Iterator[EncoderFacts]:
     """Yield the records of all listed order codes of an interface, once for each choice on which the frame depends.
 
     Order codes whose position no master can read are left out.
@@ -103,7 +103,7 @@ def records_of(device: Device, interface: Interface) -> Iterator[Record]:
                     yield code_record
 
 
-def _records_by_answers(device: Device, variant: Variant) -> Iterator[Record]:
+def _records_by_answers(device: Device, variant: Variant) -> Iterator[EncoderFacts]:
     """Yield the record of an order code, once for each choice on which its frame depends.
 
     Without such a choice, there is one record.

@@ -57,7 +57,7 @@ class Undecided(NoRecord):
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Record:
+class EncoderFacts:
     """Facts about one order code. ``parts`` are in the order sent, ``notes`` are whole sentences.
 
     ``answers`` are the user's answers to questions that the manual leaves open, by the names of the alternatives.
@@ -115,7 +115,7 @@ def record(
     as_delivered: bool = True,
     cable_m: int | None = None,
     answers: Mapping[str, str] = _NO_ANSWERS,
-) -> Record:
+) -> EncoderFacts:
     """Return the record of one order code.
 
     Args:
@@ -214,7 +214,7 @@ def _build_record(
     cables: CableTable,
     notes: tuple[str, ...],
     answers: Mapping[str, str],
-) -> Record:
+) -> EncoderFacts:
     """Return the record for any cable length, without the reasons why masters cannot use it.
 
     ``used_hz`` is empty if the highest clock is known.
@@ -222,7 +222,7 @@ def _build_record(
     device, interface = frame.device, frame.interface
     timeout = interface.timeout_of(frame.variant.code) if isinstance(interface, Biss) else None
     clock = interface.clock_of(frame.variant.code)
-    return Record(
+    return EncoderFacts(
         code=frame.variant.code,
         family=device.name,
         words=_words_by_name(frame, frame_parts, numbers),
@@ -284,7 +284,7 @@ def _status_active(frame_parts: Sequence[FramePart]) -> str:
     return levels.pop() if have_same_level else "mixed"
 
 
-def _limit_to_cable(unlimited: Record, metres: int) -> Record:
+def _limit_to_cable(unlimited: EncoderFacts, metres: int) -> EncoderFacts:
     """Return the record with the highest clock for this cable length: the table's clock or, if lower, the encoder's.
 
     If the encoder's clock is not known, the record contains the clocks in use that the table allows. ``cable_row`` is
@@ -308,7 +308,7 @@ def _limit_to_cable(unlimited: Record, metres: int) -> Record:
     return replace(unlimited, numbers=numbers, cable_m=metres, cable_row=limiting_row)
 
 
-def _cable_row(unlimited: Record, metres: int) -> CableRow:
+def _cable_row(unlimited: EncoderFacts, metres: int) -> CableRow:
     """Return the row of the table for this cable length.
 
     Raises:

@@ -16,7 +16,7 @@ from ..model.expressions import Expression, ExpressionError
 from ..say.plain_text import decimal
 from ..say.text import counted, hertz
 from .frame_parts import FramePart
-from .record import Record
+from .record import EncoderFacts
 
 Raw = Mapping[str, Any]
 #: Bound of a clock that is in use, while the limits of the encoder are not known.
@@ -50,19 +50,19 @@ class UnsupportedFeature(Exception):
     """The master does not support a feature that the encoder needs."""
 
 
-def rule_applies(rule: Raw, record: Record) -> bool:
+def rule_applies(rule: Raw, record: EncoderFacts) -> bool:
     """Return whether all conditions in ``when`` of a rule are known to hold."""
     return all(_condition_holds(condition, record) for condition in rule.get("when", ()))
 
 
-def _condition_holds(condition: Raw, record: Record) -> bool:
+def _condition_holds(condition: Raw, record: EncoderFacts) -> bool:
     """Return whether a condition is known to hold."""
     name = condition["item"]
     is_known = name in record.words or record.numbers[name] is not None
     return is_known and is_within_limits(condition, record)
 
 
-def is_within_limits(limit: Raw, record: Record) -> bool:
+def is_within_limits(limit: Raw, record: EncoderFacts) -> bool:
     """Return whether an item of the record is within its limits, or a number without a value.
 
     The limits of a word are the list ``is``. Those of a number are ``at_least``, ``at_most``, ``one_of`` and
@@ -101,7 +101,7 @@ _COUNTED_BITS: Mapping[str, tuple[str, str]] = {
 }
 
 
-def actual_value(name: str, record: Record) -> str:
+def actual_value(name: str, record: EncoderFacts) -> str:
     """Return an item of a record in words of a manual, such as ``Gray code`` or ``4 zero bits before the position``."""
     if name in record.words:
         return fill_template(WORDS[name][record.words[name]], record)
@@ -117,7 +117,7 @@ def actual_value(name: str, record: Record) -> str:
     return f"{NUMBERS[name]}: {number}"
 
 
-def value_of_setting(rule: Raw, record: Record) -> ValueOfSetting:
+def value_of_setting(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
     """Return the value of a setting, such as ``(5000, "5000 kHz", "at_most")``.
 
     Raises:
@@ -148,7 +148,9 @@ def value_of_setting(rule: Raw, record: Record) -> ValueOfSetting:
     return ValueOfSetting(text, text)
 
 
-def _evaluate_expression(value: int | str, setting_name: str, record: Record, *, may_be_negative: bool = False) -> int:
+def _evaluate_expression(
+    value: int | str, setting_name: str, record: EncoderFacts, *, may_be_negative: bool = False
+) -> int:
     """Return the value of an expression for a record.
 
     Raises:
@@ -169,7 +171,7 @@ def _evaluate_expression(value: int | str, setting_name: str, record: Record, *,
     return number
 
 
-def _choose_value(rule: Raw, record: Record) -> int | str:
+def _choose_value(rule: Raw, record: EncoderFacts) -> int | str:
     """Return the value ``set`` of the case whose ``is`` equals the deciding item of this encoder.
 
     Raises:
@@ -187,11 +189,11 @@ def _choose_value(rule: Raw, record: Record) -> int | str:
     raise UnsupportedFeature(f"{rule['name']} has no value for {actual_value(deciding_item, record)}")
 
 
-def _is_highest_clock_known(record: Record) -> bool:
+def _is_highest_clock_known(record: EncoderFacts) -> bool:
     return record.numbers["clock_max_hz"] is not None
 
 
-def _clock_limits_hz(record: Record) -> tuple[int, int]:
+def _clock_limits_hz(record: EncoderFacts) -> tuple[int, int]:
     """Return the slowest and the fastest clock of the encoder. The slowest is 0 if it is not known.
 
     Raises:
@@ -203,7 +205,7 @@ def _clock_limits_hz(record: Record) -> tuple[int, int]:
     return slowest_hz or 0, fastest_hz
 
 
-def _listed_clock(rule: Raw, record: Record) -> ValueOfSetting:
+def _listed_clock(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
     """Return the value of a clock that the master selects from a list: ``(3, "3 (5 MHz)", "")``."""
     best_clock = best_listed_clock(rule, record)
     frequency_text = hertz(best_clock["hz"])
@@ -213,7 +215,7 @@ def _listed_clock(rule: Raw, record: Record) -> ValueOfSetting:
     return ValueOfSetting(value, text, bound)
 
 
-def best_listed_clock(rule: Raw, record: Record) -> Raw:
+def best_listed_clock(rule: Raw, record: EncoderFacts) -> Raw:
     """Return the fastest of the master's clocks that the encoder supports: ``{"hz": 5000000, "set": 3}``.
 
     If the highest clock of the encoder is not known, return the fastest clock in use.
@@ -241,7 +243,7 @@ def _fastest_of(clocks: Sequence[Raw]) -> Raw:
     return max(clocks, key=lambda clock: int(clock["hz"]))
 
 
-def _fastest_clock_text(record: Record) -> str:
+def _fastest_clock_text(record: EncoderFacts) -> str:
     """Return the highest clock in words, which a table of cable lengths may give as an exclusive limit."""
     row = record.cable_row
     if row is not None:
@@ -249,7 +251,7 @@ def _fastest_clock_text(record: Record) -> str:
     return hertz(record.known_numbers["clock_max_hz"])
 
 
-def _selectable_clock(clock_rule: Raw, record: Record) -> ValueOfSetting:
+def _selectable_clock(clock_rule: Raw, record: EncoderFacts) -> ValueOfSetting:
     """Return the value of a clock that the master takes as a number: ``(5000, "5000 kHz", "at_most")``.
 
     The number has the unit of the rule, or Hz if that is not a unit of frequency.
@@ -272,7 +274,7 @@ def _selectable_clock(clock_rule: Raw, record: Record) -> ValueOfSetting:
     return ValueOfSetting(value, text, bound)
 
 
-def best_selectable_clock(clock_rule: Raw, record: Record) -> int:
+def best_selectable_clock(clock_rule: Raw, record: EncoderFacts) -> int:
     """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks.
 
     If the highest clock of the encoder is not known, return the fastest in use that the master supports.
@@ -297,7 +299,7 @@ def best_selectable_clock(clock_rule: Raw, record: Record) -> int:
     return best_hz
 
 
-def _filled_if_known(text: str, record: Record) -> str:
+def _filled_if_known(text: str, record: EncoderFacts) -> str:
     """Return the text with the items in braces filled in.
 
     Raises:
@@ -311,7 +313,7 @@ def _filled_if_known(text: str, record: Record) -> str:
     return fill_template(text, record)
 
 
-def fill_template(text: str, record: Record) -> str:
+def fill_template(text: str, record: EncoderFacts) -> str:
     """Return the text with the items in braces filled in, and with ``unknown`` for items without a value."""
     if "{" not in text:
         return text
@@ -322,7 +324,7 @@ def fill_template(text: str, record: Record) -> str:
     return text
 
 
-def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
+def _field_texts(rule: Raw, setting_name: str, record: EncoderFacts) -> Iterator[str]:
     """Yield the text at the start, and then the text of each part of the frame, from the rule for its kind.
 
     The kind of a part is its role, or for a status bit ``status_active_low`` or ``status_active_high``.
@@ -353,14 +355,14 @@ def _field_texts(rule: Raw, setting_name: str, record: Record) -> Iterator[str]:
         yield _filled_if_known(part_text, record)
 
 
-def _with_whole_position(record: Record) -> Sequence[FramePart]:
+def _with_whole_position(record: EncoderFacts) -> Sequence[FramePart]:
     """Return the parts of the frame with all parts of the position merged into one."""
     roles = ["position" if part.role in ("multiturn", "singleturn") else part.role for part in record.parts]
     parts = [replace(part, role=role) for part, role in zip(record.parts, roles, strict=True)]
     return _with_neighbours_merged(parts, ("position",))
 
 
-def _with_two_parts_of_position(record: Record) -> Sequence[FramePart]:
+def _with_two_parts_of_position(record: EncoderFacts) -> Sequence[FramePart]:
     """Return the parts of the frame with all multiturn bits in one, and all singleturn bits in one."""
     return _with_neighbours_merged(record.parts, ("multiturn", "singleturn"))
 

@@ -23,7 +23,7 @@ from ..model.record import dataclass
 from ..say.order_code import clocks_in_use
 from .frame_parts import FramePart
 from .places import MasterDevice, Place, WriteCondition, devices_of, places_of, reason_for_misfit, writing_of
-from .record import Record
+from .record import EncoderFacts
 from .setting_values import (
     START_WITH,
     Raw,
@@ -184,7 +184,7 @@ def _master_from_spec(master_data: Raw) -> Master:
     )
 
 
-def sheet(master: Master, record: Record) -> Sheet:
+def sheet(master: Master, record: EncoderFacts) -> Sheet:
     """Return the master's settings for the order code of ``record``, or the reasons why it cannot use it."""
     interface = record.words["interface"]
     if interface not in master.takes:
@@ -234,7 +234,7 @@ def _refusing_sheet(master: Master, *refusals: Refusal) -> Sheet:
     return Sheet(master=master, refusals=refusals, settings=(), notes=())
 
 
-def _interface_refusal(master: Master, record: Record) -> Refusal:
+def _interface_refusal(master: Master, record: EncoderFacts) -> Refusal:
     described_interfaces = listed(INTERFACES[name].title for name in master.takes)
     encoder_interface = INTERFACES[record.words["interface"]].title
     reason = f"This master is described for {described_interfaces} only, but {record.code} has {encoder_interface}."
@@ -242,7 +242,7 @@ def _interface_refusal(master: Master, record: Record) -> Refusal:
 
 
 def _settings_and_device_refusals(
-    master: Master, record: Record, uncovered: str
+    master: Master, record: EncoderFacts, uncovered: str
 ) -> tuple[list[Setting], list[tuple[Refusal, set[str]]]]:
     """Return the settings, and the refusals of settings that some devices cannot express, with these devices.
 
@@ -265,7 +265,7 @@ def _settings_and_device_refusals(
     return settings, device_refusals
 
 
-def _limit_refusal(rule: Raw, master: Master, record: Record) -> Refusal:
+def _limit_refusal(rule: Raw, master: Master, record: EncoderFacts) -> Refusal:
     reason = f"{rule['reason']} For this encoder: {actual_value(rule['item'], record)}."
     return Refusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
 
@@ -278,7 +278,7 @@ def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[Refusal]:
             yield Refusal(reason=f"{reason}.", standing=setting.standing, source=setting.source)
 
 
-def _refusals_of_crc(master: Master, record: Record) -> Iterator[Refusal]:
+def _refusals_of_crc(master: Master, record: EncoderFacts) -> Iterator[Refusal]:
     """Yield a refusal if no master can check the CRC, and ``master`` does, since its rules depend on the CRC.
 
     ``crc_obstacle`` is the reason why none can, or an empty string.
@@ -311,7 +311,7 @@ def _depends_on_whole_frame(rule: Raw) -> bool:
     return has_several_items or not frame_items <= _ITEMS_OF_ANY_FRAME
 
 
-def _uncovered_parts(master: Master, record: Record) -> str:
+def _uncovered_parts(master: Master, record: EncoderFacts) -> str:
     """Return the names of the uncommon parts of the frame that the master's description does not mention.
 
     They are one text, such as ``'parity' and 'reserved'``, which is empty if there are none. Uncommon parts are parity
@@ -377,7 +377,7 @@ def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
     return names_with_setting
 
 
-def _with_setting_names(rule: Raw, record: Record) -> Raw:
+def _with_setting_names(rule: Raw, record: EncoderFacts) -> Raw:
     """Return a condition for writing, with the names of settings as on the sheet, without braces."""
     named_rule = dict(rule)
     for key in ("of", "after"):
@@ -386,7 +386,7 @@ def _with_setting_names(rule: Raw, record: Record) -> Raw:
     return named_rule
 
 
-def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: str) -> Setting:
+def _setting_of_rule(rule: Raw, master: Master, record: EncoderFacts, unknown_parts: str) -> Setting:
     """Return a setting. Its value is None if the record lacks it, or if it depends on ``unknown_parts`` of the frame.
 
     ``unknown_parts`` are names in a text, such as ``'parity' and 'reserved'``, which is empty if there are none.
@@ -416,14 +416,14 @@ def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: s
     )
 
 
-def _start_note(bound: str, record: Record) -> str:
+def _start_note(bound: str, record: EncoderFacts) -> str:
     """Return why a clock is only a value to start with, or an empty string if it is a limit."""
     if bound != START_WITH:
         return ""
     return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
 
 
-def _cable_note(rule: Raw, value: int | bool | str | None, record: Record) -> str:
+def _cable_note(rule: Raw, value: int | bool | str | None, record: EncoderFacts) -> str:
     """Return a sentence about the cables that allow the clock of a setting.
 
     Return an empty string if the setting has no clock, or if the user gave a cable length.

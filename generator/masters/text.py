@@ -16,7 +16,7 @@ from ..say.order_code import clocks_in_use
 from ..say.plain_text import WIDTH, two_columns, wrapped
 from ..say.text import PLAIN_STYLE, counted, hertz, microseconds, volts
 from .places import WriteCondition, place_lines, write_order
-from .record import Record
+from .record import EncoderFacts
 from .sheet import Master, Refusal, Setting, Sheet
 
 VERSION = 1
@@ -33,7 +33,7 @@ _WIDEST_NAME, _WIDEST_VALUE = 40, 18
 _MARKS = {"documented": "", "inferred": " *", "tried": " +"}
 
 
-def record_facts(record: Record) -> Iterator[tuple[str, str]]:
+def record_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
     """Yield the record in words, one fact per row."""
     yield "Interface", INTERFACES[record.words["interface"]].title
     yield from _frame_facts(record)
@@ -51,7 +51,7 @@ def record_facts(record: Record) -> Iterator[tuple[str, str]]:
     yield "Supply", _supply_text(record) or _not_stated_text(record, Topic.SUPPLY)
 
 
-def _frame_facts(record: Record) -> Iterator[tuple[str, str]]:
+def _frame_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
     """Yield the facts about the bits of the frame."""
     numbers = record.numbers
     position_text = str(numbers["position_bits"])
@@ -73,7 +73,7 @@ def _frame_facts(record: Record) -> Iterator[tuple[str, str]]:
         yield "Parity", f"{record.words['parity']}, last bit"
 
 
-def _clock_limits_text(record: Record) -> str:
+def _clock_limits_text(record: EncoderFacts) -> str:
     """Return the clock limits, or the clocks in use if there are none: ``at least 80 kHz, below 5 MHz``.
 
     The cable limits the clock if the record has a row of the cable table.
@@ -94,13 +94,13 @@ def _clock_limits_text(record: Record) -> str:
     return _not_stated_text(record)
 
 
-def _not_stated_text(record: Record, subject: Topic | None = None) -> str:
+def _not_stated_text(record: EncoderFacts, subject: Topic | None = None) -> str:
     """Return the words for a fact without a value, or a reference to the text of the manual that mentions it."""
     reference = record.mentioned[subject] if subject is not None else ""
     return reference or f"the {record.document} does not say"
 
 
-def _cable_table_text(record: Record) -> str:
+def _cable_table_text(record: EncoderFacts) -> str:
     """Return the clocks by cable length with their source and errata, and the requested length if there is one."""
     table = record.cables
     rows_text = ", ".join(row.text for row in table.rows)
@@ -111,7 +111,7 @@ def _cable_table_text(record: Record) -> str:
     return f"{text}. Clocks chosen for a cable of {record.cable_m} m"
 
 
-def _supply_text(record: Record) -> str:
+def _supply_text(record: EncoderFacts) -> str:
     lowest_mv, highest_mv = record.numbers["supply_min_mv"], record.numbers["supply_max_mv"]
     if lowest_mv is None or highest_mv is None:
         return ""
@@ -122,7 +122,7 @@ def _time_limit_text(time_us: int | None, bound: str) -> str:
     return f"{bound} {microseconds(time_us)}" if time_us is not None else ""
 
 
-def _status_bits_text(record: Record) -> str:
+def _status_bits_text(record: EncoderFacts) -> str:
     """Return the status bits with their active levels: ``error (active low), warning (always 1)``, or ``none``."""
     level_words = {"low": "active low", "high": "active high", "": "always 1"}
     status_parts = [part for part in record.parts if part.role == "status"]
@@ -130,7 +130,7 @@ def _status_bits_text(record: Record) -> str:
     return ", ".join(texts) or "none"
 
 
-def _data_bits_text(record: Record) -> str:
+def _data_bits_text(record: EncoderFacts) -> str:
     """Return the number of data bits, and the totals that include other bits: ``24, 26 with the status bits, ...``."""
     numbers = record.known_numbers
     sizes = [str(numbers["data_bits"])]
@@ -145,7 +145,7 @@ def _data_bits_text(record: Record) -> str:
     return ", ".join(sizes)
 
 
-def _crc_text(record: Record) -> str:
+def _crc_text(record: EncoderFacts) -> str:
     """Return the CRC in words, with its polynomial in three notations, or ``none`` without a CRC."""
     numbers = record.known_numbers
     if not numbers["crc_bits"]:
@@ -234,7 +234,7 @@ def _setting_text(setting: Setting) -> str:
     return f"{bound_in_words(setting)}{setting.text}{standing_mark(setting)}"
 
 
-def sheet_text(device: Device, code_match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
+def sheet_text(device: Device, code_match: Match, record: EncoderFacts, sheets: Sequence[Sheet]) -> str:
     """Return the record and each master's settings or refusals as text, at most 80 columns wide.
 
     With a single master, places and documents follow. If no master can take the position, only the record is returned.
@@ -266,7 +266,7 @@ def sheet_text(device: Device, code_match: Match, record: Record, sheets: Sequen
     return "\n".join(lines)
 
 
-def _record_lines(device: Device, code_match: Match, record: Record) -> list[str]:
+def _record_lines(device: Device, code_match: Match, record: EncoderFacts) -> list[str]:
     """Return the order code, notes about how its label is written, and the record."""
     lines = [wrapped(f"{code_match.variant.code}: {device.title}", WIDTH, prefix="  ", first="")]
     if code_match.written_as_in:
@@ -362,7 +362,7 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
     }
 
 
-def sheet_data(device: Device, code_match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[str, Any]:
+def sheet_data(device: Device, code_match: Match, record: EncoderFacts, sheets: Sequence[Sheet]) -> dict[str, Any]:
     """Return the record and the settings as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {
         "version": VERSION,
@@ -383,7 +383,7 @@ def sheet_data(device: Device, code_match: Match, record: Record, sheets: Sequen
     }
 
 
-def _record_data(record: Record) -> dict[str, Any]:
+def _record_data(record: EncoderFacts) -> dict[str, Any]:
     """Return the record as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {
         **record.words,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.masters.record import Record, record
+from codewheel.masters.record import EncoderFacts, record
 from codewheel.masters.sheet import Master, Sheet, load_masters, sheet
 from codewheel.model import Device
 from codewheel.order_codes.labels import UnknownOrderCode, find_code
@@ -25,8 +25,8 @@ def masters() -> dict[str, Master]:
 
 
 @pytest.fixture(scope="session")
-def record_of(devices: Mapping[str, Device]) -> Callable[[str], Record]:
-    def record_of_label(label: str) -> Record:
+def record_of(devices: Mapping[str, Device]) -> Callable[[str], EncoderFacts]:
+    def record_of_label(label: str) -> EncoderFacts:
         """Take an order code, and after a space the answer about ASC85's 0 bit, such as ``as_printed``."""
         code, _, decided = label.partition(" ")
         answers = {"zero_bit": decided} if decided else {}
@@ -41,7 +41,7 @@ def record_of(devices: Mapping[str, Device]) -> Callable[[str], Record]:
 
 
 @pytest.fixture(scope="session")
-def sheet_of(masters: dict[str, Master], record_of: Callable[[str], Record]) -> Callable[[str, str], Sheet]:
+def sheet_of(masters: dict[str, Master], record_of: Callable[[str], EncoderFacts]) -> Callable[[str, str], Sheet]:
     return lambda master, code: sheet(masters[master], record_of(code))
 
 

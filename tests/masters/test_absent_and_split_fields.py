@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
-from codewheel.masters.record import Record, record
+from codewheel.masters.record import EncoderFacts, record
 from codewheel.masters.setting_values import actual_value
 from codewheel.model import Biss, Device
 from codewheel.order_codes.reduction import with_quantities
@@ -53,7 +53,7 @@ def settings_by_master(capsys: Capture, order_code: str) -> dict[str, dict[str, 
     return {master["name"]: {setting["name"]: setting["value"] for setting in master["settings"]} for master in masters}
 
 
-def three(made: dict[str, Device], order_code: str) -> Record:
+def three(made: dict[str, Device], order_code: str) -> EncoderFacts:
     device = made["three_fields"]
     return record(device, device.variant(order_code))
 

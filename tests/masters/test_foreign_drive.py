@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from codewheel.masters.groups import records_of
-from codewheel.masters.record import Record
+from codewheel.masters.record import EncoderFacts
 from codewheel.masters.sheet import Master, sheet
 from codewheel.targets import Library
 from codewheel.targets.masters.files import file_text
@@ -44,7 +44,7 @@ def servo(request: pytest.FixtureRequest) -> Iterator[Any]:
 
 
 def test_a_drive_takes_the_configuration(
-    servo: Any, tmp_path: Path, library: Library, masters: dict[str, Master], record_of: Callable[[str], Record]
+    servo: Any, tmp_path: Path, library: Library, masters: dict[str, Master], record_of: Callable[[str], EncoderFacts]
 ) -> None:
     """Every value that the drive then holds equals the page's. Frame size and position bits were typed."""
     configuration = pytest.importorskip("ingenialink.configuration_file").ConfigurationFile
@@ -80,7 +80,7 @@ def test_a_drive_takes_the_configuration(
 
 
 def test_a_wrong_register_is_reported(
-    servo: Any, tmp_path: Path, library: Library, masters: dict[str, Master], record_of: Callable[[str], Record]
+    servo: Any, tmp_path: Path, library: Library, masters: dict[str, Master], record_of: Callable[[str], EncoderFacts]
 ) -> None:
     """With a register that the drive lacks, its software does not report success."""
     device = next(device for device in library.devices if device.name == "amm5")

@@ -19,7 +19,7 @@ from codewheel.commands.cli import main
 from codewheel.language.master_items import FILE_FORMATS
 from codewheel.masters.frame_parts import NoRecord
 from codewheel.masters.groups import records_of
-from codewheel.masters.record import Record, record
+from codewheel.masters.record import EncoderFacts, record
 from codewheel.masters.sheet import Master, Sheet, sheet
 from codewheel.model import Device
 from codewheel.targets import Library
@@ -77,7 +77,7 @@ OBJECTS = [
 ]
 
 SheetOf = Callable[[str, str], Sheet]
-RecordOf = Callable[[str], Record]
+RecordOf = Callable[[str], EncoderFacts]
 FileOf = Callable[..., str]
 
 
@@ -133,7 +133,7 @@ def test_the_second_channel_is_a_comment(file_of: FileOf) -> None:
 
 
 def test_a_code_word_comes_first(
-    file_of: FileOf, masters: dict[str, Master], record_of: Callable[[str], Record]
+    file_of: FileOf, masters: dict[str, Master], record_of: Callable[[str], EncoderFacts]
 ) -> None:
     """An encoder for 7 V to 30 V needs 9 V: F008 = 72657375h is written before 8008:12 = 90."""
     record = record_of(CODE)
@@ -284,7 +284,7 @@ def _with_mistake(master: Master, setting: str, key: str, wrong_value: Any) -> M
 @pytest.mark.parametrize(("master", "name", "setting", "key", "wrong_value"), MISTAKES)
 def test_a_planted_mistake_changes_the_file(
     masters: dict[str, Master],
-    record_of: Callable[[str], Record],
+    record_of: Callable[[str], EncoderFacts],
     file_of: FileOf,
     master: str,
     name: str,
@@ -305,7 +305,7 @@ def test_a_planted_mistake_changes_the_file(
             assert reader(wrong_text) != reader(right_text)
 
 
-def records(library: Library) -> Iterator[tuple[Device, Record]]:
+def records(library: Library) -> Iterator[tuple[Device, EncoderFacts]]:
     for device in library.devices:
         for interface in device.interfaces:
             for encoder_record in records_of(device, interface):

@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from codewheel.masters.record import Record
+from codewheel.masters.record import EncoderFacts
 from codewheel.masters.sheet import Master, load_masters, sheet
 
-RecordOf = Callable[[str], Record]
+RecordOf = Callable[[str], EncoderFacts]
 
 
-def record_with(record: Record, **items: int | str | None) -> Record:
+def record_with(record: EncoderFacts, **items: int | str | None) -> EncoderFacts:
     words = {name: str(items.get(name, value)) for name, value in record.words.items()}
     numbers: Mapping[str, int | None]
     numbers = {name: items.get(name, value) for name, value in record.numbers.items()}  # type: ignore[misc]

@@ -24,11 +24,11 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.masters.places import Place, write_order
-from codewheel.masters.record import Record
+from codewheel.masters.record import EncoderFacts
 from codewheel.masters.sheet import Master, Setting, Sheet, sheet
 
 SheetOf = Callable[[str, str], Sheet]
-RecordOf = Callable[[str], Record]
+RecordOf = Callable[[str], EncoderFacts]
 Row = tuple[Any, ...]
 
 CODE = "AMM5A21/65KSC1"

@@ -10,7 +10,7 @@ import pytest
 from codewheel.language.master_items import NUMBERS, WORDS
 from codewheel.loading.library import load_library
 from codewheel.masters.frame_parts import NoRecord
-from codewheel.masters.record import Record, Undecided, record
+from codewheel.masters.record import EncoderFacts, Undecided, record
 from codewheel.masters.sheet import Master, sheet
 from codewheel.model import Biss, Constant, Device, Field, Number
 from codewheel.order_codes.labels import find_code
@@ -18,7 +18,7 @@ from codewheel.order_codes.parameters import with_registers
 from codewheel.order_codes.reduction import for_interface
 
 ROOT = Path(__file__).parents[2]
-RecordOf = Callable[[str], Record]
+RecordOf = Callable[[str], EncoderFacts]
 #: ASC85 with the 0 bit that its manual prints in the BiSS frame.
 AS_PRINTED = {"zero_bit": "as_printed"}
 

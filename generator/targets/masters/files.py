@@ -14,7 +14,7 @@ from ...language.master_items import FILE_FORMATS
 from ...language.problems import listed
 from ...masters.groups import GroupSheets, sheets_of
 from ...masters.places import Place
-from ...masters.record import Record
+from ...masters.record import EncoderFacts
 from ...masters.sheet import Master, Sheet, shipped_masters
 from ...masters.text import cited, condition_text
 from ...model import Device
@@ -257,7 +257,7 @@ def _index_row(master: Master, format_name: str) -> dict[str, str]:
 
 
 #: The settings of order codes, with the record and the codes that share them.
-SheetOfCodes = tuple[Sheet, Record, Sequence[str]]
+SheetOfCodes = tuple[Sheet, EncoderFacts, Sequence[str]]
 
 
 def _file_of_each_order_code(
@@ -278,7 +278,7 @@ def _file_of_each_order_code(
         yield f"{start}{name}{suffix}", text_function
 
 
-def _code_and_answers(code: str, record: Record) -> str:
+def _code_and_answers(code: str, record: EncoderFacts) -> str:
     return "-".join((code, *record.answers.values()))
 
 
