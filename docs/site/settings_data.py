@@ -15,7 +15,7 @@ from codewheel.language.master_items import FILE_FORMATS
 from codewheel.loading.library import load_library
 from codewheel.masters.groups import order_code_groups, records_of
 from codewheel.masters.record import EncoderFacts
-from codewheel.masters.sheet import Master, Sheet, sheet, shipped_masters
+from codewheel.masters.sheet import Master, SettingsSheet, sheet, shipped_masters
 from codewheel.masters.text import sheet_text
 from codewheel.model import Device, Interface
 from codewheel.order_codes.labels import find_code
@@ -91,9 +91,9 @@ def page_data(devices: Sequence[Device]) -> Page:
 
 def _records_with_sheets(
     device: Device, interface: Interface, masters: Sequence[Master]
-) -> Iterator[tuple[EncoderFacts, list[Sheet]]]:
+) -> Iterator[tuple[EncoderFacts, list[SettingsSheet]]]:
     """Yield the record of each order code with the sheets of all masters, which a group of order codes shares."""
-    sheets_by_code: dict[tuple[str, tuple[str, ...]], list[Sheet]] = {}
+    sheets_by_code: dict[tuple[str, tuple[str, ...]], list[SettingsSheet]] = {}
     for group in order_code_groups(device, interface):
         sheets = [sheet(master, group.record) for master in masters]
         answers = tuple(group.record.answers.values())
@@ -102,7 +102,7 @@ def _records_with_sheets(
         yield record, sheets_by_code[record.code, tuple(record.answers.values())]
 
 
-def _texts_of(device: Device, record: EncoderFacts, master_sheet: Sheet, texts: _Texts) -> list[Any]:
+def _texts_of(device: Device, record: EncoderFacts, master_sheet: SettingsSheet, texts: _Texts) -> list[Any]:
     """Return the number of the text of a master, and its files, or an empty list if it lacks the interface."""
     if not master_sheet.is_described:
         return []

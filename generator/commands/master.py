@@ -21,7 +21,7 @@ from .terminal import CommandError, print_json, problems, refuse_missing
 
 if TYPE_CHECKING:
     from ..masters.record import EncoderFacts
-    from ..masters.sheet import Master, Sheet
+    from ..masters.sheet import Master, SettingsSheet
     from ..model import Device
     from ..order_codes.labels import Match
 
@@ -213,7 +213,7 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
     return formats[arguments.format]
 
 
-def _cannot_use_message(master_sheet: Sheet, masters: Sequence[Master], encoder_record: EncoderFacts) -> str:
+def _cannot_use_message(master_sheet: SettingsSheet, masters: Sequence[Master], encoder_record: EncoderFacts) -> str:
     """Return the message about a master that cannot use the encoder: the reason, and the masters with files that can.
 
     The master has refusals, of which the first one is given.

@@ -12,7 +12,7 @@ from ..model import Device, Interface, Variant, choices
 from ..model.record import dataclass
 from .frame_parts import NoRecord
 from .record import EncoderFacts, Undecided, record
-from .sheet import Master, Sheet, sheet
+from .sheet import Master, SettingsSheet, sheet
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class GroupSheets:
 
     interface: Interface
     groups: tuple[Group, ...]
-    sheets: tuple[tuple[Master, tuple[Sheet, ...]], ...]
+    sheets: tuple[tuple[Master, tuple[SettingsSheet, ...]], ...]
 
 
 def sheets_of(device: Device, masters: Sequence[Master]) -> tuple[GroupSheets, ...]:
@@ -87,7 +87,7 @@ def _compute_sheets(device: Device, masters: Sequence[Master]) -> Iterator[Group
             yield GroupSheets(interface, groups, master_sheets)
 
 
-def _sheets_for(master: Master, groups: Sequence[Group]) -> tuple[Sheet, ...]:
+def _sheets_for(master: Master, groups: Sequence[Group]) -> tuple[SettingsSheet, ...]:
     return tuple(sheet(master, group.record) for group in groups)
 
 

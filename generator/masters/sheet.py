@@ -96,7 +96,7 @@ class Refusal:
 
 
 @dataclass(frozen=True, slots=True)
-class Sheet:
+class SettingsSheet:
     """Settings of one master for one order code, empty if there are refusals.
 
     ``writing`` are the conditions for writing the settings.
@@ -184,7 +184,7 @@ def _master_from_spec(master_data: Raw) -> Master:
     )
 
 
-def sheet(master: Master, record: EncoderFacts) -> Sheet:
+def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     """Return the master's settings for the order code of ``record``, or the reasons why it cannot use it."""
     interface = record.words["interface"]
     if interface not in master.takes:
@@ -218,7 +218,7 @@ def sheet(master: Master, record: EncoderFacts) -> Sheet:
         gaps.append(Refusal(reason=record.channels.gap, standing="inferred", source=""))
     writing_rules = [_with_setting_names(rule, record) for rule in master.writing if rule_applies(rule, record)]
     setting_names = [setting.name for setting in settings]
-    return Sheet(
+    return SettingsSheet(
         master=master,
         refusals=(),
         settings=tuple(settings),
@@ -229,9 +229,9 @@ def sheet(master: Master, record: EncoderFacts) -> Sheet:
     )
 
 
-def _refusing_sheet(master: Master, *refusals: Refusal) -> Sheet:
+def _refusing_sheet(master: Master, *refusals: Refusal) -> SettingsSheet:
     """Return the sheet of a master that cannot use an order code."""
-    return Sheet(master=master, refusals=refusals, settings=(), notes=())
+    return SettingsSheet(master=master, refusals=refusals, settings=(), notes=())
 
 
 def _interface_refusal(master: Master, record: EncoderFacts) -> Refusal:

@@ -17,7 +17,7 @@ from ..say.plain_text import WIDTH, two_columns, wrapped
 from ..say.text import PLAIN_STYLE, counted, hertz, microseconds, volts
 from .places import WriteCondition, place_lines, write_order
 from .record import EncoderFacts
-from .sheet import Master, Refusal, Setting, Sheet
+from .sheet import Master, Refusal, Setting, SettingsSheet
 
 VERSION = 1
 
@@ -162,7 +162,7 @@ def _crc_text(record: EncoderFacts) -> str:
     return f"{numbers['crc_bits']} bits, polynomial {notations}, start value {numbers['crc_start']}, {form_text}"
 
 
-def legend_of_marks(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
+def legend_of_marks(masters: Sequence[Master], sheets: Sequence[SettingsSheet], with_places: bool) -> str:
     """Return a sentence on each mark that ``standing_mark`` adds to a rule, and on tests on hardware.
 
     ``with_places`` is true if the places of settings are shown, which also have marks.
@@ -213,7 +213,7 @@ def condition_text(rule: WriteCondition) -> str:
     return f"{rule.text}{standing_mark(rule)} [{cited(rule.source)}]"
 
 
-def condition_texts(setting: Setting, sheet: Sheet) -> Iterator[str]:
+def condition_texts(setting: Setting, sheet: SettingsSheet) -> Iterator[str]:
     """Yield the conditions only for this setting, after the advice to leave a protected factory default unchanged."""
     writing_rules = sheet.writing_of(setting)
     if setting.is_default and any(rule.needs for rule in writing_rules):
@@ -234,7 +234,7 @@ def _setting_text(setting: Setting) -> str:
     return f"{bound_in_words(setting)}{setting.text}{standing_mark(setting)}"
 
 
-def sheet_text(device: Device, code_match: Match, record: EncoderFacts, sheets: Sequence[Sheet]) -> str:
+def sheet_text(device: Device, code_match: Match, record: EncoderFacts, sheets: Sequence[SettingsSheet]) -> str:
     """Return the record and each master's settings or refusals as text, at most 80 columns wide.
 
     With a single master, places and documents follow. If no master can take the position, only the record is returned.
@@ -286,7 +286,7 @@ def _record_lines(device: Device, code_match: Match, record: EncoderFacts) -> li
     return lines
 
 
-def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
+def _sheet_lines(sheet: SettingsSheet, with_documents: bool) -> list[str]:
     """Return the settings of a master, with the places of settings, files and documents if ``with_documents``."""
     lines = [wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="  ", first="")]
     longest_name = max((len(setting.name) for setting in sheet.settings), default=0)
@@ -306,7 +306,7 @@ def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
     return lines
 
 
-def _setting_lines(setting: Setting, sheet: Sheet, name_width: int, value_width: int) -> list[str]:
+def _setting_lines(setting: Setting, sheet: SettingsSheet, name_width: int, value_width: int) -> list[str]:
     """Return a setting in one row, or in two if it is too long, then its note and conditions."""
     name_cell = setting.name.ljust(name_width)
     value_cell = _setting_text(setting).ljust(value_width)
@@ -324,7 +324,7 @@ def _setting_lines(setting: Setting, sheet: Sheet, name_width: int, value_width:
     return lines
 
 
-def _lines_of_places(setting: Setting, sheet: Sheet) -> list[str]:
+def _lines_of_places(setting: Setting, sheet: SettingsSheet) -> list[str]:
     """Return the places of a setting, and of the values that its conditions need."""
     places = place_lines(setting.places, setting.text, sheet.master.devices)
     lines = [wrapped(line, WIDTH, prefix="        ", first="      ") for line in places]
@@ -362,7 +362,9 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
     }
 
 
-def sheet_data(device: Device, code_match: Match, record: EncoderFacts, sheets: Sequence[Sheet]) -> dict[str, Any]:
+def sheet_data(
+    device: Device, code_match: Match, record: EncoderFacts, sheets: Sequence[SettingsSheet]
+) -> dict[str, Any]:
     """Return the record and the settings as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {
         "version": VERSION,
@@ -399,7 +401,7 @@ def _record_data(record: EncoderFacts) -> dict[str, Any]:
     }
 
 
-def _sheet_data(sheet: Sheet) -> dict[str, Any]:
+def _sheet_data(sheet: SettingsSheet) -> dict[str, Any]:
     """Return the settings of one master as plain data. It has no files if it cannot take the position."""
     names = [setting.name for setting in sheet.settings]
     files = () if sheet.refusals else sheet.master.files

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from codewheel.masters.record import EncoderFacts, record
-from codewheel.masters.sheet import Master, Sheet, load_masters, sheet
+from codewheel.masters.sheet import Master, SettingsSheet, load_masters, sheet
 from codewheel.model import Device
 from codewheel.order_codes.labels import UnknownOrderCode, find_code
 
@@ -41,12 +41,14 @@ def record_of(devices: Mapping[str, Device]) -> Callable[[str], EncoderFacts]:
 
 
 @pytest.fixture(scope="session")
-def sheet_of(masters: dict[str, Master], record_of: Callable[[str], EncoderFacts]) -> Callable[[str, str], Sheet]:
+def sheet_of(
+    masters: dict[str, Master], record_of: Callable[[str], EncoderFacts]
+) -> Callable[[str, str], SettingsSheet]:
     return lambda master, code: sheet(masters[master], record_of(code))
 
 
 @pytest.fixture(scope="session")
-def values_of(sheet_of: Callable[[str, str], Sheet]) -> ValuesOf:
+def values_of(sheet_of: Callable[[str, str], SettingsSheet]) -> ValuesOf:
     """Return a master's settings for an order code by name."""
 
     def setting_values(master: str, code: str) -> dict[str, Any]:

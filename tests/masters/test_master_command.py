@@ -14,7 +14,7 @@ import jsonschema
 import pytest
 from codewheel.commands.cli import main
 from codewheel.masters.record import record
-from codewheel.masters.sheet import Sheet, shipped_masters
+from codewheel.masters.sheet import SettingsSheet, shipped_masters
 from codewheel.masters.text import sheet_text
 from codewheel.model import Device
 from codewheel.order_codes.labels import find_code
@@ -23,7 +23,7 @@ from codewheel.targets.docs import masters_page
 from codewheel.targets.docs.files import generate
 
 ROOT = Path(__file__).parents[2]
-SheetOf = Callable[[str, str], Sheet]
+SheetOf = Callable[[str, str], SettingsSheet]
 CODES = [
     "SMA21-SC1-0050",
     "SMA21-GG1-0010",

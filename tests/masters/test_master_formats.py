@@ -20,7 +20,7 @@ from codewheel.language.master_items import FILE_FORMATS
 from codewheel.masters.frame_parts import NoRecord
 from codewheel.masters.groups import records_of
 from codewheel.masters.record import EncoderFacts, record
-from codewheel.masters.sheet import Master, Sheet, sheet
+from codewheel.masters.sheet import Master, SettingsSheet, sheet
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.masters.entries import content_of_file
@@ -76,7 +76,7 @@ OBJECTS = [
     ("synapticon", "SOMANET Circulo", SOMANET),
 ]
 
-SheetOf = Callable[[str, str], Sheet]
+SheetOf = Callable[[str, str], SettingsSheet]
 RecordOf = Callable[[str], EncoderFacts]
 FileOf = Callable[..., str]
 
@@ -94,7 +94,7 @@ def file_of(devices: Mapping[str, Device], sheet_of: SheetOf) -> FileOf:
     """Return the file of a master for an order code."""
 
     def written_file(
-        master: str, name: str, code: str = CODE, on: str = "", settings_sheet: Sheet | None = None
+        master: str, name: str, code: str = CODE, on: str = "", settings_sheet: SettingsSheet | None = None
     ) -> str:
         settings_sheet = settings_sheet or sheet_of(master, code)
         rule = rule_of(settings_sheet.master, name)
@@ -340,7 +340,7 @@ def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict
     assert file_count > 2_800
 
 
-def _read_back(name: str, text: str, settings_sheet: Sheet, on: str, rule: Raw) -> None:
+def _read_back(name: str, text: str, settings_sheet: SettingsSheet, on: str, rule: Raw) -> None:
     """Read a file with the reader of its format, and compare each value with the page of the master."""
     entries = content_of_file(settings_sheet, rule, on).entries
     page = {setting.name: setting.value for setting in settings_sheet.settings}

@@ -25,9 +25,9 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.masters.places import Place, write_order
 from codewheel.masters.record import EncoderFacts
-from codewheel.masters.sheet import Master, Setting, Sheet, sheet
+from codewheel.masters.sheet import Master, Setting, SettingsSheet, sheet
 
-SheetOf = Callable[[str, str], Sheet]
+SheetOf = Callable[[str, str], SettingsSheet]
 RecordOf = Callable[[str], EncoderFacts]
 Row = tuple[Any, ...]
 
@@ -138,7 +138,7 @@ for slave in (1, 2, 3):
     IC_MB3 += [(name, f"slave {slave}", address + offset, *facts) for name, address, *facts in IC_MB3_SETTINGS]
 
 
-def places_of(settings_sheet: Sheet) -> Iterator[tuple[Setting, Place]]:
+def places_of(settings_sheet: SettingsSheet) -> Iterator[tuple[Setting, Place]]:
     for setting in settings_sheet.settings:
         for place in setting.places:
             yield setting, place
@@ -159,15 +159,15 @@ def register_row(setting: Setting, place: Place) -> Row:
     return (*address, place.high_bit, place.low_bit, place.bits, place.default, setting.value)
 
 
-def objects(settings_sheet: Sheet, device: str) -> list[Row]:
+def objects(settings_sheet: SettingsSheet, device: str) -> list[Row]:
     return [object_row(setting, place) for setting, place in places_of(settings_sheet) if place.device == device]
 
 
-def symbols(settings_sheet: Sheet, _: str) -> list[Row]:
+def symbols(settings_sheet: SettingsSheet, _: str) -> list[Row]:
     return [symbol_row(setting, place) for setting, place in places_of(settings_sheet)]
 
 
-def registers(settings_sheet: Sheet, device: str) -> list[Row]:
+def registers(settings_sheet: SettingsSheet, device: str) -> list[Row]:
     rows: list[Row] = []
     for setting, place in places_of(settings_sheet):
         has_value = place.high_bit is not None and setting.value is not None
@@ -187,7 +187,7 @@ TYPED = [
     ("microchip_dspic33a", "dsPIC33A", registers, DSPIC33A),
     ("ic_mb", "iC-MB3", registers, IC_MB3),
 ]
-Reader = Callable[[Sheet, str], list[Row]]
+Reader = Callable[[SettingsSheet, str], list[Row]]
 
 
 @pytest.mark.parametrize(("master", "device", "read", "rows"), TYPED)

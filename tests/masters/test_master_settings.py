@@ -25,7 +25,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from codewheel.masters.sheet import Sheet
+from codewheel.masters.sheet import SettingsSheet
 
 ValuesOf = Callable[[str, str], dict[str, Any]]
 
@@ -78,7 +78,7 @@ def test_beckhoff_ssi(
     assert values_of("beckhoff_el5042", code) == {**BECKHOFF_SSI, **bits, **clocks, **supply}
 
 
-def test_beckhoff_supply(sheet_of: Callable[[str, str], Sheet]) -> None:
+def test_beckhoff_supply(sheet_of: Callable[[str, str], SettingsSheet]) -> None:
     """The terminals supply 5 V or 9 V: they cannot supply AM36, 10 V to 30 V.
 
     These terminals can supply SMA21-SC4, 5 V to 30 V, and ASC85/SC1, but not ASC85/SC2.
@@ -439,7 +439,7 @@ def test_example_of_siemens(values_of: ValuesOf) -> None:
         ),
     ],
 )
-def test_refusals(sheet_of: Callable[[str, str], Sheet], master: str, code: str, reason: str) -> None:
+def test_refusals(sheet_of: Callable[[str, str], SettingsSheet], master: str, code: str, reason: str) -> None:
     settings_sheet = sheet_of(master, code)
     assert [refusal.reason for refusal in settings_sheet.refusals] == [reason]
     assert settings_sheet.settings == ()
@@ -459,12 +459,12 @@ def test_the_example_of_omron(values_of: ValuesOf) -> None:
     assert tuple(settings[name] for name in names) == (28, 12, 16, 0, 12)
 
 
-def test_registers_of_ic_mb3(sheet_of: Callable[[str, str], Sheet]) -> None:
+def test_registers_of_ic_mb3(sheet_of: Callable[[str, str], SettingsSheet]) -> None:
     notes = " ".join(sheet_of("ic_mb", "AMM5A17/1SC1").notes)
     assert "The iC-MB3 does not carry out a register access of BiSS C by itself" in notes
 
 
-def test_notes_follow_the_encoder(sheet_of: Callable[[str, str], Sheet]) -> None:
+def test_notes_follow_the_encoder(sheet_of: Callable[[str, str], SettingsSheet]) -> None:
     def notes(master: str, code: str) -> str:
         return " ".join(sheet_of(master, code).notes)
 

@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.masters.places import Effect, WriteCondition
-from codewheel.masters.sheet import Sheet
+from codewheel.masters.sheet import SettingsSheet
 
-SheetOf = Callable[[str, str], Sheet]
+SheetOf = Callable[[str, str], SettingsSheet]
 
 
-def rules_about(settings_sheet: Sheet, name: str) -> list[WriteCondition]:
+def rules_about(settings_sheet: SettingsSheet, name: str) -> list[WriteCondition]:
     return [rule for rule in settings_sheet.writing if name in rule.of]
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.masters.record import record
-from codewheel.masters.sheet import Sheet, sheet, shipped_masters
+from codewheel.masters.sheet import SettingsSheet, sheet, shipped_masters
 from codewheel.targets import Library
 from codewheel.targets.masters.files import generate
 
@@ -26,7 +26,7 @@ def layouts_in(text: str) -> tuple[str, str]:
     return mark + control, other_mark + safety.rstrip("\n")
 
 
-def sheets(text: str, folder: Path) -> dict[str, Sheet]:
+def sheets(text: str, folder: Path) -> dict[str, SettingsSheet]:
     """Return the settings of each master for BiSS, by its name."""
     path = folder / "channels.yaml"
     path.write_text(text, encoding="utf-8")

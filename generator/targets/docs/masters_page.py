@@ -8,7 +8,7 @@ from math import prod
 from typing import Annotated, Any, TypedDict
 
 from ...masters.groups import Group, GroupSheets, records_of, sheets_of
-from ...masters.sheet import Master, Refusal, Setting, Sheet
+from ...masters.sheet import Master, Refusal, Setting, SettingsSheet
 from ...masters.text import (
     cited,
     condition_text,
@@ -33,7 +33,7 @@ Table = dict[str, Any]
 #: Groups of order codes, each with its rows by the name of the fact. A row consists of the name and the value.
 Columns = Sequence[tuple[Group, Mapping[Any, Row]]]
 #: Settings of one master for each group.
-GroupSettings = Sequence[tuple[Group, Sheet]]
+GroupSettings = Sequence[tuple[Group, SettingsSheet]]
 
 
 def kinds_with_masters(device: Device) -> list[str]:
@@ -70,7 +70,7 @@ def page_values(device: Device, interface_name: str, masters: Sequence[Master]) 
     group_sheets = first_of(
         (group for group in interface_sheets if group.interface.name == interface_name), f"sheets of {interface_name}"
     )
-    sheets: list[Sheet] = []
+    sheets: list[SettingsSheet] = []
     for _, master_sheets in group_sheets.sheets:
         sheets += master_sheets
     return {
@@ -243,7 +243,7 @@ def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
     return _with_order_codes(groups_by_note, len(group_sheets))
 
 
-def _setting_note(setting: Setting, sheet: Sheet) -> str:
+def _setting_note(setting: Setting, sheet: SettingsSheet) -> str:
     """Return the note on a setting with its conditions and its source, or "" without a note and conditions."""
     note = escape(" ".join(filter(None, [setting.note, *condition_texts(setting, sheet)])))
     source = f" \\[{escape(cited(setting.source))}\\]"

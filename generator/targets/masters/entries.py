@@ -7,7 +7,7 @@ from typing import Any
 
 from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
 from ...masters.places import Place, Write, write_order
-from ...masters.sheet import Setting, Sheet
+from ...masters.sheet import Setting, SettingsSheet
 from ...masters.text import condition_text
 from ...model.lookup import first_of
 from ...model.record import dataclass
@@ -106,7 +106,7 @@ class Content:
         return self.channels[0].entries if self.channels else ()
 
 
-def content_of_file(sheet: Sheet, rule: Raw, device: str) -> Content:
+def content_of_file(sheet: SettingsSheet, rule: Raw, device: str) -> Content:
     """Return the content of a file for a device. ``rule`` is the entry of ``files`` in the description of the master.
 
     A setting that the file leaves out gets a sentence with the reason. The same applies to a value without a place in
@@ -132,7 +132,7 @@ def content_of_file(sheet: Sheet, rule: Raw, device: str) -> Content:
     )
 
 
-def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write], list[Write]]]:
+def _settings_in_write_order(sheet: SettingsSheet) -> Iterator[tuple[Setting, list[Write], list[Write]]]:
     """Yield the settings in the order of writing, each with the values to write before and after it.
 
     A rule applies to the settings named in ``rule.of``. The values in ``rule.needs`` come before the first of these
@@ -157,7 +157,7 @@ def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write
         yield setting, writes_before, writes_after
 
 
-def _reason_to_leave_out(setting: Setting, sheet: Sheet, format_: FileFormat) -> str:
+def _reason_to_leave_out(setting: Setting, sheet: SettingsSheet, format_: FileFormat) -> str:
     """Return the reason that no file contains a setting, or an empty string if files contain it.
 
     Reasons are an unknown value, an open bound, and a factory default that could be written only after other values.
@@ -251,7 +251,7 @@ def _reason_for_misfit_at(place: Place, value: Value, key: str, format_: FileFor
     return ""
 
 
-def _channels_of_device(sheet: Sheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
+def _channels_of_device(sheet: SettingsSheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
     """Return the channels of a device with their values, or one channel if all values are shared, or none without any.
 
     This one channel has a name only if the device has a single channel.

@@ -15,7 +15,7 @@ from ...language.problems import listed
 from ...masters.groups import GroupSheets, sheets_of
 from ...masters.places import Place
 from ...masters.record import EncoderFacts
-from ...masters.sheet import Master, Sheet, shipped_masters
+from ...masters.sheet import Master, SettingsSheet, shipped_masters
 from ...masters.text import cited, condition_text
 from ...model import Device
 from ...render import Templates, our_templates
@@ -52,7 +52,7 @@ class Index(TypedDict):
 def file_text(
     device: Device,
     order_codes: Sequence[str],
-    sheet: Sheet,
+    sheet: SettingsSheet,
     rule: Raw,
     master_device: str,
     library: Library | None = None,
@@ -90,7 +90,7 @@ def file_text(
 
 
 def _first_paragraphs(
-    device: Device, order_codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str
+    device: Device, order_codes: Sequence[str], sheet: SettingsSheet, rule: Raw, master_device: str
 ) -> Iterator[str]:
     """Yield the purpose of the file, and the origin of its values."""
     format_ = FILE_FORMATS[rule["format"]]
@@ -98,7 +98,9 @@ def _first_paragraphs(
     yield from _paragraphs_on_origin(device, [sheet], rule, master_device)
 
 
-def _paragraphs_on_origin(device: Device, sheets: Sequence[Sheet], rule: Raw, master_device: str) -> Iterator[str]:
+def _paragraphs_on_origin(
+    device: Device, sheets: Sequence[SettingsSheet], rule: Raw, master_device: str
+) -> Iterator[str]:
     """Yield the manual with the grade of the evidence, the cited documents of the master, and the state of tests."""
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
@@ -117,7 +119,7 @@ def _paragraphs_on_origin(device: Device, sheets: Sequence[Sheet], rule: Raw, ma
     yield f"Not yet tested on hardware. {reader} Form of the file: {cited(rule['source'])}."
 
 
-def _places_on_device(sheet: Sheet, master_device: str) -> Iterator[Place]:
+def _places_on_device(sheet: SettingsSheet, master_device: str) -> Iterator[Place]:
     """Yield the locations of all settings on a device."""
     for setting in sheet.settings:
         yield from (place for place in setting.places if place.device == master_device)
@@ -257,7 +259,7 @@ def _index_row(master: Master, format_name: str) -> dict[str, str]:
 
 
 #: The settings of order codes, with the record and the codes that share them.
-SheetOfCodes = tuple[Sheet, EncoderFacts, Sequence[str]]
+SheetOfCodes = tuple[SettingsSheet, EncoderFacts, Sequence[str]]
 
 
 def _file_of_each_order_code(
@@ -293,7 +295,7 @@ def _bulk_file(
 def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library) -> str:
     """Return the text of a file in which order codes with the same content and the same answers share a block."""
     codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
-    sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], Sheet] = {}
+    sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], SettingsSheet] = {}
     for sheet, record, codes in sheets:
         content_and_answers = (content_of_file(sheet, rule, master_device), tuple(record.answers.items()))
         codes_by_content.setdefault(content_and_answers, []).extend(codes)
@@ -309,7 +311,7 @@ def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master
 
 
 def _joined_blocks(
-    device: Device, blocks: Sequence[tuple[str, str]], sheets: Sequence[Sheet], rule: Raw, master_device: str
+    device: Device, blocks: Sequence[tuple[str, str]], sheets: Sequence[SettingsSheet], rule: Raw, master_device: str
 ) -> str:
     """Return the files as comments, or as children of one element in XML. Each block is a title and its text.
 
