@@ -87,7 +87,7 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
+class MasterRefusal:
     """Reason why a master cannot use an order code. ``source`` is empty if the master lacks the interface."""
 
     reason: str
@@ -106,13 +106,13 @@ class SettingsSheet:
     """
 
     master: Master
-    refusals: tuple[Refusal, ...]
+    refusals: tuple[MasterRefusal, ...]
     settings: tuple[Setting, ...]
     notes: tuple[str, ...]
     writing: tuple[WriteCondition, ...] = ()
     is_described: bool = True
     unusable_devices: frozenset[str] = frozenset()
-    gaps: tuple[Refusal, ...] = ()
+    gaps: tuple[MasterRefusal, ...] = ()
 
     def devices_with(self, file: Raw) -> list[str]:
         """Return the names of the usable devices to which a file of the master applies: ``on``, or all."""
@@ -190,7 +190,7 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     if interface not in master.takes:
         return replace(_refusing_sheet(master, _interface_refusal(master, record)), is_described=False)
     if record.obstacle:
-        return _refusing_sheet(master, Refusal(reason=record.obstacle, standing="inferred", source=""))
+        return _refusing_sheet(master, MasterRefusal(reason=record.obstacle, standing="inferred", source=""))
     # Names of parts of the frame as one text, which is empty if the description covers all of them.
     uncovered = _uncovered_parts(master, record)
     settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
@@ -201,7 +201,7 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     refusals += _refusals_of_crc(master, record)
     channel_refusal = "" if master.several_channels else record.channels.refusal(record.layout)
     if channel_refusal:
-        refusals.append(Refusal(reason=channel_refusal, standing="inferred", source=""))
+        refusals.append(MasterRefusal(reason=channel_refusal, standing="inferred", source=""))
     # What only some devices cannot express is a note. If no device is left, the master refuses.
     if len(unusable_devices) == len(master.devices):
         refusals += [refusal for refusal, _ in device_refusals]
@@ -215,7 +215,7 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     if record.channels and master.several_channels:
         notes.insert(0, master.several_channels)
     elif record.channels:
-        gaps.append(Refusal(reason=record.channels.gap, standing="inferred", source=""))
+        gaps.append(MasterRefusal(reason=record.channels.gap, standing="inferred", source=""))
     writing_rules = [_with_setting_names(rule, record) for rule in master.writing if rule_applies(rule, record)]
     setting_names = [setting.name for setting in settings]
     return SettingsSheet(
@@ -229,28 +229,28 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     )
 
 
-def _refusing_sheet(master: Master, *refusals: Refusal) -> SettingsSheet:
+def _refusing_sheet(master: Master, *refusals: MasterRefusal) -> SettingsSheet:
     """Return the sheet of a master that cannot use an order code."""
     return SettingsSheet(master=master, refusals=refusals, settings=(), notes=())
 
 
-def _interface_refusal(master: Master, record: EncoderFacts) -> Refusal:
+def _interface_refusal(master: Master, record: EncoderFacts) -> MasterRefusal:
     described_interfaces = listed(INTERFACES[name].title for name in master.takes)
     encoder_interface = INTERFACES[record.words["interface"]].title
     reason = f"This master is described for {described_interfaces} only, but {record.code} has {encoder_interface}."
-    return Refusal(reason=reason, standing=master.standing, source="")
+    return MasterRefusal(reason=reason, standing=master.standing, source="")
 
 
 def _settings_and_device_refusals(
     master: Master, record: EncoderFacts, uncovered: str
-) -> tuple[list[Setting], list[tuple[Refusal, set[str]]]]:
+) -> tuple[list[Setting], list[tuple[MasterRefusal, set[str]]]]:
     """Return the settings, and the refusals of settings that some devices cannot express, with these devices.
 
     ``uncovered`` names the parts of the frame that the description does not mention. If it names any, settings that
     depend on the whole frame are unknown.
     """
     settings: list[Setting] = []
-    device_refusals: list[tuple[Refusal, set[str]]] = []
+    device_refusals: list[tuple[MasterRefusal, set[str]]] = []
     for rule in master.settings:
         if not rule_applies(rule, record):
             continue
@@ -258,34 +258,34 @@ def _settings_and_device_refusals(
             unknown_parts = uncovered if _depends_on_whole_frame(rule) else ""
             settings.append(_setting_of_rule(rule, master, record, unknown_parts))
         except UnsupportedFeature as reason:
-            refusal = Refusal(
+            refusal = MasterRefusal(
                 reason=f"{reason}.", standing=rule.get("standing", master.standing), source=rule["source"]
             )
             device_refusals.append((refusal, _devices_with_setting(rule, master)))
     return settings, device_refusals
 
 
-def _limit_refusal(rule: Raw, master: Master, record: EncoderFacts) -> Refusal:
+def _limit_refusal(rule: Raw, master: Master, record: EncoderFacts) -> MasterRefusal:
     reason = f"{rule['reason']} For this encoder: {actual_value(rule['item'], record)}."
-    return Refusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
+    return MasterRefusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
 
 
-def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[Refusal]:
+def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[MasterRefusal]:
     """Yield a refusal for each setting whose value does not fit its location."""
     for setting in settings:
         reason = reason_for_misfit(setting.name, setting.value, setting.places)
         if reason:
-            yield Refusal(reason=f"{reason}.", standing=setting.standing, source=setting.source)
+            yield MasterRefusal(reason=f"{reason}.", standing=setting.standing, source=setting.source)
 
 
-def _refusals_of_crc(master: Master, record: EncoderFacts) -> Iterator[Refusal]:
+def _refusals_of_crc(master: Master, record: EncoderFacts) -> Iterator[MasterRefusal]:
     """Yield a refusal if no master can check the CRC, and ``master`` does, since its rules depend on the CRC.
 
     ``crc_obstacle`` is the reason why none can, or an empty string.
     """
     checks_crc = bool(_CRC_ITEMS & _mentioned_items((master.limits, master.settings)))
     if record.crc_obstacle and checks_crc:
-        yield Refusal(reason=record.crc_obstacle, standing="inferred", source="")
+        yield MasterRefusal(reason=record.crc_obstacle, standing="inferred", source="")
 
 
 #: Items about the computation of the CRC, such as ``crc_polynomial``.
@@ -330,9 +330,9 @@ def _uncovered_parts(master: Master, record: EncoderFacts) -> str:
     return listed(f"'{name}'" for name in uncovered_names)
 
 
-def _refusal_of_gap(uncovered: str) -> Refusal:
+def _refusal_of_gap(uncovered: str) -> MasterRefusal:
     reason = f"The description of this master does not say how it handles {uncovered} in the frame."
-    return Refusal(reason=reason, standing="inferred", source="")
+    return MasterRefusal(reason=reason, standing="inferred", source="")
 
 
 def _items_of_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:

@@ -17,7 +17,7 @@ from ..say.plain_text import WIDTH, two_columns, wrapped
 from ..say.text import PLAIN_STYLE, counted, hertz, microseconds, volts
 from .places import WriteCondition, place_lines, write_order
 from .record import EncoderFacts
-from .sheet import Master, Refusal, Setting, SettingsSheet
+from .sheet import Master, MasterRefusal, Setting, SettingsSheet
 
 VERSION = 1
 
@@ -170,7 +170,7 @@ def legend_of_marks(masters: Sequence[Master], sheets: Sequence[SettingsSheet], 
     standings = {master.standing for master in masters}
     for sheet in sheets:
         refusals = (*sheet.refusals, *sheet.gaps)
-        rules: tuple[Setting | WriteCondition | Refusal, ...] = (*sheet.settings, *sheet.writing, *refusals)
+        rules: tuple[Setting | WriteCondition | MasterRefusal, ...] = (*sheet.settings, *sheet.writing, *refusals)
         standings |= {rule.standing for rule in rules}
         if with_places:
             for setting in sheet.settings:
@@ -182,7 +182,7 @@ def legend_of_marks(masters: Sequence[Master], sheets: Sequence[SettingsSheet], 
     return f"Settings from the documentation of each master.{inferred} {tried}"
 
 
-def refusal_text(reason: Refusal) -> str:
+def refusal_text(reason: MasterRefusal) -> str:
     """Return a refusal with its mark and source."""
     source = f" [{cited(reason.source)}]" if reason.source else ""
     return f"{reason.reason}{standing_mark(reason)}{source}"
@@ -196,7 +196,7 @@ def bound_in_words(setting: Setting) -> str:
     return f"{bound_words} "
 
 
-def standing_mark(rule: Setting | Refusal | WriteCondition) -> str:
+def standing_mark(rule: Setting | MasterRefusal | WriteCondition) -> str:
     """Return the mark that the legend explains, after a space so that the value can be copied."""
     return _MARKS[rule.standing]
 

@@ -8,7 +8,7 @@ from math import prod
 from typing import Annotated, Any, TypedDict
 
 from ...masters.groups import Group, GroupSheets, records_of, sheets_of
-from ...masters.sheet import Master, Refusal, Setting, SettingsSheet
+from ...masters.sheet import Master, MasterRefusal, Setting, SettingsSheet
 from ...masters.text import (
     cited,
     condition_text,
@@ -257,12 +257,12 @@ def _with_order_codes(groups_by_note: Mapping[str, Sequence[Group]], group_count
         yield note if len(groups) == group_count else f"{_codes_label(groups)}: {note}"
 
 
-def _refusal_text(refusal: Refusal) -> str:
+def _refusal_text(refusal: MasterRefusal) -> str:
     source = f" \\[{escape(cited(refusal.source))}\\]" if refusal.source else ""
     return f"{escape(refusal.reason)}{_spaced_mark(refusal)}{source}"
 
 
-def _spaced_mark(rule: Setting | Refusal) -> str:
+def _spaced_mark(rule: Setting | MasterRefusal) -> str:
     """Return the mark of a rule, which is outside the text to copy."""
     rule_mark = escape(standing_mark(rule))
     return f" {rule_mark}" if rule_mark else ""
