@@ -27,7 +27,7 @@ class MasterDevice:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class SettingPlace:
     """A place to which a value is written, on one channel of one device.
 
     The place is an index with a subindex, a symbol, a register or an address. Numbers that no document gives are None,
@@ -86,7 +86,7 @@ def places_of(
     devices: Sequence[MasterDevice],
     standing: str,
     fill_in: Callable[[str], str],
-) -> tuple[Place, ...]:
+) -> tuple[SettingPlace, ...]:
     """Return the places of a setting. Places that are the same for all records are computed once for each value."""
     # A symbol with an item in braces is different for each record.
     depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
@@ -102,7 +102,7 @@ def places_of(
 
 
 #: Settings and their places, which are the same for all order codes with a value.
-_SETTING_AND_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[Place, ...]]] = {}
+_SETTING_AND_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[SettingPlace, ...]]] = {}
 
 
 def _compute_places(
@@ -111,9 +111,9 @@ def _compute_places(
     devices: Sequence[MasterDevice],
     standing: str,
     fill_in: Callable[[str], str],
-) -> tuple[Place, ...]:
+) -> tuple[SettingPlace, ...]:
     """Return the places of a setting on each device that has it, one for each channel if they differ by channel."""
-    places: list[Place] = []
+    places: list[SettingPlace] = []
     for rule in setting["places"]:
         for device in devices:
             if device.name not in rule.get("on", (device.name,)):
@@ -136,7 +136,7 @@ def _place_on_channel(
     value: int | bool | str | None,
     standing: str,
     fill_in: Callable[[str], str],
-) -> Place:
+) -> SettingPlace:
     """Return the place of a value on one channel. ``fill_in`` replaces items of the record in braces."""
 
     def of_channel(key: str, default: Any = None) -> Any:
@@ -147,7 +147,7 @@ def _place_on_channel(
     high_bit, low_bit = _parse_bits(str(rule.get("at", "")))
     place_bits = type_bits if high_bit is None or low_bit is None else high_bit - low_bit + 1
     default = None if rule["default"] == NOT_GIVEN else rule["default"]
-    return Place(
+    return SettingPlace(
         device=device.name,
         channel=device.channels[channel_index] if _differs_by_channel(rule) else "",
         index=of_channel("index"),
@@ -182,7 +182,7 @@ def _parse_bits(text: str) -> tuple[int | None, int | None]:
     return int(high), int(low or high)  # A single bit is both.
 
 
-def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -> str:
+def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[SettingPlace]) -> str:
     """Return ``Bits would be 70, but it is at most 63`` for a value that does not fit, or "". Texts fit everywhere."""
     if not isinstance(value, int):
         return ""
@@ -195,7 +195,7 @@ def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequenc
     return ""
 
 
-def _highest_value(place: Place) -> int | None:
+def _highest_value(place: SettingPlace) -> int | None:
     """Return the highest value that fits the range and the bits of a location, or None without a limit."""
     limits = [] if place.maximum is None else [place.maximum]
     if place.kind == "unsigned" and place.bits is not None:
@@ -219,7 +219,7 @@ class PlaceWords:
     source: str
 
 
-def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[PlaceWords]:
+def place_words(places: Sequence[SettingPlace], value: str, devices: Sequence[MasterDevice]) -> Iterator[PlaceWords]:
     """Yield the places of a value in words, once for all devices with the same words.
 
     ``devices`` of the words is empty if these are all devices. If a value is in hexadecimal, its default is, too.
@@ -234,7 +234,7 @@ def place_words(places: Sequence[Place], value: str, devices: Sequence[MasterDev
         yield words if are_all_devices else replace(words, devices=", ".join(device_names))
 
 
-def place_lines(places: Sequence[Place], value: str, devices: Sequence[MasterDevice]) -> Iterator[str]:
+def place_lines(places: Sequence[SettingPlace], value: str, devices: Sequence[MasterDevice]) -> Iterator[str]:
     """Yield the places of a value as lines: ``0x8000:01, UINT16, unit kHz, factory default 500 [X:p. 3]``."""
     for words in place_words(places, value, devices):
         unit = f"unit {words.unit}" if words.unit not in ("", "none") else ""
@@ -249,7 +249,7 @@ def place_lines(places: Sequence[Place], value: str, devices: Sequence[MasterDev
         yield f"{devices_prefix}{', '.join(facts)}{words.mark} [{words.source}]"
 
 
-def _words_for_device(channel_places: Sequence[Place], *, in_hex: bool) -> PlaceWords:
+def _words_for_device(channel_places: Sequence[SettingPlace], *, in_hex: bool) -> PlaceWords:
     """Return the words for the channels of one device, which differ only in their locations."""
     place = channel_places[0]
     data_type = place.type.replace("signed_n", "signed n")
@@ -274,7 +274,7 @@ def _words_for_device(channel_places: Sequence[Place], *, in_hex: bool) -> Place
     )
 
 
-def _location_and_channel(place: Place) -> str:
+def _location_and_channel(place: SettingPlace) -> str:
     return f"{place.location} ({place.channel})" if place.channel else place.location
 
 
@@ -292,7 +292,7 @@ class Write:
     name: str
     value: int | str
     text: str
-    places: tuple[Place, ...]
+    places: tuple[SettingPlace, ...]
 
     @property
     def title(self) -> str:

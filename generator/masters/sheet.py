@@ -22,7 +22,7 @@ from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..say.order_code import clocks_in_use
 from .frame_parts import FramePart
-from .places import MasterDevice, Place, WriteCondition, devices_of, places_of, reason_for_misfit, writing_of
+from .places import MasterDevice, SettingPlace, WriteCondition, devices_of, places_of, reason_for_misfit, writing_of
 from .record import EncoderFacts
 from .setting_values import (
     START_WITH,
@@ -78,7 +78,7 @@ class Setting:
     standing: str
     source: str
     note: str
-    places: tuple[Place, ...]
+    places: tuple[SettingPlace, ...]
 
     @property
     def is_default(self) -> bool:

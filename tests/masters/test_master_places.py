@@ -23,7 +23,7 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.masters.places import Place, write_order
+from codewheel.masters.places import SettingPlace, write_order
 from codewheel.masters.record import EncoderFacts
 from codewheel.masters.sheet import Master, Setting, SettingsSheet, sheet
 
@@ -138,23 +138,23 @@ for slave in (1, 2, 3):
     IC_MB3 += [(name, f"slave {slave}", address + offset, *facts) for name, address, *facts in IC_MB3_SETTINGS]
 
 
-def places_of(settings_sheet: SettingsSheet) -> Iterator[tuple[Setting, Place]]:
+def places_of(settings_sheet: SettingsSheet) -> Iterator[tuple[Setting, SettingPlace]]:
     for setting in settings_sheet.settings:
         for place in setting.places:
             yield setting, place
 
 
-def object_row(setting: Setting, place: Place) -> Row:
+def object_row(setting: Setting, place: SettingPlace) -> Row:
     address = (setting.name, place.device, place.channel, place.index, place.subindex)
     return (*address, place.type, place.kind, place.bits, place.unit, place.default, setting.value)
 
 
-def symbol_row(setting: Setting, place: Place) -> Row:
+def symbol_row(setting: Setting, place: SettingPlace) -> Row:
     address = (setting.name, place.channel, place.symbol)
     return (*address, place.type, place.kind, place.bits, place.unit, place.default, setting.value)
 
 
-def register_row(setting: Setting, place: Place) -> Row:
+def register_row(setting: Setting, place: SettingPlace) -> Row:
     address = (setting.name, place.channel, place.register or place.address)
     return (*address, place.high_bit, place.low_bit, place.bits, place.default, setting.value)
 

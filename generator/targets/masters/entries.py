@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
-from ...masters.places import Place, Write, write_order
+from ...masters.places import SettingPlace, Write, write_order
 from ...masters.sheet import Setting, SettingsSheet
 from ...masters.text import condition_text
 from ...model.lookup import first_of
@@ -28,7 +28,7 @@ class FileValue:
     value: Value
     word: str
     mark: str
-    place: Place
+    place: SettingPlace
 
     @property
     def size(self) -> int:
@@ -232,7 +232,7 @@ def _setting_value(setting_or_write: Setting | Write) -> Value:
     return setting_or_write.value
 
 
-def _reason_for_misfit_at(place: Place, value: Value, key: str, format_: FileFormat) -> str:
+def _reason_for_misfit_at(place: SettingPlace, value: Value, key: str, format_: FileFormat) -> str:
     """Return the reason that a format cannot write a value to this location, or an empty string.
 
     ``key`` is the name of the setting in the file. For a format with names, only the name counts.

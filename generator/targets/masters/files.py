@@ -13,7 +13,7 @@ from typing import Annotated, TypedDict
 from ...language.master_items import FILE_FORMATS
 from ...language.problems import listed
 from ...masters.groups import GroupSheets, sheets_of
-from ...masters.places import Place
+from ...masters.places import SettingPlace
 from ...masters.record import EncoderFacts
 from ...masters.sheet import Master, SettingsSheet, shipped_masters
 from ...masters.text import cited, condition_text
@@ -119,7 +119,7 @@ def _paragraphs_on_origin(
     yield f"Not yet tested on hardware. {reader} Form of the file: {cited(rule['source'])}."
 
 
-def _places_on_device(sheet: SettingsSheet, master_device: str) -> Iterator[Place]:
+def _places_on_device(sheet: SettingsSheet, master_device: str) -> Iterator[SettingPlace]:
     """Yield the locations of all settings on a device."""
     for setting in sheet.settings:
         yield from (place for place in setting.places if place.device == master_device)
