@@ -285,7 +285,7 @@ def _range_in_words(lowest: int | None, highest: int | None) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Write:
+class ObjectWrite:
     """A value that an object of the master must hold. ``text`` is the value as written."""
 
     object: str
@@ -318,9 +318,9 @@ class WriteCondition:
     """
 
     of: tuple[str, ...]
-    needs: tuple[Write, ...]
+    needs: tuple[ObjectWrite, ...]
     after: tuple[str, ...]
-    then: tuple[Write, ...]
+    then: tuple[ObjectWrite, ...]
     takes_effect: Effect | None
     standing: str
     source: str
@@ -369,15 +369,15 @@ def _write_condition(
     )
 
 
-def _writes_of_rule(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str) -> tuple[Write, ...]:
+def _writes_of_rule(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str) -> tuple[ObjectWrite, ...]:
     """Return the values to write that a rule lists under ``needs`` or ``then``."""
     return tuple(_write_from_rule(raw_write, devices, standing) for raw_write in rule.get(key, ()))
 
 
-def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> Write:
+def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> ObjectWrite:
     """Return a value to write, with its text in hexadecimal if the rule says so, and its places."""
     value = rule["value"]
-    return Write(
+    return ObjectWrite(
         object=rule["object"],
         name=rule.get("name", ""),
         value=value,
@@ -419,9 +419,9 @@ def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) ->
 
 def _condition_text(
     settings: tuple[str, ...],
-    needs: tuple[Write, ...],
+    needs: tuple[ObjectWrite, ...],
     after: tuple[str, ...],
-    then: tuple[Write, ...],
+    then: tuple[ObjectWrite, ...],
     effect: Effect | None,
 ) -> str:
     """Return a condition as one sentence: on values before or after the settings, an order, or an effect."""

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
-from ...masters.places import SettingPlace, Write, write_order
+from ...masters.places import ObjectWrite, SettingPlace, write_order
 from ...masters.sheet import Setting, SettingsSheet
 from ...masters.text import condition_text
 from ...model.lookup import first_of
@@ -120,7 +120,7 @@ def content_of_file(sheet: SettingsSheet, rule: Raw, device: str) -> Content:
         if reason:
             omissions.append(f"{setting.name}: {reason}.")
             continue
-        to_write: tuple[Setting | Write, ...] = (*writes_before, setting, *writes_after)
+        to_write: tuple[Setting | ObjectWrite, ...] = (*writes_before, setting, *writes_after)
         for setting_or_write in to_write:
             reason = _reason_for_misfit(setting_or_write, rule, format_, device)
             if reason:
@@ -132,7 +132,7 @@ def content_of_file(sheet: SettingsSheet, rule: Raw, device: str) -> Content:
     )
 
 
-def _settings_in_write_order(sheet: SettingsSheet) -> Iterator[tuple[Setting, list[Write], list[Write]]]:
+def _settings_in_write_order(sheet: SettingsSheet) -> Iterator[tuple[Setting, list[ObjectWrite], list[ObjectWrite]]]:
     """Yield the settings in the order of writing, each with the values to write before and after it.
 
     A rule applies to the settings named in ``rule.of``. The values in ``rule.needs`` come before the first of these
@@ -143,8 +143,8 @@ def _settings_in_write_order(sheet: SettingsSheet) -> Iterator[tuple[Setting, li
     # Like the settings, these are in the order of writing, so that a rule has its first and last name in this order.
     setting_names = [setting.name for setting in settings]
     for setting in settings:
-        writes_before: list[Write] = []
-        writes_after: list[Write] = []
+        writes_before: list[ObjectWrite] = []
+        writes_after: list[ObjectWrite] = []
         for rule in sheet.writing:
             # Without names, a rule applies to all settings. A rule with names contains at least one name from the
             # sheet.
@@ -172,11 +172,11 @@ def _reason_to_leave_out(setting: Setting, sheet: SettingsSheet, format_: FileFo
     return ""
 
 
-def _setting_name(setting_or_write: Setting | Write) -> str:
+def _setting_name(setting_or_write: Setting | ObjectWrite) -> str:
     return setting_or_write.name if isinstance(setting_or_write, Setting) else setting_or_write.title
 
 
-def _reason_for_misfit(setting_or_write: Setting | Write, rule: Raw, format_: FileFormat, device: str) -> str:
+def _reason_for_misfit(setting_or_write: Setting | ObjectWrite, rule: Raw, format_: FileFormat, device: str) -> str:
     """Return the reason for the first place on a device to which a format cannot write a value, or an empty string."""
     key = _key_in_file(setting_or_write, rule)
     for place in setting_or_write.places:
@@ -187,7 +187,7 @@ def _reason_for_misfit(setting_or_write: Setting | Write, rule: Raw, format_: Fi
     return ""
 
 
-def _file_values(setting_or_write: Setting | Write, rule: Raw, device: str) -> list[FileValue]:
+def _file_values(setting_or_write: Setting | ObjectWrite, rule: Raw, device: str) -> list[FileValue]:
     """Return a value with each of its locations on a device."""
     marks = _setting_marks(setting_or_write) if isinstance(setting_or_write, Setting) else []
     file_values = []
@@ -205,7 +205,7 @@ def _file_values(setting_or_write: Setting | Write, rule: Raw, device: str) -> l
     return file_values
 
 
-def _value_word(setting_or_write: Setting | Write, rule: Raw) -> str:
+def _value_word(setting_or_write: Setting | ObjectWrite, rule: Raw) -> str:
     """Return a value in the notation of the file: a word from the rule, or else a number or text."""
     value = _setting_value(setting_or_write)
     words_by_value = rule.get("words", {}).get(_setting_name(setting_or_write), {})
@@ -221,13 +221,13 @@ def _setting_marks(setting: Setting) -> list[str]:
     return marks
 
 
-def _key_in_file(setting_or_write: Setting | Write, rule: Raw) -> str:
+def _key_in_file(setting_or_write: Setting | ObjectWrite, rule: Raw) -> str:
     """Return the name of a setting in the file, or an empty string."""
     key: str = rule.get("names", {}).get(_setting_name(setting_or_write), "")
     return key
 
 
-def _setting_value(setting_or_write: Setting | Write) -> Value:
+def _setting_value(setting_or_write: Setting | ObjectWrite) -> Value:
     assert setting_or_write.value is not None
     return setting_or_write.value
 
