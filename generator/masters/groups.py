@@ -16,7 +16,7 @@ from .sheet import Master, SettingsSheet, sheet
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class CodesWithSameSettings:
     """Order codes that have the same settings in every master."""
 
     device: Device
@@ -24,7 +24,7 @@ class Group:
     record: EncoderFacts
 
 
-def order_code_groups(device: Device, interface: Interface) -> list[Group]:
+def order_code_groups(device: Device, interface: Interface) -> list[CodesWithSameSettings]:
     """Return the order codes of an interface in groups, each once for each choice on which its frame depends.
 
     Order codes are in one group if their records are equal apart from the code.
@@ -36,9 +36,9 @@ def order_code_groups(device: Device, interface: Interface) -> list[Group]:
     return [_build_group(device, records) for records in records_by_facts.values()]
 
 
-def _build_group(device: Device, records: Sequence[EncoderFacts]) -> Group:
+def _build_group(device: Device, records: Sequence[EncoderFacts]) -> CodesWithSameSettings:
     codes = tuple(code_record.code for code_record in records)
-    return Group(device, codes, record=records[0])
+    return CodesWithSameSettings(device, codes, record=records[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class GroupSheets:
     """The sheets of each master for the groups of one interface, in the order of the groups."""
 
     interface: Interface
-    groups: tuple[Group, ...]
+    groups: tuple[CodesWithSameSettings, ...]
     sheets: tuple[tuple[Master, tuple[SettingsSheet, ...]], ...]
 
 
@@ -87,7 +87,7 @@ def _compute_sheets(device: Device, masters: Sequence[Master]) -> Iterator[Group
             yield GroupSheets(interface, groups, master_sheets)
 
 
-def _sheets_for(master: Master, groups: Sequence[Group]) -> tuple[SettingsSheet, ...]:
+def _sheets_for(master: Master, groups: Sequence[CodesWithSameSettings]) -> tuple[SettingsSheet, ...]:
     return tuple(sheet(master, group.record) for group in groups)
 
 

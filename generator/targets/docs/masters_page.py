@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import prod
 from typing import Annotated, Any, TypedDict
 
-from ...masters.groups import Group, GroupSheets, records_of, sheets_of
+from ...masters.groups import CodesWithSameSettings, GroupSheets, records_of, sheets_of
 from ...masters.sheet import Master, MasterRefusal, Setting, SettingsSheet
 from ...masters.text import (
     cited,
@@ -31,9 +31,9 @@ Table = dict[str, Any]
 
 
 #: Groups of order codes, each with its rows by the name of the fact. A row consists of the name and the value.
-Columns = Sequence[tuple[Group, Mapping[Any, Row]]]
+Columns = Sequence[tuple[CodesWithSameSettings, Mapping[Any, Row]]]
 #: Settings of one master for each group.
-GroupSettings = Sequence[tuple[Group, SettingsSheet]]
+GroupSettings = Sequence[tuple[CodesWithSameSettings, SettingsSheet]]
 
 
 def kinds_with_masters(device: Device) -> list[str]:
@@ -117,7 +117,7 @@ def _links_to_errata(device: Device, names: Collection[str]) -> str:
     return link_list(link_to_erratum(device, erratum) for erratum in device.errata if erratum.name in names)
 
 
-def _fact_rows(group: Group) -> dict[Any, Row]:
+def _fact_rows(group: CodesWithSameSettings) -> dict[Any, Row]:
     return {name: (name, escape(value)) for name, value in record_facts(group.record)}
 
 
@@ -161,7 +161,7 @@ def _table_of_differences(keys: Sequence[Any], columns: Columns) -> Table:
     A group without a value has a dash.
     """
     heads = [_row_name(key, columns) for key in keys]
-    groups_by_cells: dict[Row, list[Group]] = {}
+    groups_by_cells: dict[Row, list[CodesWithSameSettings]] = {}
     for group, rows in columns:
         cells = tuple(_value_cell(key, rows) for key in keys)
         groups_by_cells.setdefault(cells, []).append(group)
@@ -185,7 +185,7 @@ def _value_cell(fact_key: Any, rows: Mapping[Any, Row]) -> str:
     return value
 
 
-def _codes_label(groups: Sequence[Group]) -> str:
+def _codes_label(groups: Sequence[CodesWithSameSettings]) -> str:
     """Return the order codes of all groups, with the answers: ``X-24 with `order=swapped` ``.
 
     Answers are left out if the groups have the same order codes for every combination of answers.
@@ -235,7 +235,7 @@ def _setting_names(group_sheets: GroupSettings) -> list[str]:
 
 def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
     """Yield the notes on settings and their conditions, with the order codes unless a note applies to all of them."""
-    groups_by_note: dict[str, list[Group]] = {}
+    groups_by_note: dict[str, list[CodesWithSameSettings]] = {}
     for group, sheet in group_sheets:
         notes = filter(None, (_setting_note(setting, sheet) for setting in sheet.settings))
         for note in dict.fromkeys(notes):
@@ -251,7 +251,7 @@ def _setting_note(setting: Setting, sheet: SettingsSheet) -> str:
     return f"{escape(setting.name)}: {note.removesuffix(source)}{source}" if note else ""
 
 
-def _with_order_codes(groups_by_note: Mapping[str, Sequence[Group]], group_count: int) -> Iterator[str]:
+def _with_order_codes(groups_by_note: Mapping[str, Sequence[CodesWithSameSettings]], group_count: int) -> Iterator[str]:
     """Yield each note, after its order codes unless it applies to all groups."""
     for note, groups in groups_by_note.items():
         yield note if len(groups) == group_count else f"{_codes_label(groups)}: {note}"
@@ -273,7 +273,7 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
     They are about gaps in the description of the master, about conditions for several settings, or of the sheet.
     """
-    groups_by_note: dict[str, list[Group]] = {}
+    groups_by_note: dict[str, list[CodesWithSameSettings]] = {}
     for group, sheet in group_sheets:
         gaps = (refusal_text(gap) for gap in sheet.gaps)
         for note in (*gaps, *(condition_text(rule) for rule in sheet.shared_writing), *sheet.notes):
@@ -283,7 +283,7 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
 def _refusal_lines(sheets: GroupSettings) -> Iterator[str]:
     """Yield the order codes that the master cannot use, with the reasons. Codes with the same reasons share a line."""
-    groups_by_reasons: dict[str, list[Group]] = {}
+    groups_by_reasons: dict[str, list[CodesWithSameSettings]] = {}
     for group, sheet in sheets:
         if sheet.refusals:
             reasons = " ".join(map(_refusal_text, sheet.refusals))
