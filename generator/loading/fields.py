@@ -9,6 +9,7 @@ from ..language.problems import DocumentReport, Path
 from ..language.rules.shapes import RESERVED
 from ..model import (
     INTERFACES,
+    BitSlice,
     Choice,
     Combination,
     Constant,
@@ -22,7 +23,6 @@ from ..model import (
     Kind,
     Number,
     Parity,
-    Piece,
     Sources,
     Text,
     Unused,
@@ -269,7 +269,7 @@ def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
     return tuple(reversed(runs))
 
 
-def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
+def pieces(field: Field, length: int, low_first: bool) -> tuple[BitSlice, ...]:
     """Return the parts of a field in each byte of a frame of ``length`` bytes, or none if the order code moves them.
 
     They begin with the lowest bits of the field. Each consists of the byte, the lowest bit in that byte, a mask of as
@@ -291,7 +291,7 @@ def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
         bits_in_byte = min(8 - low_bit_in_byte, bits_left)
         byte = byte_above_lowest if low_first else length - 1 - byte_above_lowest
         mask = (1 << bits_in_byte) - 1
-        pieces.append(Piece(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))
+        pieces.append(BitSlice(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))
         bits_done += bits_in_byte
     return tuple(pieces)
 

@@ -52,7 +52,7 @@ from .facts import (
     Table,
     Timing,
 )
-from .fields import Combination, Crc, Field, Join, Piece, PlacedField, Sign
+from .fields import BitSlice, Combination, Crc, Field, Join, PlacedField, Sign
 from .interfaces import (
     INTERFACES,
     Alignment,
@@ -193,7 +193,7 @@ __all__ = [
     "Overlay",
     "Parameter",
     "Parity",
-    "Piece",
+    "BitSlice",
     "PlacedChannels",
     "PlacedField",
     "PlacedLayout",

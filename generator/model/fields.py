@@ -123,7 +123,7 @@ class Crc:
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class BitSlice:
     """Part of a field in one byte: ``((byte >> low_in_byte) & mask) << low_in_number``."""
 
     byte: int
@@ -149,7 +149,7 @@ class Field:
     names: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     group: str = ""
     container: int = 0
-    pieces: tuple[Piece, ...] = ()
+    pieces: tuple[BitSlice, ...] = ()
     equals: Expression | int | str | None = None
     implemented: bool = True
     reserved: str = ""

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
-from ..model import Alternative, Device, Fault, Field, Layout, Piece
+from ..model import Alternative, BitSlice, Device, Fault, Field, Layout
 from ..model.expressions import Expression
 from ..model.kinds import Constant, CrcValue, Flag, Parity, Text, Unused
 from ..model.record import dataclass
@@ -182,7 +182,7 @@ def bits_of(layout: Layout, field: Field) -> FieldBits:
 
 
 def _locate_bits(
-    layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[Piece, ...] = ()
+    layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[BitSlice, ...] = ()
 ) -> FieldBits:
     """Return ``width`` bits, starting at ``low``. The bits are on top if a frame of bits has none above them."""
     bits_above = layout.bits - low - width
@@ -234,7 +234,7 @@ def _bits_at_end(layout: Layout, width: int) -> FieldBits:
         byte = byte_count - (width - low_in_crc) // 8 if low_byte_first else byte_count - 1 - low_in_crc // 8
         bits_in_byte = min(8, width - low_in_crc)
         mask = (1 << bits_in_byte) - 1
-        pieces.append(Piece(byte=byte, low_in_byte=0, mask=mask, low_in_number=low_in_crc))
+        pieces.append(BitSlice(byte=byte, low_in_byte=0, mask=mask, low_in_number=low_in_crc))
     return _locate_bits(layout, low, Expression(width), width, tuple(pieces))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..model import Crc, Digits, Fault, Field, Flag, Join, Parity, Piece, assert_never
+from ..model import BitSlice, Crc, Digits, Fault, Field, Flag, Join, Parity, assert_never
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .crcs import FoldStep
@@ -33,7 +33,7 @@ class FieldBits:
     width: Expression
     widest: int
     on_top: bool
-    pieces: tuple[Piece, ...]
+    pieces: tuple[BitSlice, ...]
 
     @property
     def are_fixed(self) -> bool:
@@ -65,7 +65,7 @@ class ZerosAbove:
     field: Field
     padding: Field
     bits: FieldBits
-    beyond: tuple[Piece, ...]
+    beyond: tuple[BitSlice, ...]
     fault = Fault.CONSTANT
 
     @property

@@ -9,11 +9,11 @@ from functools import cached_property
 
 from ..model import (
     Argument,
+    BitSlice,
     Device,
     Field,
     ModifyStep,
     Parameter,
-    Piece,
     PollStep,
     Procedure,
     ReadStep,
@@ -95,7 +95,7 @@ class WriteRegister:
     step: WriteStep | ModifyStep
     register: Register
     field: Field | None
-    pieces: tuple[Piece, ...]
+    pieces: tuple[BitSlice, ...]
     value: ValueSource
     determines_limits: tuple[Parameter, ...] = ()
     closes: bool = False
@@ -113,7 +113,7 @@ class ReadRegister:
     step: ReadStep
     register: Register
     field: Field | None
-    pieces: tuple[Piece, ...]
+    pieces: tuple[BitSlice, ...]
     calls = (MasterCall.READ,)
 
 
@@ -124,7 +124,7 @@ class PollRegister:
     step: PollStep
     register: Register
     field: Field
-    pieces: tuple[Piece, ...]
+    pieces: tuple[BitSlice, ...]
     calls = (MasterCall.READ, MasterCall.WAIT)
 
 
@@ -133,7 +133,7 @@ class VerifyWrite:
     """Read back what ``write`` wrote, and stop if any of ``pieces`` differs."""
 
     write: WriteRegister
-    pieces: tuple[Piece, ...]
+    pieces: tuple[BitSlice, ...]
     calls = (MasterCall.READ,)
 
     @property
@@ -324,7 +324,7 @@ def _can_be_read_back(write: WriteRegister) -> bool:
     return keeps_value and not write.closes and has_fixed_unused_bits
 
 
-def _meaningful_pieces(write: WriteRegister) -> Iterator[Piece]:
+def _meaningful_pieces(write: WriteRegister) -> Iterator[BitSlice]:
     """Yield the pieces without reserved bits, which can be anything when read. A whole access includes all bytes."""
     for piece in write.pieces:
         unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.low_in_byte
@@ -369,7 +369,7 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Plan
             assert_never(step)
 
 
-def pieces_of(register: Register, field: Field | None = None) -> tuple[Piece, ...]:
+def pieces_of(register: Register, field: Field | None = None) -> tuple[BitSlice, ...]:
     """Return the bytes of a field, or of a whole register, in ascending order of address.
 
     If a register is accessed whole, its bytes outside the field have the mask 0.
@@ -378,12 +378,12 @@ def pieces_of(register: Register, field: Field | None = None) -> tuple[Piece, ..
         pieces_by_byte = {piece.byte: piece for piece in field.pieces}
         if pieces_by_byte and register.is_accessed_whole:
             for byte in range(register.length):
-                pieces_by_byte.setdefault(byte, Piece(byte, low_in_byte=0, mask=0, low_in_number=0))
+                pieces_by_byte.setdefault(byte, BitSlice(byte, low_in_byte=0, mask=0, low_in_number=0))
         return tuple(pieces_by_byte[byte] for byte in sorted(pieces_by_byte))
     pieces = []
     for byte in range(register.length):
         bytes_below = byte if register.byte_order == "low_byte_first" else register.length - 1 - byte
-        pieces.append(Piece(byte, low_in_byte=0, mask=0xFF, low_in_number=8 * bytes_below))
+        pieces.append(BitSlice(byte, low_in_byte=0, mask=0xFF, low_in_number=8 * bytes_below))
     return tuple(pieces)
 
 

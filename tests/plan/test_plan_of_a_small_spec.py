@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.loading.library import load_library
-from codewheel.model import Device, Fault, Piece, Rs485
+from codewheel.model import BitSlice, Device, Fault, Rs485
 from codewheel.plan.codec import LayoutPlan, ShiftedBits, codec_of, moved_bits
 from codewheel.plan.frames import (
     Reply,
@@ -76,16 +76,16 @@ def rs485_of(device: Device) -> Rs485:
 # -- procedures
 
 
-def summary(operation: PlannedStep) -> tuple[str, str, str, list[Piece]]:
+def summary(operation: PlannedStep) -> tuple[str, str, str, list[BitSlice]]:
     """Return the kind of an operation, its register, its field, and its bytes."""
     register, field = getattr(operation, "register", None), getattr(operation, "field", None)
     names = (register.name if register is not None else "", field.name if field is not None else "")
     return (type(operation).__name__, *names, list(getattr(operation, "pieces", ())))
 
 
-ONE_BYTE = [Piece(0, 0, 0xFF, 0)]
+ONE_BYTE = [BitSlice(0, 0, 0xFF, 0)]
 #: The high byte is at the lower address.
-TWO_BYTES = [Piece(0, 0, 0xFF, 8), Piece(1, 0, 0xFF, 0)]
+TWO_BYTES = [BitSlice(0, 0, 0xFF, 8), BitSlice(1, 0, 0xFF, 0)]
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +95,7 @@ def run(small: Device) -> ProcedurePlan:
 
 def test_operations_of_a_procedure(run: ProcedurePlan) -> None:
     """The command cannot be read, so everything written before is read back first. The key closes the preset."""
-    bit_7, bit_2 = [Piece(0, 7, 1, 0)], [Piece(0, 2, 1, 0)]
+    bit_7, bit_2 = [BitSlice(0, 7, 1, 0)], [BitSlice(0, 2, 1, 0)]
     assert list(map(summary, run.operations)) == [
         ("Writes", "key", "", ONE_BYTE),
         ("Writes", "preset", "", TWO_BYTES),
@@ -141,7 +141,7 @@ def test_which_procedure_changes_frames(small: Device, run: ProcedurePlan) -> No
     set_level = run_of(small, small.procedure("set_level"))
     assert (run.changes_frames, set_level.changes_frames) == (False, True)
     (write,) = set_level.operations
-    assert summary(write) == ("Writes", "level", "zeros", [Piece(0, 1, 7, 0)])
+    assert summary(write) == ("Writes", "level", "zeros", [BitSlice(0, 1, 7, 0)])
     assert isinstance(write, WriteRegister)
     assert isinstance(write.value, InField)
     (argument,) = set_level.arguments
@@ -333,7 +333,7 @@ def test_places_of_bits(by_hand: Device) -> None:
     reply = plan(by_hand, "low_reply")
     assert (reply.by_word, reply.length) == (False, 4)
     assert [list(plan(by_hand, name).from_low) for name in ("low_reply", "high_reply")] == [[0, 1, 2, 3], [3, 2, 1, 0]]
-    assert [part.bits.pieces for part in reply.parts] == [(Piece(1, 0, 0xFF, 0), Piece(2, 0, 0xFF, 8))]
+    assert [part.bits.pieces for part in reply.parts] == [(BitSlice(1, 0, 0xFF, 0), BitSlice(2, 0, 0xFF, 8))]
     assert [part.shared for part in plan(by_hand, "parity_word").parts] == [True, True]
     assert [part.shared for part in plan(by_hand, "gray_word").parts] == [True, True, False]
 

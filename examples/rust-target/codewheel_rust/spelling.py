@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterable
 
-from codewheel.model import Device, Field, Parameter, Piece, assert_never
+from codewheel.model import BitSlice, Device, Field, Parameter, assert_never
 from codewheel.model.expressions import Expression, Factor, Term
 from codewheel.plan import values
 from codewheel.plan.codec import characters
@@ -77,20 +77,20 @@ def narrowed(value: str, type_: str) -> str:
     return value if type_[1:] == "64" else f"{value} as {type_}"
 
 
-def byte_of(piece: Piece) -> str:
+def byte_of(piece: BitSlice) -> str:
     """Return the bits of a piece in its byte."""
     byte = f"bytes[{piece.byte}] >> {piece.low_in_byte}" if piece.low_in_byte else f"bytes[{piece.byte}]"
     masked = f"({byte}) & {hexadecimal(piece.mask)}" if piece.low_in_byte else f"{byte} & {hexadecimal(piece.mask)}"
     return byte if piece.mask == 0xFF >> piece.low_in_byte else masked
 
 
-def joined_pieces(pieces: Iterable[Piece]) -> str:
+def joined_pieces(pieces: Iterable[BitSlice]) -> str:
     """Return the bits of these pieces of ``bytes`` as one number."""
     parts = ((f"u64::from({byte_of(piece)})", piece.low_in_number) for piece in pieces)
     return " | ".join(f"({part} << {shift})" if shift else part for part, shift in parts) or "0_u64"
 
 
-def put_byte(piece: Piece, raw: str) -> str:
+def put_byte(piece: BitSlice, raw: str) -> str:
     """Return the contribution of a piece of a number, which fits, to its byte."""
     part = f"({raw} >> {piece.low_in_number}) as u8" if piece.low_in_number else f"{raw} as u8"
     if piece.mask != 0xFF >> piece.low_in_byte:

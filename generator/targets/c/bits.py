@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
-from ...model import Digits, Field, Piece, first_of
+from ...model import BitSlice, Digits, Field, first_of
 from ...model.record import dataclass
 from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
 from ...plan.operations import FieldBits, JoinedNumber, Reserved
@@ -29,7 +29,7 @@ from .names import (
 )
 
 
-def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
+def of_bytes(pieces: tuple[BitSlice, ...]) -> tuple[str, Expr]:
     """Return the type and the bits in these pieces of ``bytes``, as one number.
 
     For one piece, this is ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``. Without pieces, when no order code has such
@@ -53,7 +53,7 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
     return type_, number if type_ == shifted_type else Cast(type_, number)
 
 
-def _bits_of_piece(piece: Piece) -> Expr:
+def _bits_of_piece(piece: BitSlice) -> Expr:
     """Return the bits of a byte that belong to a field, shifted to bit 0, such as ``(bytes[2] >> 3) & 0x07U``."""
     shifted_byte = shifted_right(Name(f"bytes[{piece.byte}]"), piece.low_in_byte)
     # Without bits above the piece, no mask is needed.

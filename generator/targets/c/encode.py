@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ...model import Field, Piece, assert_never
+from ...model import BitSlice, Field, assert_never
 from ...plan.codec import characters
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
 from ...plan.operations import (
@@ -314,7 +314,7 @@ class Encoder:
             case meaning:
                 assert_never(meaning)
 
-    def _piece_in_byte(self, field: Field, piece: Piece, bits: Expr, *, may_be_wider: bool) -> Expr:
+    def _piece_in_byte(self, field: Field, piece: BitSlice, bits: Expr, *, may_be_wider: bool) -> Expr:
         """Return one piece of the bits of a field, shifted to its place in its byte.
 
         ``may_be_wider`` is True if ``bits`` can have 1 bits above the piece, which must be masked.
@@ -329,7 +329,7 @@ class Encoder:
         return Cast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
 
 
-def _flag_in_byte(flag: Expr, piece: Piece, *, low_is_active: bool) -> Expr:
+def _flag_in_byte(flag: Expr, piece: BitSlice, *, low_is_active: bool) -> Expr:
     """Return the bit of a flag at its place in its byte, such as ``in->error ? 0x80U : 0x00U``."""
     bit = Number(piece.mask << piece.low_in_byte, hexadecimal=True)
     zero = Number(0, hexadecimal=True)

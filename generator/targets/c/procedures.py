@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from itertools import count
 
-from ...model import Piece, Procedure, Register, assert_never
+from ...model import BitSlice, Procedure, Register, assert_never
 from ...model.record import dataclass
 from ...plan.limits import TooWide
 from ...plan.steps import (
@@ -328,7 +328,7 @@ class ProcedureCode:
         index: int,
         step: WriteRegister | ReadRegister | PollRegister | VerifyWrite,
         note: str,
-        piece: Piece,
+        piece: BitSlice,
         value: Expr,
     ) -> Row:
         """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
@@ -368,7 +368,7 @@ class ProcedureCode:
             return self._filled.get((write.value.argument.name, write.register.name))
         return None
 
-    def _byte_value(self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, piece: Piece) -> Expr:
+    def _byte_value(self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, piece: BitSlice) -> Expr:
         """Return the value that a step writes to a byte, waits for, or reads back, or 0 for a step that only reads.
 
         It has the bits of ``piece`` at their place in the byte. The other bits of the byte are 0.

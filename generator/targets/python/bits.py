@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from ...model import Field, Piece
+from ...model import BitSlice, Field
 from ...model.expressions import Expression
 from ...model.lookup import assert_never
 from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
@@ -181,7 +181,7 @@ class Reader:
         xor_of_fields = join_operands("^", [self.bits(bits) for bits in parts])
         return Operation(xor_of_fields, "&", mask(counted)) if counted else xor_of_fields
 
-    def number_from_pieces(self, pieces: Sequence[Piece]) -> Expr:
+    def number_from_pieces(self, pieces: Sequence[BitSlice]) -> Expr:
         """Return the number that pieces of the bytes form."""
         return from_pieces(pieces, self.codec.length, self._byte)
 
@@ -276,7 +276,7 @@ def mask_in_place(bits: FieldBits) -> int:
     return ((1 << bits.width.constant) - 1) << bits.low.constant
 
 
-def place_in_bytes(pieces: Sequence[Piece]) -> str:
+def place_in_bytes(pieces: Sequence[BitSlice]) -> str:
     """Return the order of the bytes of a field, or its bits in a single byte, such as ``bits 7:4``.
 
     Empty if it fills the byte. ``pieces`` begin with the lowest bits.
@@ -327,7 +327,7 @@ def mask_without_field(scope: Scope, codec: LayoutPlan) -> Expr:
     return Operation(mask(bits_without_fixed_field), "&", Atom(f"~({moving_bits})"))
 
 
-def _is_whole_byte(piece: Piece) -> bool:
+def _is_whole_byte(piece: BitSlice) -> bool:
     """Return whether a piece is all eight bits of its byte."""
     return not piece.low_in_byte and piece.mask == 0xFF
 
@@ -337,7 +337,7 @@ def _are_ascending(byte_indices: Sequence[int]) -> bool:
     return all(next_index - index == 1 for index, next_index in pairwise(byte_indices))
 
 
-def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]") -> Expr:
+def from_pieces(pieces: Sequence[BitSlice], length: int = 0, byte: str = "data[{}]") -> Expr:
     """Return the number that the pieces form, such as ``data[1] | data[2] << 8``, or 0 if there are none.
 
     The pieces begin with the lowest bits. ``length`` is the number of bytes, or 0 if it is unknown. ``byte`` is the
@@ -359,11 +359,11 @@ def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]"
     return join_operands("|", (_from_piece(piece, byte) for piece in ascending))
 
 
-def _are_adjacent_whole_bytes(ascending: Sequence[Piece]) -> bool:
+def _are_adjacent_whole_bytes(ascending: Sequence[BitSlice]) -> bool:
     return all(map(_is_whole_byte, ascending)) and _are_ascending([piece.byte for piece in ascending])
 
 
-def _from_piece(piece: Piece, byte: str) -> Expr:
+def _from_piece(piece: BitSlice, byte: str) -> Expr:
     """Return the bits of one piece at their place in the number, such as ``(b1 & 0x3F) << 8``."""
     bits = shift_value(Atom(byte.format(piece.byte)), ">>", number(piece.low_in_byte))
     # The mask of the piece covers its bits after the shift. Without bits above them, they need none.

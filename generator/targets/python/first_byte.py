@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 
-from ...model import Field, Piece
+from ...model import BitSlice, Field
 from ...plan.codec import LayoutPlan
 from ...plan.operations import AlwaysIs, Check, IsOneOf, ParityIs
 from ...plan.values import OneOfNamedValues, meaning_of
@@ -127,7 +127,7 @@ def _expected_parity(check: ParityIs, first_byte: int) -> int:
     return (number_of_ones & 1) ^ check.odd
 
 
-def _bits_in_byte(pieces: Iterable[Piece], byte: int) -> int:
+def _bits_in_byte(pieces: Iterable[BitSlice], byte: int) -> int:
     """Return the number that these pieces of a byte form."""
     number = 0
     for piece in pieces:
