@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from ..model import Alarm, Alternative, Connector, Crc, Device, Layout
 from ..model.expressions import Expression
-from ..model.members import PARTS_BY_CLASS, WIDER, Member
+from ..model.members import PARTS_BY_CLASS, WIDER, ModelMember
 from ..order_codes.reduction import sent_crcs
 from ..say.names_and_places import register_at
 from ..say.plain_text import first_of
@@ -22,7 +22,7 @@ from .values import NumberDifferences, as_plain_data, differing_items, old_to_ne
 _Item = TypeVar("_Item")
 #: Rules whose changes are described only by their location.
 _WITHOUT_VALUES = ("words", "source")
-_SOURCE = Member("source", rule="source")
+_SOURCE = ModelMember("source", rule="source")
 #: Kinds of things with a section in the spec: the path of the section, and the words that precede the name of a thing.
 _SECTIONS: Mapping[str, tuple[str, str | Callable[[OldAndNew[Any]], str]]] = MappingProxyType(
     {
@@ -63,7 +63,7 @@ def compare_members(family_pair: FamilyPair, subject: ChangeSubject, old: Any, n
     members_by_name = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
     for attribute in fields(new):
         # An attribute that the table lacks still leads to a change, so that nothing is overlooked.
-        member = members_by_name.get(attribute.name) or Member(attribute.name, rule="unforeseen")
+        member = members_by_name.get(attribute.name) or ModelMember(attribute.name, rule="unforeseen")
         # A member without a rule is compared elsewhere, or by its order code.
         if member.rule:
             old_value, new_value = getattr(old, attribute.name), getattr(new, attribute.name)
@@ -72,7 +72,7 @@ def compare_members(family_pair: FamilyPair, subject: ChangeSubject, old: Any, n
 
 
 def compare_member(
-    family_pair: FamilyPair, subject: ChangeSubject, member: Member, old: Any, new: Any
+    family_pair: FamilyPair, subject: ChangeSubject, member: ModelMember, old: Any, new: Any
 ) -> Iterator[Change]:
     """Yield a change if the member differs: in its value, else in its texts, else in its citations.
 
@@ -102,7 +102,7 @@ def compare_member(
 
 
 def _compare_number(
-    family_pair: FamilyPair, subject: ChangeSubject, member: Member, old: Any, new: Any
+    family_pair: FamilyPair, subject: ChangeSubject, member: ModelMember, old: Any, new: Any
 ) -> Iterator[Change]:
     """Yield a change if two numbers or expressions have different values for an order code.
 
@@ -129,7 +129,7 @@ def _as_expression(number: Any) -> Any:
     return Expression(number) if isinstance(number, int) else number
 
 
-def _allows_less(member: Member, old_limit: int | None, new_limit: int | None) -> bool:
+def _allows_less(member: ModelMember, old_limit: int | None, new_limit: int | None) -> bool:
     """Return whether a new limit allows less than the old one: a lower maximum, or a higher minimum.
 
     None means that there is no limit.

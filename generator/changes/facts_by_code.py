@@ -7,14 +7,14 @@ from dataclasses import replace
 from typing import TypeVar
 
 from ..model import Biss, Characteristic, Clock, Clocked, Ssi, Timeout, Timing
-from ..model.members import Member
+from ..model.members import ModelMember
 from .compare import compare_member, compare_members
 from .family_pair import FamilyPair
 from .rules import Change, ChangeSubject
 
 _Named = TypeVar("_Named", Characteristic, Timing)
 #: The time-out in descriptions of changes.
-_TIMEOUT = Member("timeout", rule="interface-rule", label="time-out")
+_TIMEOUT = ModelMember("timeout", rule="interface-rule", label="time-out")
 
 
 def compare_clocks(family_pair: FamilyPair, subject: ChangeSubject, old: Clocked, new: Clocked) -> Iterator[Change]:

@@ -44,7 +44,7 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
-from ..model.members import PARTS_BY_CLASS, Member
+from ..model.members import PARTS_BY_CLASS, ModelMember
 from ..model.record import dataclass
 from ..order_codes.labels import Match
 from ..order_codes.reduction import for_interface, reduced_to_codes
@@ -217,7 +217,7 @@ class _Dump:
                 plain_members[member.name] = self._member_data(member, attribute, own_sources)
         return plain_members | _sources_data(own_sources) if described_part.is_sourced else plain_members
 
-    def _member_data(self, member: Member, value: Any, inherited: Sources) -> Any:
+    def _member_data(self, member: ModelMember, value: Any, inherited: Sources) -> Any:
         """Return a member as plain data. If it is a word of a list and missing, it is an empty string."""
         # The shape of such a member is ``|`` and the possible words.
         is_missing_word = value is None and member.shape.startswith("|")

@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..model.members import FAMILY, PARTS, Member, Part
+from ..model.members import FAMILY, PARTS, ModelMember, Part
 from ..model.record import dataclass
 
 JsonSchema = dict[str, Any]
@@ -43,8 +43,10 @@ _BASIC: dict[str, JsonSchema] = {
         "additionalProperties": {"$ref": "#/$defs/text"},
     },
 }
-_SOURCE = Member("source", "source?", "First source. An item without its own source inherits the source of its parent.")
-_SOURCES = Member("sources", "[source]", "All sources, if there are several.")
+_SOURCE = ModelMember(
+    "source", "source?", "First source. An item without its own source inherits the source of its parent."
+)
+_SOURCES = ModelMember("sources", "[source]", "All sources, if there are several.")
 
 
 @cache
@@ -83,7 +85,7 @@ def _object_schema(part: Part) -> JsonSchema:
 
 
 def _schema_of(notation: str) -> JsonSchema:
-    """Return the schema of a type in the notation of ``Member.shape``, such as ``=1``, ``integer?`` or ``hex=0``."""
+    """Return the schema of a type in the notation of ``ModelMember.shape``, such as ``=1``, ``integer?`` or ``hex=0``."""
     if notation.startswith("="):
         return {"const": int(notation.removeprefix("="))}
     type_notation, _, default = notation.partition("=")

@@ -23,7 +23,7 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
-from ..model.members import PARTS_BY_CLASS, Member
+from ..model.members import PARTS_BY_CLASS, ModelMember
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
 from .reading import (
@@ -348,7 +348,7 @@ class FactSubject:
                 )
 
 
-def _value_text(reading: SpecReading, member: Member, member_value: Any, interface: str) -> FactValue:
+def _value_text(reading: SpecReading, member: ModelMember, member_value: Any, interface: str) -> FactValue:
     """Return a stated value in words without names, or a text for each case if it is an expression.
 
     Numbers come with the unit of the member: ``16 µs``, ``0x1A``, ``yes``.
@@ -380,7 +380,7 @@ def _value_text(reading: SpecReading, member: Member, member_value: Any, interfa
     return kind_of_unit(member_value) if member.form == "unit" else str(member_value)
 
 
-def _bool_text(member: Member, is_true: bool) -> str:
+def _bool_text(member: ModelMember, is_true: bool) -> str:
     """Return ``low`` or ``high`` for a level, ``yes`` or ``no`` for a property, else ``true`` or ``false``."""
     if member.form == "level":
         return "low" if is_true else "high"
@@ -394,7 +394,7 @@ def _part_text(value_or_part: object) -> str:
     return str(value_or_part.digits if isinstance(value_or_part, Digits) else value_or_part)
 
 
-def _referred_text(reading: SpecReading, member: Member, referred_names: Any, interface: str) -> str:
+def _referred_text(reading: SpecReading, member: ModelMember, referred_names: Any, interface: str) -> str:
     """Return the things that a member names, in words without names, sorted.
 
     Registers give their addresses, register fields and flags of frames their bits, and procedures their steps.

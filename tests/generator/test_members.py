@@ -18,7 +18,7 @@ from codewheel.dump.xml import schema_text, to_xml
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.model import Device, Register
-from codewheel.model.members import PARTS, PARTS_BY_CLASS, Member, Part
+from codewheel.model.members import PARTS, PARTS_BY_CLASS, ModelMember, Part
 from codewheel.model.record import dataclass
 from codewheel.readings import stated
 from codewheel.readings.compare import compare
@@ -89,7 +89,7 @@ def test_records_of_python_have_the_members(record: str, part: Part) -> None:
     assert {member.name for member in part.members if member.shape and member.attribute not in names} - names == set()
 
 
-NEW = Member("needs_restart", "boolean=false", "True if it needs a restart.", "register-rule", read="behaviour")
+NEW = ModelMember("needs_restart", "boolean=false", "True if it needs a restart.", "register-rule", read="behaviour")
 #: The class of registers with one more property. The table finds it by its name.
 NEW_REGISTER: Any = dataclass(frozen=True)(
     type("Register", (Register,), {"__annotations__": {"needs_restart": "bool"}, "needs_restart": False})

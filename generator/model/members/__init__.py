@@ -12,11 +12,11 @@ from types import MappingProxyType
 from .frames import FRAMES
 from .identity import FAMILY, IDENTITY
 from .interfaces import INTERFACES
-from .member import WIDER, Member, Part
+from .member import WIDER, ModelMember, Part
 from .registers import REGISTERS
 from .surroundings import SURROUNDINGS
 
-__all__ = ["FAMILY", "PARTS", "PARTS_BY_CLASS", "WIDER", "Member", "Part"]
+__all__ = ["FAMILY", "PARTS", "PARTS_BY_CLASS", "WIDER", "ModelMember", "Part"]
 
 #: Every part of the data except the family itself.
 PARTS = (*IDENTITY, *INTERFACES, *FRAMES, *REGISTERS, *SURROUNDINGS)

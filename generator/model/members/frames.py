@@ -6,18 +6,18 @@ from typing import get_args
 
 from ..kinds import Digits, Kind, Scale
 from ..measurement import LayoutRange
-from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part, described_part
+from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, Part, described_part
 
 FRAMES = (
     Part(
         "value",
         "A named value.",
         NAME,
-        Member("value", "integer", "Number that the name stands for.", "value-changed", "number", form="hex"),
+        ModelMember("value", "integer", "Number that the name stands for.", "value-changed", "number", form="hex"),
         PRINTED_NAME,
         NAMES,
         MEANING,
-        Member(
+        ModelMember(
             "makes_position",
             "|not_usable|usable_with_warning|usable",
             "In a frame with the position: verdict on it while the field has this value. Empty if it has no effect.",
@@ -34,8 +34,8 @@ FRAMES = (
         "join",
         "A number made of several fields, most significant first.",
         NAME,
-        Member("fields", "[name]", "Fields.", "joined-of", "made of", refers_to="fields"),
-        Member("width", "expression", "Total number of bits."),
+        ModelMember("fields", "[name]", "Fields.", "joined-of", "made of", refers_to="fields"),
+        ModelMember("width", "expression", "Total number of bits."),
         identity="fields",
     ),
     Part(
@@ -43,7 +43,7 @@ FRAMES = (
         "Values of several fields of a frame that together decide the verdict on the position.",
         NAME,
         PRINTED_NAME,
-        Member(
+        ModelMember(
             "when",
             "[name]",
             "The fields with their values, as field.value. The value of a flag is active or inactive.",
@@ -51,7 +51,7 @@ FRAMES = (
             "applies to",
             refers_to="conditions",
         ),
-        Member(
+        ModelMember(
             "makes_position",
             "not_usable|usable_with_warning",
             "Verdict on the position while the fields have these values.",
@@ -59,7 +59,7 @@ FRAMES = (
             "makes the position",
         ),
         MEANING,
-        Member("remedy", "text", "Instructions for leaving this state.", "words"),
+        ModelMember("remedy", "text", "Instructions for leaving this state.", "words"),
         NOTE,
         identity="when",
     ),
@@ -67,16 +67,16 @@ FRAMES = (
         "field",
         "A field. Bit 0 is the least significant of the layout or register.",
         NAME,
-        Member(
+        ModelMember(
             "kind",
             "number|flag|choice|constant|unused|crc|parity|digits|text",
             "number. flag: true when active. choice: one of the named values. constant: fixed bits. unused: "
             "bits that are reported if they differ from the manual. crc. parity: parity bit over parity_of. "
             "digits: decimal digits. text: ASCII.",
         ),
-        Member("high", "expression", "Highest bit."),
-        Member("low", "expression", "Lowest bit.", "field-moved", "lowest bit"),
-        Member(
+        ModelMember("high", "expression", "Highest bit."),
+        ModelMember("low", "expression", "Lowest bit.", "field-moved", "lowest bit"),
+        ModelMember(
             "width",
             "expression",
             "Number of bits. A field of a family may have 0 bits for some order codes.",
@@ -85,20 +85,20 @@ FRAMES = (
         ),
         PRINTED_NAME,
         NAMES,
-        Member("group", "name", "Group that the field belongs to."),
-        Member(
+        ModelMember("group", "name", "Group that the field belongs to."),
+        ModelMember(
             "container",
             "integer=0",
             "Width including the padding. 0 if it has no padding.",
             "field-width",
             "bits with padding",
         ),
-        Member(
+        ModelMember(
             "padding_of", "name", "Field that these constant zeros pad.", "field-constant", "bits", refers_to="field"
         ),
-        Member("when_active", "text", "Meaning of the flag when it is active.", "words"),
-        Member("when_inactive", "text", "Meaning of the flag when it is inactive.", "words"),
-        Member(
+        ModelMember("when_active", "text", "Meaning of the flag when it is active.", "words"),
+        ModelMember("when_inactive", "text", "Meaning of the flag when it is inactive.", "words"),
+        ModelMember(
             "makes_position",
             "|not_usable|unknown|usable_with_warning|usable",
             "Verdict on the position of the same frame while a flag is active, or while unused bits differ from"
@@ -108,7 +108,7 @@ FRAMES = (
             read="verdict",
             noun="verdict on the position",
         ),
-        Member(
+        ModelMember(
             "sums_up",
             "[name]",
             "For a flag: the flags that it combines. If the frame also contains these and one of them is active,"
@@ -118,7 +118,7 @@ FRAMES = (
             read="behaviour",
             noun="flags that it combines",
         ),
-        Member(
+        ModelMember(
             "only",
             "string",
             "For a flag: the order codes for which the manual explains it. Empty if it applies to all. For "
@@ -129,8 +129,10 @@ FRAMES = (
             read="behaviour",
             noun="order codes that have it",
         ),
-        Member("only_while", "string", "For a flag with 'only': the parameter that is 0 for the other order codes."),
-        Member(
+        ModelMember(
+            "only_while", "string", "For a flag with 'only': the parameter that is 0 for the other order codes."
+        ),
+        ModelMember(
             "verdict_parameter",
             "name",
             "For a flag: the parameter of an alternative with a default. If the user's answer sets it to 1, the verdict"
@@ -139,7 +141,7 @@ FRAMES = (
             "answer",
             refers_to="parameters",
         ),
-        Member(
+        ModelMember(
             "verdict_if_set",
             "|not_usable|usable_with_warning",
             "Verdict on the position while the flag is active and verdict_parameter is 1. Empty if no answer changes"
@@ -149,8 +151,8 @@ FRAMES = (
             read="verdict",
             noun="verdict with the other answer",
         ),
-        Member("remedy", "text", "For a flag: instructions for clearing it, if no alarm gives them.", "words"),
-        Member(
+        ModelMember("remedy", "text", "For a flag: instructions for clearing it, if no alarm gives them.", "words"),
+        ModelMember(
             "by_hand",
             "[name]",
             "Steps carried out by a person: names of characteristics.",
@@ -158,15 +160,15 @@ FRAMES = (
             read="alarm",
             noun="steps by hand",
         ),
-        Member("values", "[value]", "Named values."),
-        Member(
+        ModelMember("values", "[value]", "Named values."),
+        ModelMember(
             "crc",
             "name",
             "Name of the CRC that the field holds.",
             "field-reads-otherwise",
             refers_to="crc",
         ),
-        Member(
+        ModelMember(
             "crc_of",
             "[name]",
             "Fields that the CRC covers. Empty: everything sent before it.",
@@ -174,7 +176,7 @@ FRAMES = (
             refers_to="fields",
             of="of",
         ),
-        Member(
+        ModelMember(
             "parity_of",
             "[name]",
             "Fields that the parity bit covers.",
@@ -182,20 +184,20 @@ FRAMES = (
             refers_to="fields",
             of="of",
         ),
-        Member(
+        ModelMember(
             "parity",
             "|even|odd",
             "For a parity bit: parity of the number of ones in those fields and the bit itself, even or odd.",
             "field-reads-otherwise",
             of="odd",
         ),
-        Member(
+        ModelMember(
             "over",
             "|odd_bits|even_bits",
             "For a parity bit: the bits of each of those fields that count. Empty: all bits.",
             "field-reads-otherwise",
         ),
-        Member(
+        ModelMember(
             "digits",
             "[digits]",
             "Parts into which the decimal digits of the number are split, most significant first.",
@@ -203,8 +205,8 @@ FRAMES = (
             read="value",
             noun="digits",
         ),
-        Member("signed", "boolean=false", "True if the number is in two's complement.", "field-reads-otherwise"),
-        Member(
+        ModelMember("signed", "boolean=false", "True if the number is in two's complement.", "field-reads-otherwise"),
+        ModelMember(
             "zero_means",
             "integer=0",
             "Number that a raw value of 0 represents. 0 if it represents itself.",
@@ -212,7 +214,7 @@ FRAMES = (
             read="position",
             noun="meaning of 0",
         ),
-        Member(
+        ModelMember(
             "power_of_two",
             "boolean=false",
             "True if only powers of two are allowed.",
@@ -220,7 +222,7 @@ FRAMES = (
             read="limit",
             noun="restriction to powers of two",
         ),
-        Member(
+        ModelMember(
             "implemented",
             "boolean=true",
             "True if this encoder implements the item.",
@@ -228,7 +230,7 @@ FRAMES = (
             read="behaviour",
             noun="presence in this encoder",
         ),
-        Member(
+        ModelMember(
             "reserved",
             "string",
             "Party that the bits are reserved for. Empty if they are not reserved.",
@@ -236,7 +238,7 @@ FRAMES = (
             read="behaviour",
             noun="user",
         ),
-        Member(
+        ModelMember(
             "explained_by",
             "[name]",
             "Registers or fields that give details when the flag is active.",
@@ -245,23 +247,23 @@ FRAMES = (
             noun="bits that give details",
             refers_to="dotted",
         ),
-        Member("unit", "string", "Unit of one count.", "field-unit", read="value", form="unit"),
-        Member(
+        ModelMember("unit", "string", "Unit of one count.", "field-unit", read="value", form="unit"),
+        ModelMember(
             "scale",
             "scale?",
             "Quantity that the number stands for. The number itself is not converted.",
             "field-reads-otherwise",
             read="value",
         ),
-        Member("default", "integer?", "Factory default.", "field-default", form="hex"),
+        ModelMember("default", "integer?", "Factory default.", "field-default", form="hex"),
         MEANING,
         NOTE,
-        Member(
+        ModelMember(
             "equals", "expression?", "Number expected on this device.", "field-expected", "documented value", form="hex"
         ),
-        Member("equals_text", "string", "Text expected on this device."),
-        Member("constant", "integer?", "Fixed value of the bits.", "field-constant", "bits", of="value"),
-        Member(
+        ModelMember("equals_text", "string", "Text expected on this device."),
+        ModelMember("constant", "integer?", "Fixed value of the bits.", "field-constant", "bits", of="value"),
+        ModelMember(
             "unused",
             "integer?",
             "Documented value of unused bits. A frame with any other value is still decoded.",
@@ -269,7 +271,7 @@ FRAMES = (
             "bits",
             of="value",
         ),
-        Member(
+        ModelMember(
             "active",
             "|high|low",
             "For a flag: the active level.",
@@ -279,12 +281,12 @@ FRAMES = (
             of="active_low",
             read="position",
         ),
-        Member("widest"),
-        Member("pieces"),
-        Member("fills_gap"),
-        Member("fills_byte"),
-        Member("constants"),
-        Member("turned"),
+        ModelMember("widest"),
+        ModelMember("pieces"),
+        ModelMember("fills_gap"),
+        ModelMember("fills_byte"),
+        ModelMember("constants"),
+        ModelMember("turned"),
         of=" ".join(("Field", *(kind.__name__ for kind in get_args(Kind)))),
     ),
     Part(
@@ -292,9 +294,9 @@ FRAMES = (
         "Named fields, in sending order, that together cover a given number of bits.",
         NAME,
         PRINTED_NAME,
-        Member("interface", "ssi|biss|rs485|spi", "Interface that the item belongs to."),
-        Member("from", "encoder|master", "Sender of the frame.", "frame-order", "sent by", of="sender"),
-        Member(
+        ModelMember("interface", "ssi|biss|rs485|spi", "Interface that the item belongs to."),
+        ModelMember("from", "encoder|master", "Sender of the frame.", "frame-order", "sent by", of="sender"),
+        ModelMember(
             "carried_as",
             "bits|bytes",
             "Form on the line: bits, with the most significant one sent first, or whole bytes.",
@@ -302,15 +304,15 @@ FRAMES = (
             "carried in bytes",
             of="in_bytes",
         ),
-        Member(
+        ModelMember(
             "byte_order",
             "|low_byte_first|high_byte_first",
             "For bytes: order in which the bytes of a number are sent.",
             "frame-order",
             form="word",
         ),
-        Member("bits", "expression", "Length in bits.", "frame-length"),
-        Member(
+        ModelMember("bits", "expression", "Length in bits.", "frame-length"),
+        ModelMember(
             "told_by",
             "name",
             "Field that identifies it among the layouts of the same sender.",
@@ -319,7 +321,7 @@ FRAMES = (
             of="selector",
             refers_to="field",
         ),
-        Member(
+        ModelMember(
             "told_by_values",
             "[hex]",
             "Values of that field.",
@@ -327,7 +329,7 @@ FRAMES = (
             "identified by the values",
             of="selects",
         ),
-        Member(
+        ModelMember(
             "other_bits",
             "name",
             "Content of bits outside all fields: zero or unspecified. Empty if there are none.",
@@ -335,8 +337,8 @@ FRAMES = (
             "other bits",
             of="gaps",
         ),
-        Member("join", "[join]", "Numbers made of several fields.", of="joins"),
-        Member(
+        ModelMember("join", "[join]", "Numbers made of several fields.", of="joins"),
+        ModelMember(
             "gray_of",
             "name",
             "Field or join that is sent in Gray code.",
@@ -344,7 +346,7 @@ FRAMES = (
             "in Gray code",
             refers_to="field",
         ),
-        Member(
+        ModelMember(
             "gray_when",
             "name",
             "register.field that selects Gray code. Empty if the number is always in Gray code.",
@@ -352,29 +354,29 @@ FRAMES = (
             "in Gray code while",
             refers_to="parameter",
         ),
-        Member(
+        ModelMember(
             "gray_excess",
             "expression?",
             "For Gray excess: number that is sent in Gray code for position 0. null if it is 0.",
             "frame-order",
             "sent in Gray code for position 0",
         ),
-        Member(
+        ModelMember(
             "channel",
             "integer?",
             "BiSS data channel that carries it, if the encoder has several.",
             "frame-order",
         ),
-        Member(
+        ModelMember(
             "position_range",
             "position_range?",
             "Range of the position in this layout. null if it is that of the measurement of the interface.",
         ),
-        Member("alternatives", "[name]", "Alternatives that determine the positions of the layout's fields."),
-        Member("combinations", "[combination]", "Values of several fields that together decide the verdict."),
+        ModelMember("alternatives", "[name]", "Alternatives that determine the positions of the layout's fields."),
+        ModelMember("combinations", "[combination]", "Values of several fields that together decide the verdict."),
         NOTE,
-        Member("fields", "[field]", "Fields."),
-        Member("widest"),
+        ModelMember("fields", "[field]", "Fields."),
+        ModelMember("widest"),
         identity="sender in_bytes selects channel",
     ),
     described_part(LayoutRange, name="position_range"),

@@ -3,45 +3,45 @@
 from __future__ import annotations
 
 from ..documents import Edition, Evidence, Revision
-from .member import MEANING, NAME, NOTE, Member, Part, described_part
+from .member import MEANING, NAME, NOTE, ModelMember, Part, described_part
 
 IDENTITY = (
     Part(
         "source",
         "Source of a fact.",
-        Member(
+        ModelMember(
             "document",
             "name",
             "Empty for the manual itself, a language code for another edition, otherwise a key of documents.",
         ),
-        Member("section", "string", "Section as numbered, or its title."),
-        Member("page", "integer?", "Page, if the table of contents, the index or a cross-reference proves it."),
+        ModelMember("section", "string", "Section as numbered, or its title."),
+        ModelMember("page", "integer?", "Page, if the table of contents, the index or a cross-reference proves it."),
         is_sourced=False,
     ),
     Part(
         "manufacturer",
         "Manufacturer.",
-        Member("name", "name", "Name.", "maker"),
-        Member("title", "string", "Name of the company.", "words"),
-        Member("biss_id", "hex?", "BiSS manufacturer ID as one number.", "maker-id", "BiSS ID"),
-        Member("python_package", "name", "Name of the generated Python package.", "maker", "Python package"),
-        Member("version", "name", "Version of the generated packages."),
-        Member("trademarks", "[text]", "Notes on trademarks.", "words"),
-        Member("main"),
-        Member("website", "string", "Web address of the manufacturer, or empty.", "words"),
+        ModelMember("name", "name", "Name.", "maker"),
+        ModelMember("title", "string", "Name of the company.", "words"),
+        ModelMember("biss_id", "hex?", "BiSS manufacturer ID as one number.", "maker-id", "BiSS ID"),
+        ModelMember("python_package", "name", "Name of the generated Python package.", "maker", "Python package"),
+        ModelMember("version", "name", "Version of the generated packages."),
+        ModelMember("trademarks", "[text]", "Notes on trademarks.", "words"),
+        ModelMember("main"),
+        ModelMember("website", "string", "Web address of the manufacturer, or empty.", "words"),
         is_sourced=False,
     ),
     described_part(Evidence),
     Part(
         "manual",
         "Manual that was transcribed.",
-        Member("title", "string", "Title as printed."),
-        Member("revision", "string", "Revision as printed."),
-        Member("date", "string", "Release date, year-month-day.", read="history"),
-        Member("language", "name", "Language code of the edition that sources without a key cite."),
-        Member("publisher", "string", "Publisher of the manual."),
-        Member("editions", "[edition]", "Other language editions that were also read."),
-        Member("history", "[revision]", "Revision table, oldest first."),
+        ModelMember("title", "string", "Title as printed."),
+        ModelMember("revision", "string", "Revision as printed."),
+        ModelMember("date", "string", "Release date, year-month-day.", read="history"),
+        ModelMember("language", "name", "Language code of the edition that sources without a key cite."),
+        ModelMember("publisher", "string", "Publisher of the manual."),
+        ModelMember("editions", "[edition]", "Other language editions that were also read."),
+        ModelMember("history", "[revision]", "Revision table, oldest first."),
         is_sourced=False,
     ),
     described_part(Edition),
@@ -49,23 +49,23 @@ IDENTITY = (
     Part(
         "document",
         "A public document that sources refer to.",
-        Member("key", "name", "Key that sources use."),
-        Member("title", "string", "Title, revision and publisher."),
-        Member("url", "string", "Web address of the document."),
+        ModelMember("key", "name", "Key that sources use."),
+        ModelMember("title", "string", "Title, revision and publisher."),
+        ModelMember("url", "string", "Web address of the document."),
         is_sourced=False,
     ),
     Part(
         "label",
         "Data read from a label.",
-        Member("code", "string", "Order code without its suffix."),
-        Member(
+        ModelMember("code", "string", "Order code without its suffix."),
+        ModelMember(
             "written_as_in",
             "string",
             "Origin of the spelling on the label. Empty if it is written like the listed codes.",
         ),
-        Member("unlisted", "[name]", "Parts with values that the manual leaves open."),
-        Member("tail", "string", "Suffix after the order code."),
-        Member("special", "boolean", "True if the code ends in /Sxxx, for which the manual warns of differences."),
+        ModelMember("unlisted", "[name]", "Parts with values that the manual leaves open."),
+        ModelMember("tail", "string", "Suffix after the order code."),
+        ModelMember("special", "boolean", "True if the code ends in /Sxxx, for which the manual warns of differences."),
         is_sourced=False,
         of="",
     ),
@@ -74,16 +74,16 @@ IDENTITY = (
         "A quantity set by the order code, or derived from others.",
         NAME,
         MEANING,
-        Member("unit", "string", "Unit of the value.", "field-unit", read="value", form="unit"),
-        Member(
+        ModelMember("unit", "string", "Unit of the value.", "field-unit", read="value", form="unit"),
+        ModelMember(
             "equals",
             "expression?",
             "Expression that defines the parameter. null if the order code sets it.",
             "parameter-rule",
             "rule",
         ),
-        Member("largest", "integer", "Largest value in the family."),
-        Member(
+        ModelMember("largest", "integer", "Largest value in the family."),
+        ModelMember(
             "read_from",
             "name",
             "Register, or register.field, that holds the value at run time.",
@@ -91,22 +91,22 @@ IDENTITY = (
             "register",
             refers_to="dotted",
         ),
-        Member("min", "integer?", "Lowest value, if a register holds it.", "parameter-range", "minimum"),
-        Member("max", "integer?", "Highest value, if a register holds it.", "parameter-range", "maximum"),
-        Member(
+        ModelMember("min", "integer?", "Lowest value, if a register holds it.", "parameter-range", "minimum"),
+        ModelMember("max", "integer?", "Highest value, if a register holds it.", "parameter-range", "maximum"),
+        ModelMember(
             "interface",
             "|ssi|biss|rs485|spi",
             "Interface to which the parameter is restricted. Empty if it is available to all.",
             "parameter-range",
             read="order code",
         ),
-        Member(
+        ModelMember(
             "hexadecimal",
             "boolean=false",
             "True if the value is a code, such as an ID, and is written in hexadecimal.",
             "words",
         ),
-        Member(
+        ModelMember(
             "alternative",
             "name",
             "Alternative whose answers set the parameter. For order codes, the first answer applies.",
@@ -114,7 +114,7 @@ IDENTITY = (
             "decision",
             refers_to="decision",
         ),
-        Member(
+        ModelMember(
             "by_code",
             "[coded_value]",
             "Values by their codes in the register. Empty if the register holds the value itself.",
@@ -125,8 +125,8 @@ IDENTITY = (
     Part(
         "coded_value",
         "A value of a parameter, and its code in a register.",
-        Member("code", "integer", "Number in the register."),
-        Member("value", "integer", "Value of the parameter."),
+        ModelMember("code", "integer", "Number in the register."),
+        ModelMember("value", "integer", "Value of the parameter."),
         is_sourced=False,
     ),
     Part(
@@ -134,9 +134,9 @@ IDENTITY = (
         "A question that the manual leaves open. Without a default, frames that depend on it are neither decoded nor"
         " encoded until the user has decided. For order codes, the first answer applies.",
         NAME,
-        Member("meaning", "text", "Question to the user.", "words"),
-        Member("answers", "[answer]", "Possible answers."),
-        Member(
+        ModelMember("meaning", "text", "Question to the user.", "words"),
+        ModelMember("answers", "[answer]", "Possible answers."),
+        ModelMember(
             "default",
             "name",
             "Answer that applies unless the user chooses another one. Only verdicts then depend on the answer, and"
@@ -151,17 +151,17 @@ IDENTITY = (
         "One answer to the question of an alternative.",
         NAME,
         MEANING,
-        Member("sets", "{integer}", "Parameters that the answer sets.", "answer-sets", refers_to="parameters"),
+        ModelMember("sets", "{integer}", "Parameters that the answer sets.", "answer-sets", refers_to="parameters"),
         identity="sets",
     ),
     Part(
         "order_code_grammar",
         "Structure of an order code.",
-        Member("pattern", "string", "Order code with its parts in braces.", "label", refers_to="pattern"),
-        Member("also_written", "[spelling]", "Alternative spellings on labels."),
-        Member("parts", "[code_part]", "Parts of the code, in order."),
-        Member("special", "text", "The manual's warning about codes that end in /Sxxx.", "words"),
-        Member(
+        ModelMember("pattern", "string", "Order code with its parts in braces.", "label", refers_to="pattern"),
+        ModelMember("also_written", "[spelling]", "Alternative spellings on labels."),
+        ModelMember("parts", "[code_part]", "Parts of the code, in order."),
+        ModelMember("special", "text", "The manual's warning about codes that end in /Sxxx.", "words"),
+        ModelMember(
             "not_on_label",
             "text",
             "For made-up order codes: what the label shows instead, and what the code stands for.",
@@ -173,15 +173,15 @@ IDENTITY = (
     Part(
         "spelling",
         "An alternative spelling on labels.",
-        Member("pattern", "string", "Label with its parts in braces.", "label", refers_to="pattern"),
-        Member("where", "text", "Origin of this spelling."),
-        Member(
+        ModelMember("pattern", "string", "Label with its parts in braces.", "label", refers_to="pattern"),
+        ModelMember("where", "text", "Origin of this spelling."),
+        ModelMember(
             "values",
             "[spelled_value]",
             "Label texts for listed values, for the parts where they differ.",
             "label",
         ),
-        Member(
+        ModelMember(
             "then",
             "string",
             "Regular expression for a suffix without meaning here. Empty if there is none.",
@@ -192,24 +192,24 @@ IDENTITY = (
     Part(
         "spelled_value",
         "Label text that represents a listed value.",
-        Member("part", "name", "Name of the part."),
-        Member("text", "string", "Text on the label."),
-        Member("value", "string", "Listed value."),
+        ModelMember("part", "name", "Name of the part."),
+        ModelMember("text", "string", "Text on the label."),
+        ModelMember("value", "string", "Listed value."),
     ),
     Part(
         "code_part",
         "One part of the order code.",
         NAME,
         MEANING,
-        Member(
+        ModelMember(
             "open",
             "string",
             "Regular expression for values that the manual leaves open. Empty if there are none.",
             "label",
             "unlisted values",
         ),
-        Member("values", "[code_value]", "Values that the manual lists."),
-        Member(
+        ModelMember("values", "[code_value]", "Values that the manual lists."),
+        ModelMember(
             "open_only_with",
             "{[name]}",
             "Values of other parts that unlisted values can be combined with. Empty if unrestricted.",
@@ -221,12 +221,12 @@ IDENTITY = (
     Part(
         "code_value",
         "One value of a part.",
-        Member("text", "string", "Text as printed on the label."),
+        ModelMember("text", "string", "Text as printed on the label."),
         MEANING,
-        Member("interface", "|ssi|biss|rs485|spi", "Interface that the value selects."),
-        Member("sets", "{integer}", "Parameters that the answer sets."),
-        Member("only_with", "{[name]}", "Values of other parts that this value can be combined with."),
-        Member(
+        ModelMember("interface", "|ssi|biss|rs485|spi", "Interface that the value selects."),
+        ModelMember("sets", "{integer}", "Parameters that the answer sets."),
+        ModelMember("only_with", "{[name]}", "Values of other parts that this value can be combined with."),
+        ModelMember(
             "supply",
             "supply?",
             "Supply voltage of encoders with this value. null if the value does not determine it.",
@@ -236,10 +236,10 @@ IDENTITY = (
     Part(
         "order_code",
         "One enumerated order code.",
-        Member("code", "string", "Order code."),
-        Member("parts", "{string}", "Value of each part."),
-        Member("interface", "ssi|biss|rs485|spi", "Interface of the order code."),
-        Member(
+        ModelMember("code", "string", "Order code."),
+        ModelMember("parts", "{string}", "Value of each part."),
+        ModelMember("interface", "ssi|biss|rs485|spi", "Interface of the order code."),
+        ModelMember(
             "parameters",
             "{integer}",
             "Value of every parameter. For one order code, without those of other interfaces.",
@@ -254,63 +254,63 @@ FAMILY = Part(
     "A family, or one order code with all values resolved. All members are always present. Numbers that the "
     "manual does not give are null, and texts that it does not give are empty. Numbers are integers, and bit "
     "0 is the least significant. The XML description of a device has the same members with the same names.",
-    Member("version", "=1", "Version of this format."),
-    Member("family", "name", "Name of the family."),
-    Member(
+    ModelMember("version", "=1", "Version of this format."),
+    ModelMember("family", "name", "Name of the family."),
+    ModelMember(
         "base",
         "name",
         "Family of which this is a special model or another edition. Empty for most families.",
     ),
-    Member("overlays", "[overlay]", "Overlays applied to the spec."),
-    Member(
+    ModelMember("overlays", "[overlay]", "Overlays applied to the spec."),
+    ModelMember(
         "edition",
         "text",
         "Revision of the edition of the manual. Empty for the edition that the spec transcribes.",
     ),
-    Member("editions", "[manual_edition]", "Editions that can be selected, oldest first."),
-    Member("title", "string", "Name of the family, as used in running text."),
-    Member("movement", "rotary|linear", "Kind of movement: rotary for an angle, linear for a length."),
-    Member("order_code", "string?", "Order code. null for a family."),
-    Member("interface", "string?", "Interface of the order code. null for a family."),
-    Member("label", "label?", "Data read from the label. null for a family."),
-    Member("manufacturer", "manufacturer", "Manufacturer."),
-    Member("evidence", "evidence", "Evidence for the facts."),
-    Member("manual", "manual", "Manual that was transcribed."),
-    Member("documents", "[document]", "Public documents that sources cite."),
-    Member(
+    ModelMember("editions", "[manual_edition]", "Editions that can be selected, oldest first."),
+    ModelMember("title", "string", "Name of the family, as used in running text."),
+    ModelMember("movement", "rotary|linear", "Kind of movement: rotary for an angle, linear for a length."),
+    ModelMember("order_code", "string?", "Order code. null for a family."),
+    ModelMember("interface", "string?", "Interface of the order code. null for a family."),
+    ModelMember("label", "label?", "Data read from the label. null for a family."),
+    ModelMember("manufacturer", "manufacturer", "Manufacturer."),
+    ModelMember("evidence", "evidence", "Evidence for the facts."),
+    ModelMember("manual", "manual", "Manual that was transcribed."),
+    ModelMember("documents", "[document]", "Public documents that sources cite."),
+    ModelMember(
         "parameters", "{integer}", "Value of every parameter of its interface for the order code. Empty for a family."
     ),
-    Member("parameter_definitions", "[parameter]", "Parameters of the family."),
-    Member("alternatives", "[alternative]", "Questions that the manual leaves open and the user must decide."),
-    Member("order_code_grammar", "order_code_grammar", "Structure of an order code."),
-    Member("order_codes", "[order_code]", "All enumerated order codes. For an order code, only that one."),
-    Member("interfaces", "{kind:interface}", "Interfaces, by kind."),
-    Member("layouts", "[layout]", "Frames of all interfaces."),
-    Member("field_groups", "[field_group]", "Groups of fields that several layouts share."),
-    Member("registers", "[register]", "Registers, in the order of the manual."),
-    Member("crcs", "[crc]", "CRCs."),
-    Member("alarms", "[alarm]", "Errors and warnings with their meaning."),
-    Member("procedures", "[procedure]", "Sequences of writes, requests and waits."),
-    Member("timings", "[timing]", "Timings of the device and of its interfaces."),
-    Member("measurement", "measurement?", "Unit and range of the position."),
-    Member("inputs", "[input]", "Hardware inputs."),
-    Member("connectors", "[connector]", "Connectors and cables."),
-    Member("leds", "[led]", "Diagnostic LEDs."),
-    Member("characteristics", "[characteristic]", "Facts that are only displayed, never used in computations."),
-    Member("tables", "[table]", "Tables that are only displayed, never used in computations."),
-    Member("examples", "[example]", "Worked examples."),
-    Member("errata", "[erratum]", "Errors in the manual, and the facts used instead."),
-    Member("lost_figures", "[lost_figure]", "Figures that were not available."),
-    Member(
+    ModelMember("parameter_definitions", "[parameter]", "Parameters of the family."),
+    ModelMember("alternatives", "[alternative]", "Questions that the manual leaves open and the user must decide."),
+    ModelMember("order_code_grammar", "order_code_grammar", "Structure of an order code."),
+    ModelMember("order_codes", "[order_code]", "All enumerated order codes. For an order code, only that one."),
+    ModelMember("interfaces", "{kind:interface}", "Interfaces, by kind."),
+    ModelMember("layouts", "[layout]", "Frames of all interfaces."),
+    ModelMember("field_groups", "[field_group]", "Groups of fields that several layouts share."),
+    ModelMember("registers", "[register]", "Registers, in the order of the manual."),
+    ModelMember("crcs", "[crc]", "CRCs."),
+    ModelMember("alarms", "[alarm]", "Errors and warnings with their meaning."),
+    ModelMember("procedures", "[procedure]", "Sequences of writes, requests and waits."),
+    ModelMember("timings", "[timing]", "Timings of the device and of its interfaces."),
+    ModelMember("measurement", "measurement?", "Unit and range of the position."),
+    ModelMember("inputs", "[input]", "Hardware inputs."),
+    ModelMember("connectors", "[connector]", "Connectors and cables."),
+    ModelMember("leds", "[led]", "Diagnostic LEDs."),
+    ModelMember("characteristics", "[characteristic]", "Facts that are only displayed, never used in computations."),
+    ModelMember("tables", "[table]", "Tables that are only displayed, never used in computations."),
+    ModelMember("examples", "[example]", "Worked examples."),
+    ModelMember("errata", "[erratum]", "Errors in the manual, and the facts used instead."),
+    ModelMember("lost_figures", "[lost_figure]", "Figures that were not available."),
+    ModelMember(
         "supply",
         "supply?",
         "Supply voltage for all order codes. null if it depends on the order code or the manual does not give it.",
     ),
-    Member("name"),
-    Member("variants"),
-    Member("times_read"),
-    Member("releases"),
-    Member("content_hash"),
+    ModelMember("name"),
+    ModelMember("variants"),
+    ModelMember("times_read"),
+    ModelMember("releases"),
+    ModelMember("content_hash"),
     of="Device",
     is_sourced=False,
 )

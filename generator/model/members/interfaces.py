@@ -11,7 +11,7 @@ from ..interfaces import (
     Network,
     Port,
 )
-from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part, described_part
+from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, Part, described_part
 
 INTERFACES = (
     described_part(Clock),
@@ -27,9 +27,9 @@ INTERFACES = (
         NAME,
         PRINTED_NAME,
         NAMES,
-        Member("bits", "integer", "Width in bits.", "field-width"),
-        Member("values", "[value]", "Named values."),
-        Member(
+        ModelMember("bits", "integer", "Width in bits.", "field-width"),
+        ModelMember("values", "[value]", "Named values."),
+        ModelMember(
             "crc",
             "name",
             "Name of the CRC that the field holds.",
@@ -46,31 +46,31 @@ INTERFACES = (
     Part(
         "exchange",
         "A request over SPI or RS-485, and the frame that answers it.",
-        Member("request", "name", "Frame that the master sends."),
-        Member(
+        ModelMember("request", "name", "Frame that the master sends."),
+        ModelMember(
             "word_bits",
             "expression?",
             "Bits of the request and of its reply over SPI. null if they are those of the interface.",
         ),
-        Member("reply", "name", "Frame with which the encoder answers. Empty if it does not answer."),
-        Member("purpose", "name", "Effect of the request."),
+        ModelMember("reply", "name", "Frame with which the encoder answers. Empty if it does not answer."),
+        ModelMember("purpose", "name", "Effect of the request."),
     ),
     Part(
         "interface",
         "One interface. Members that do not apply to its kind are empty or null.",
-        Member("kind", "ssi|biss|rs485|spi", "Short name."),
-        Member("title", "string", "Name of the interface.", "words"),
-        Member("layouts", "[name]", "Names of the layouts."),
+        ModelMember("kind", "ssi|biss|rs485|spi", "Short name."),
+        ModelMember("title", "string", "Name of the interface.", "words"),
+        ModelMember("layouts", "[name]", "Names of the layouts."),
         NOTE,
-        Member("clock", "clock?", "Clock frequencies. null if they depend on the order code."),
-        Member(
+        ModelMember("clock", "clock?", "Clock frequencies. null if they depend on the order code."),
+        ModelMember(
             "clocks",
             "[clock]",
             "Clock frequencies, each with its order codes. Empty if they do not depend on the order code.",
             of="clocks_by_code",
         ),
-        Member("signals", "string", "Electrical standard.", "interface-rule"),
-        Member(
+        ModelMember("signals", "string", "Electrical standard.", "interface-rule"),
+        ModelMember(
             "alignment",
             "name",
             "Alignment of the word: the end that is sent with the first clock.",
@@ -79,8 +79,8 @@ INTERFACES = (
             read="position",
             noun="alignment of the word",
         ),
-        Member("alignment_source", "source?", "Source of the alignment. null if there is no alignment."),
-        Member(
+        ModelMember("alignment_source", "source?", "Source of the alignment. null if there is no alignment."),
+        ModelMember(
             "output_code",
             "name",
             "Position encoding.",
@@ -90,43 +90,45 @@ INTERFACES = (
             read="setting",
             noun="output code",
         ),
-        Member("output_code_source", "source?", "Source of the output code. null if there is no output code."),
-        Member(
+        ModelMember("output_code_source", "source?", "Source of the output code. null if there is no output code."),
+        ModelMember(
             "cable_lengths",
             "[cable_length]",
             "Highest clock by cable length.",
             "interface-rule",
             "clock by cable",
         ),
-        Member("profile", "string", "Encoder profile that the manual names.", "interface-rule"),
-        Member("network", "network?", "Permitted connections of the encoder.", "interface-rule"),
-        Member(
+        ModelMember("profile", "string", "Encoder profile that the manual names.", "interface-rule"),
+        ModelMember("network", "network?", "Permitted connections of the encoder.", "interface-rule"),
+        ModelMember(
             "timeout",
             "timeout?",
             "Time-out after a frame. null if it depends on the order code.",
         ),
-        Member(
+        ModelMember(
             "timeouts",
             "[timeout]",
             "Time-outs after a frame, each with its order codes. Empty if they do not depend on the order code.",
             of="timeouts_by_code",
         ),
-        Member("channels", "data_channels?", "Data channels in one frame. null if each is received alone."),
-        Member("control_data", "[control_field]", "Fields of the BiSS control frame."),
-        Member("control_data_note", "text", "Information about these fields that the manual does not give.", "words"),
-        Member(
+        ModelMember("channels", "data_channels?", "Data channels in one frame. null if each is received alone."),
+        ModelMember("control_data", "[control_field]", "Fields of the BiSS control frame."),
+        ModelMember(
+            "control_data_note", "text", "Information about these fields that the manual does not give.", "words"
+        ),
+        ModelMember(
             "measurement",
             "measurement?",
             "Unit and range of the position for this interface. null if they are the same as for the device.",
         ),
-        Member(
+        ModelMember(
             "description_file",
             "string",
             "Description file of the encoder for a master.",
             "interface-rule",
             read="printed name",
         ),
-        Member(
+        ModelMember(
             "bank_select",
             "name",
             "Register that selects the bank.",
@@ -136,17 +138,19 @@ INTERFACES = (
             read="address",
             noun="register that selects the bank",
         ),
-        Member("port", "port?", "Settings of the serial port."),
-        Member("data_ids", "[data_id]", "Data IDs of requests and replies."),
-        Member("mode", "integer?", "SPI mode.", "interface-rule", "SPI mode", read="setting"),
-        Member("word_bits", "expression?", "Bits of an SPI word.", "interface-rule", "word length", read="setting"),
-        Member("reply", "name", "SPI word that answers a request.", "interface-rule", form="word", read="setting"),
-        Member("exchanges", "[exchange]", "Requests over SPI or RS-485 with their replies.", "interface-rule"),
-        Member("memory_access", "[memory_access]", "Replies to a memory access.", "interface-rule"),
-        Member("timings"),
+        ModelMember("port", "port?", "Settings of the serial port."),
+        ModelMember("data_ids", "[data_id]", "Data IDs of requests and replies."),
+        ModelMember("mode", "integer?", "SPI mode.", "interface-rule", "SPI mode", read="setting"),
+        ModelMember(
+            "word_bits", "expression?", "Bits of an SPI word.", "interface-rule", "word length", read="setting"
+        ),
+        ModelMember("reply", "name", "SPI word that answers a request.", "interface-rule", form="word", read="setting"),
+        ModelMember("exchanges", "[exchange]", "Requests over SPI or RS-485 with their replies.", "interface-rule"),
+        ModelMember("memory_access", "[memory_access]", "Replies to a memory access.", "interface-rule"),
+        ModelMember("timings"),
         # By their names in the model. They are compared by order code.
-        Member("clocks"),
-        Member("timeouts"),
+        ModelMember("clocks"),
+        ModelMember("timeouts"),
         of="Ssi Biss Rs485 Spi",
     ),
 )

@@ -21,7 +21,7 @@ WIDER = {
 
 
 @dataclass(frozen=True)
-class Member:
+class ModelMember:
     """A member of a part of the model. Every output, ``diff`` and the second reading take its description from here.
 
     Attributes:
@@ -105,7 +105,7 @@ class Part:
         self,
         name: str,
         about: str,
-        *members: Member,
+        *members: ModelMember,
         of: str | None = None,
         identity: str = "",
         is_sourced: bool = True,
@@ -122,14 +122,14 @@ class Part:
         self.by_attribute = {member.attribute: member for member in reversed(members)}
 
 
-NAME = Member("name", "name", "Name.")
-MEANING = Member("meaning", "text", "Meaning or purpose.", "words")
-NOTE = Member("note", "text", "Additional information for the reader.", "words")
-PRINTED_NAME = Member("printed_name", "text", "Name in the manual.", "words")
-NAMES = Member("names", "names", "Names in manuals in other languages, each under its language code.", "words")
+NAME = ModelMember("name", "name", "Name.")
+MEANING = ModelMember("meaning", "text", "Meaning or purpose.", "words")
+NOTE = ModelMember("note", "text", "Additional information for the reader.", "words")
+PRINTED_NAME = ModelMember("printed_name", "text", "Name in the manual.", "words")
+NAMES = ModelMember("names", "names", "Names in manuals in other languages, each under its language code.", "words")
 
 
-def described_part(part_class: Any, *additional: Member, after: str = "", name: str = "") -> Part:
+def described_part(part_class: Any, *additional: ModelMember, after: str = "", name: str = "") -> Part:
     """Return the part that a class describes.
 
     ``additional`` members, which only the data have, follow the member ``after``. ``name`` is the name of the part, if
@@ -153,7 +153,7 @@ def described_part(part_class: Any, *additional: Member, after: str = "", name: 
     )
 
 
-def _build_member(described: DescribedKey) -> Member:
+def _build_member(described: DescribedKey) -> ModelMember:
     key = described.key
     about = key.data or f"{key.about} {key.reading}".rstrip()
-    return Member(described.name, data_notation(described), about, **key.member)
+    return ModelMember(described.name, data_notation(described), about, **key.member)

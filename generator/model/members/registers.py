@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from ..facts import Alarm
 from ..fields import Crc
-from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part, described_part
+from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, Part, described_part
 
 REGISTERS = (
     Part(
         "opened_by",
         "Register that must hold a value before this one can be written.",
-        Member("register", "name", "Name."),
-        Member("field", "name", "Field that must hold the value. Empty if the register has only one."),
-        Member("value", "name", "Named value."),
+        ModelMember("register", "name", "Name."),
+        ModelMember("field", "name", "Field that must hold the value. Empty if the register has only one."),
+        ModelMember("value", "name", "Named value."),
         is_sourced=False,
         of="",
     ),
@@ -23,17 +23,17 @@ REGISTERS = (
         PRINTED_NAME,
         NAMES,
         MEANING,
-        Member(
+        ModelMember(
             "interface",
             "ssi|biss|rs485|spi",
             "Interface through which the register is accessed.",
             "register-interface",
         ),
-        Member("address", "hex", "Address of the first byte.", "register-moved"),
-        Member("last_address", "hex", "Address of the last byte."),
-        Member("length", "integer", "Number of bytes.", "register-length", form="bytes"),
-        Member("access", "read_only|read_write|write_only", "Access rights of a master.", read="access"),
-        Member(
+        ModelMember("address", "hex", "Address of the first byte.", "register-moved"),
+        ModelMember("last_address", "hex", "Address of the last byte."),
+        ModelMember("length", "integer", "Number of bytes.", "register-length", form="bytes"),
+        ModelMember("access", "read_only|read_write|write_only", "Access rights of a master.", read="access"),
+        ModelMember(
             "byte_order",
             "low_byte_first|high_byte_first",
             "Byte at the first address: low or high.",
@@ -41,11 +41,15 @@ REGISTERS = (
             form="word",
             read="byte order",
         ),
-        Member("default", "integer?", "Factory default, as one number.", "register-default", form="hex"),
-        Member("default_bytes", "string", "Factory default as bytes in ascending order of address."),
-        Member("min", "expression?", "Lowest value that may be written.", "limit-narrower", "minimum", read="limit"),
-        Member("max", "expression?", "Highest value that may be written.", "limit-narrower", "maximum", read="limit"),
-        Member(
+        ModelMember("default", "integer?", "Factory default, as one number.", "register-default", form="hex"),
+        ModelMember("default_bytes", "string", "Factory default as bytes in ascending order of address."),
+        ModelMember(
+            "min", "expression?", "Lowest value that may be written.", "limit-narrower", "minimum", read="limit"
+        ),
+        ModelMember(
+            "max", "expression?", "Highest value that may be written.", "limit-narrower", "maximum", read="limit"
+        ),
+        ModelMember(
             "limits_of",
             "name",
             "Field or join that min and max apply to.",
@@ -53,7 +57,7 @@ REGISTERS = (
             "limits are those of",
             refers_to="limits",
         ),
-        Member(
+        ModelMember(
             "opened_by",
             "opened_by?",
             "Condition for writing to the register.",
@@ -61,7 +65,7 @@ REGISTERS = (
             "unlocked by",
             refers_to="register",
         ),
-        Member(
+        ModelMember(
             "clears_itself",
             "boolean=false",
             "True if the register returns to its default on its own after a write.",
@@ -70,7 +74,7 @@ REGISTERS = (
             read="behaviour",
             noun="return to the default",
         ),
-        Member(
+        ModelMember(
             "wait_at_least_ms",
             "integer?",
             "Minimum wait after a write, in milliseconds.",
@@ -78,7 +82,7 @@ REGISTERS = (
             "delay after a write",
             read="wait",
         ),
-        Member(
+        ModelMember(
             "lost_unless_saved",
             "boolean=false",
             "True if a value written to the register is lost at power-off unless it is saved.",
@@ -88,7 +92,7 @@ REGISTERS = (
             read="behaviour",
             noun="loss at power-off",
         ),
-        Member(
+        ModelMember(
             "above_max",
             "text",
             "Reaction of the encoder to a value above the maximum.",
@@ -97,7 +101,7 @@ REGISTERS = (
             read="limit",
             noun="value above the maximum",
         ),
-        Member(
+        ModelMember(
             "write_clears",
             "[name]",
             "Registers that are cleared by a write to this one.",
@@ -107,8 +111,8 @@ REGISTERS = (
             read="behaviour",
             noun="registers cleared by a write",
         ),
-        Member("meanings", "[register_meaning]", "Possible meanings, if they depend on another field."),
-        Member(
+        ModelMember("meanings", "[register_meaning]", "Possible meanings, if they depend on another field."),
+        ModelMember(
             "reserved",
             "string",
             "Party that the register is reserved for. Empty if the register is not reserved.",
@@ -116,25 +120,25 @@ REGISTERS = (
             read="behaviour",
             noun="user",
         ),
-        Member("bank", "hex?", "Bank that contains the register.", "register-moved", form="plain"),
-        Member(
+        ModelMember("bank", "hex?", "Bank that contains the register.", "register-moved", form="plain"),
+        ModelMember(
             "other_bits",
             "name",
             "Content of bits outside all fields: zero or unspecified. Empty if there are none.",
         ),
-        Member("join", "[join]", "Numbers made of several fields."),
+        ModelMember("join", "[join]", "Numbers made of several fields."),
         NOTE,
-        Member("fields", "[field]", "Fields."),
-        Member("opened_by_value", rule="register-rule", label="unlocked by the value", refers_to="any-value"),
-        Member("layout"),
-        Member("opened_by_field", rule="register-rule", label="unlocked by the field", refers_to="any-field"),
+        ModelMember("fields", "[field]", "Fields."),
+        ModelMember("opened_by_value", rule="register-rule", label="unlocked by the value", refers_to="any-value"),
+        ModelMember("layout"),
+        ModelMember("opened_by_field", rule="register-rule", label="unlocked by the field", refers_to="any-field"),
         identity="interface bank address length",
     ),
     Part(
         "register_meaning",
         "One possible meaning of a register.",
         NAME,
-        Member(
+        ModelMember(
             "when",
             "name",
             "register.field that selects the meaning.",
@@ -142,7 +146,7 @@ REGISTERS = (
             "while",
             refers_to="dotted",
         ),
-        Member(
+        ModelMember(
             "value",
             "name",
             "Named value that selects this meaning.",
@@ -150,62 +154,68 @@ REGISTERS = (
             "is",
             refers_to="any-value",
         ),
-        Member("min", "expression?", "Lowest value that may be written.", "limit-narrower", "minimum", read="limit"),
-        Member("max", "expression?", "Highest value that may be written.", "limit-narrower", "maximum", read="limit"),
+        ModelMember(
+            "min", "expression?", "Lowest value that may be written.", "limit-narrower", "minimum", read="limit"
+        ),
+        ModelMember(
+            "max", "expression?", "Highest value that may be written.", "limit-narrower", "maximum", read="limit"
+        ),
         MEANING,
         identity="when value",
     ),
     described_part(
         Crc,
-        Member("poly_with_top_bit", "hex", "Generator polynomial with its top bit."),
-        Member("polynomial", "string", "Generator polynomial in powers of x."),
+        ModelMember("poly_with_top_bit", "hex", "Generator polynomial with its top bit."),
+        ModelMember("polynomial", "string", "Generator polynomial in powers of x."),
         after="poly",
     ),
     described_part(Alarm),
     Part(
         "step",
         "One step of a procedure.",
-        Member(
+        ModelMember(
             "do",
             "write|read|poll|wait|send",
             "Kind of step: write or read a register, poll it until a field has a value, wait, or send a request.",
         ),
-        Member("register", "name", "write, read, poll: name of the register.", refers_to="register"),
-        Member("field", "name", "write: the only field that changes. poll: field that is checked.", refers_to="field"),
-        Member("value_name", "name", "write: named value, or argument of the procedure.", refers_to="any-value"),
-        Member("value", "integer?", "write, poll: number. null for an argument."),
-        Member(
+        ModelMember("register", "name", "write, read, poll: name of the register.", refers_to="register"),
+        ModelMember(
+            "field", "name", "write: the only field that changes. poll: field that is checked.", refers_to="field"
+        ),
+        ModelMember("value_name", "name", "write: named value, or argument of the procedure.", refers_to="any-value"),
+        ModelMember("value", "integer?", "write, poll: number. null for an argument."),
+        ModelMember(
             "microseconds",
             "integer=0",
             "wait: minimum time. send: minimum time from one request to the next.",
             label="pause",
             form="us",
         ),
-        Member("data_id", "name", "send: name of the data ID.", refers_to="data-id"),
-        Member("request", "string", "send: bytes of the request."),
-        Member("times", "integer=1", "send: number of times the request is sent."),
-        Member("in_succession", "boolean=false", "send: true if no other request may come between the requests."),
-        Member("meaning", "text", "Reason for this step."),
+        ModelMember("data_id", "name", "send: name of the data ID.", refers_to="data-id"),
+        ModelMember("request", "string", "send: bytes of the request."),
+        ModelMember("times", "integer=1", "send: number of times the request is sent."),
+        ModelMember("in_succession", "boolean=false", "send: true if no other request may come between the requests."),
+        ModelMember("meaning", "text", "Reason for this step."),
         of="WriteStep ModifyStep ReadStep PollStep WaitStep SendStep",
     ),
     Part(
         "argument",
         "A value supplied by the caller of a procedure.",
         NAME,
-        Member("of", "name", "Register that the value is written to.", refers_to="register"),
+        ModelMember("of", "name", "Register that the value is written to.", refers_to="register"),
         MEANING,
-        Member("meant_as", "name", "Applicable meaning of the register, if it has several."),
+        ModelMember("meant_as", "name", "Applicable meaning of the register, if it has several."),
     ),
     Part(
         "procedure",
         "Steps carried out by a master.",
         NAME,
-        Member("title", "string", "Purpose, in a few words.", "words"),
-        Member("interface", "ssi|biss|rs485|spi", "Interface that the procedure uses.", "procedure-interface"),
-        Member("arguments", "[argument]", "Values supplied by the caller."),
-        Member("precondition", "text", "Conditions before the start.", "words"),
-        Member("steps", "[step]", "Steps, in order."),
-        Member("result", "text", "State after the procedure.", "words"),
+        ModelMember("title", "string", "Purpose, in a few words.", "words"),
+        ModelMember("interface", "ssi|biss|rs485|spi", "Interface that the procedure uses.", "procedure-interface"),
+        ModelMember("arguments", "[argument]", "Values supplied by the caller."),
+        ModelMember("precondition", "text", "Conditions before the start.", "words"),
+        ModelMember("steps", "[step]", "Steps, in order."),
+        ModelMember("result", "text", "State after the procedure.", "words"),
         NOTE,
     ),
 )

@@ -6,12 +6,12 @@ from ..documents import EditionTest, LostFigure
 from ..examples import Write
 from ..facts import Characteristic, Connector, Contact, Input, Led, LedState, Quantity, Table, Timing
 from ..measurement import Measurement
-from .member import NAME, NAMES, NOTE, PRINTED_NAME, Member, Part, described_part
+from .member import NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, Part, described_part
 
 SURROUNDINGS = (
     described_part(
         Timing,
-        Member(
+        ModelMember(
             "interface", "|ssi|biss|rs485|spi", "Interface that the item belongs to. Empty for the device as a whole."
         ),
         after="meaning",
@@ -27,24 +27,24 @@ SURROUNDINGS = (
         "example",
         "A worked example.",
         NAME,
-        Member("kind", "frame|register|crc|procedure|measure", "Kind of comparison."),
-        Member("order_code", "string", "Order code that the example applies to."),
-        Member("alternatives", "{string}", "frame: chosen answers, each under the name of its alternative."),
-        Member("layout", "name", "frame: name of the layout."),
-        Member("register", "name", "register: name of the register."),
-        Member("procedure", "name", "procedure: name of the procedure."),
-        Member("crc", "name", "crc: name of the CRC."),
-        Member("from", "encoder|master", "frame: sender.", of="sender"),
-        Member("bytes", "string", "Bytes of the example."),
-        Member("bits", "string", "Bits in order of transmission."),
-        Member("check", "hex?", "crc: check value."),
-        Member("arguments", "{integer}", "procedure: arguments."),
-        Member("values", "{scalar}", "Expected values of fields, joins or groups of digits, by name."),
-        Member("writes", "[write]", "procedure: resulting writes."),
-        Member("refused", "|crc|constant|length|range", "frame: error for which a decoder rejects the frame."),
-        Member("counts", "integer?", "A position in counts."),
-        Member("micrometres", "integer?", "The same position in micrometres."),
-        Member("erratum", "name", "Erratum that explains an incorrect example."),
+        ModelMember("kind", "frame|register|crc|procedure|measure", "Kind of comparison."),
+        ModelMember("order_code", "string", "Order code that the example applies to."),
+        ModelMember("alternatives", "{string}", "frame: chosen answers, each under the name of its alternative."),
+        ModelMember("layout", "name", "frame: name of the layout."),
+        ModelMember("register", "name", "register: name of the register."),
+        ModelMember("procedure", "name", "procedure: name of the procedure."),
+        ModelMember("crc", "name", "crc: name of the CRC."),
+        ModelMember("from", "encoder|master", "frame: sender.", of="sender"),
+        ModelMember("bytes", "string", "Bytes of the example."),
+        ModelMember("bits", "string", "Bits in order of transmission."),
+        ModelMember("check", "hex?", "crc: check value."),
+        ModelMember("arguments", "{integer}", "procedure: arguments."),
+        ModelMember("values", "{scalar}", "Expected values of fields, joins or groups of digits, by name."),
+        ModelMember("writes", "[write]", "procedure: resulting writes."),
+        ModelMember("refused", "|crc|constant|length|range", "frame: error for which a decoder rejects the frame."),
+        ModelMember("counts", "integer?", "A position in counts."),
+        ModelMember("micrometres", "integer?", "The same position in micrometres."),
+        ModelMember("erratum", "name", "Erratum that explains an incorrect example."),
         NOTE,
         of="FrameExample RegisterExample CrcExample ProcedureExample MeasureExample",
     ),
@@ -52,46 +52,48 @@ SURROUNDINGS = (
         "erratum",
         "A place where the manual must not be followed literally.",
         NAME,
-        Member("title", "text", "Sentence that says what is wrong in the manual."),
-        Member("printed", "text", "Printed text. Text in double quotation marks is quoted to the letter."),
-        Member("used", "text", "Fact used instead."),
-        Member("why", "text", "Evidence for this choice."),
-        Member(
+        ModelMember("title", "text", "Sentence that says what is wrong in the manual."),
+        ModelMember("printed", "text", "Printed text. Text in double quotation marks is quoted to the letter."),
+        ModelMember("used", "text", "Fact used instead."),
+        ModelMember("why", "text", "Evidence for this choice."),
+        ModelMember(
             "status",
             "settled|open",
             "settled if the manual's own evidence or arithmetic is decisive, otherwise open.",
         ),
-        Member("severity", "wrong_data|wrong_limit|omission|wording", "Effect of following the manual literally."),
-        Member("affects", "[name]", "Affected facts, as paths into the spec."),
-        Member(
+        ModelMember("severity", "wrong_data|wrong_limit|omission|wording", "Effect of following the manual literally."),
+        ModelMember("affects", "[name]", "Affected facts, as paths into the spec."),
+        ModelMember(
             "overlay",
             "name",
             "Overlay that makes the change, if this is not an erratum of the manual. 'printed' is then the "
             "content of the spec, and 'used' the replacement.",
         ),
-        Member(
+        ModelMember(
             "edition",
             "text",
             "Edition that makes the change, if this is not an erratum of the manual. 'printed' and 'used' are "
             "as for an overlay.",
         ),
-        Member("only", "string", "Order codes that the erratum concerns. Empty if it concerns all."),
+        ModelMember("only", "string", "Order codes that the erratum concerns. Empty if it concerns all."),
     ),
     Part(
         "overlay",
         "Overlays applied to the spec.",
         NAME,
-        Member("title", "text", "The manufacturer's document, or the author of the correction."),
-        Member("special", "name", "End of the order codes that the overlay applies to. Empty if it applies to all."),
+        ModelMember("title", "text", "The manufacturer's document, or the author of the correction."),
+        ModelMember(
+            "special", "name", "End of the order codes that the overlay applies to. Empty if it applies to all."
+        ),
         is_sourced=False,
     ),
     Part(
         "manual_edition",
         "An edition of the manual that can be selected.",
-        Member("revision", "text", "Revision."),
-        Member("date", "text", "Release date. Empty if it is not known."),
-        Member("labels", "[text]", "Patterns of labels, as spelled in this edition."),
-        Member("tests", "[edition_test]", "Registers that identify an encoder of an earlier edition."),
+        ModelMember("revision", "text", "Revision."),
+        ModelMember("date", "text", "Release date. Empty if it is not known."),
+        ModelMember("labels", "[text]", "Patterns of labels, as spelled in this edition."),
+        ModelMember("tests", "[edition_test]", "Registers that identify an encoder of an earlier edition."),
         is_sourced=False,
     ),
     described_part(EditionTest),
@@ -101,7 +103,7 @@ SURROUNDINGS = (
     Part(
         "table_row",
         "One row.",
-        Member("cells", "[text]", "Cells of the row."),
+        ModelMember("cells", "[text]", "Cells of the row."),
         is_sourced=False,
         of="",
     ),
@@ -112,7 +114,7 @@ SURROUNDINGS = (
         NAME,
         PRINTED_NAME,
         NAMES,
-        Member("bits", "integer", "Width of the group."),
+        ModelMember("bits", "integer", "Width of the group."),
         NOTE,
     ),
 )
