@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..model.members import FAMILY, PARTS, ModelMember, Part
+from ..model.members import FAMILY, PARTS, ModelMember, ModelPart
 from ..model.record import dataclass
 
 JsonSchema = dict[str, Any]
@@ -61,7 +61,7 @@ def show_schema() -> JsonSchema:
     return identity | _object_schema(FAMILY) | {"$defs": definitions}
 
 
-def _object_schema(part: Part) -> JsonSchema:
+def _object_schema(part: ModelPart) -> JsonSchema:
     """Return the schema of an object with the members of a part. All are required except ``sources``.
 
     Members without a shape are not in the data.

@@ -15,7 +15,7 @@ from codewheel.changes.rules import OUTPUTS, RULES, Impact
 from codewheel.commands.explain import explain
 from codewheel.commands.terminal import CommandError
 from codewheel.model import Device
-from codewheel.model.members import PARTS_BY_CLASS, Part
+from codewheel.model.members import PARTS_BY_CLASS, ModelPart
 from codewheel.targets import Library
 from codewheel.targets.registry import files_of, load_target
 from exhaustive import mostly_exhaustive
@@ -117,7 +117,9 @@ def test_a_type_in_c_changes_with_the_widest_order_code() -> None:
 def test_what_no_rule_knows(monkeypatch: pytest.MonkeyPatch) -> None:
     old, new = sides(case_of("register-moved"))
     part = PARTS_BY_CLASS["Register"]
-    part_without_address = Part(part.name, part.about, *(member for member in part.members if member.name != "address"))
+    part_without_address = ModelPart(
+        part.name, part.about, *(member for member in part.members if member.name != "address")
+    )
     monkeypatch.setattr(
         "codewheel.changes.compare.PARTS_BY_CLASS", {**PARTS_BY_CLASS, "Register": part_without_address}
     )

@@ -18,7 +18,7 @@ from codewheel.dump.xml import schema_text, to_xml
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.model import Device, Register
-from codewheel.model.members import PARTS, PARTS_BY_CLASS, ModelMember, Part
+from codewheel.model.members import PARTS, PARTS_BY_CLASS, ModelMember, ModelPart
 from codewheel.model.record import dataclass
 from codewheel.readings import stated
 from codewheel.readings.compare import compare
@@ -70,7 +70,7 @@ def test_the_table_names_rules_and_classes_of_facts_that_exist() -> None:
     assert {member.read for member in members} - {""} <= {sort.value for sort in FactClass}
 
 
-def parts_of_records() -> Iterator[tuple[str, Part]]:
+def parts_of_records() -> Iterator[tuple[str, ModelPart]]:
     parts_by_name = {part.name: part for part in PARTS}
     for record in records.runtime_records().members:
         name = RECORDS.get(record) or re.sub(r"(?<=[a-z])(?=[A-Z])", "_", record).lower()
@@ -81,7 +81,7 @@ def parts_of_records() -> Iterator[tuple[str, Part]]:
 @pytest.mark.parametrize(
     ("record", "part"), list(parts_of_records()), ids=lambda value: value if isinstance(value, str) else ""
 )
-def test_records_of_python_have_the_members(record: str, part: Part) -> None:
+def test_records_of_python_have_the_members(record: str, part: ModelPart) -> None:
     """A member of the data that the class of a record lacks would be missing from the Python package."""
     names = {member.name for member in records.runtime_records().members[record]} | set(
         ELSEWHERE.get(record, "").split()
@@ -100,8 +100,8 @@ NEW_REGISTER: Any = dataclass(frozen=True)(
 def property_(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A property of registers that is only documented, described in the table and in the class of the record."""
     old = PARTS_BY_CLASS["Register"]
-    part = Part(old.name, old.about, *old.members, NEW)
-    by_class: Mapping[str, Part] = {**PARTS_BY_CLASS, "Register": part}
+    part = ModelPart(old.name, old.about, *old.members, NEW)
+    by_class: Mapping[str, ModelPart] = {**PARTS_BY_CLASS, "Register": part}
     for module in (plain, changes, stated):
         monkeypatch.setattr(module, "PARTS_BY_CLASS", by_class)
     monkeypatch.setattr(schema, "PARTS", tuple(part if candidate is old else candidate for candidate in PARTS))

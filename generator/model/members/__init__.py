@@ -12,13 +12,13 @@ from types import MappingProxyType
 from .frames import FRAMES
 from .identity import FAMILY, IDENTITY
 from .interfaces import INTERFACES
-from .member import WIDER, ModelMember, Part
+from .member import WIDER, ModelMember, ModelPart
 from .registers import REGISTERS
 from .surroundings import SURROUNDINGS
 
-__all__ = ["FAMILY", "PARTS", "PARTS_BY_CLASS", "WIDER", "ModelMember", "Part"]
+__all__ = ["FAMILY", "PARTS", "PARTS_BY_CLASS", "WIDER", "ModelMember", "ModelPart"]
 
 #: Every part of the data except the family itself.
 PARTS = (*IDENTITY, *INTERFACES, *FRAMES, *REGISTERS, *SURROUNDINGS)
 #: The part for each class of the model.
-PARTS_BY_CLASS: Mapping[str, Part] = MappingProxyType({name: part for part in PARTS for name in part.classes})
+PARTS_BY_CLASS: Mapping[str, ModelPart] = MappingProxyType({name: part for part in PARTS for name in part.classes})

@@ -6,10 +6,10 @@ from typing import get_args
 
 from ..kinds import Digits, Kind, Scale
 from ..measurement import LayoutRange
-from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, Part, described_part
+from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, ModelPart, described_part
 
 FRAMES = (
-    Part(
+    ModelPart(
         "value",
         "A named value.",
         NAME,
@@ -30,7 +30,7 @@ FRAMES = (
     ),
     described_part(Digits),
     described_part(Scale),
-    Part(
+    ModelPart(
         "join",
         "A number made of several fields, most significant first.",
         NAME,
@@ -38,7 +38,7 @@ FRAMES = (
         ModelMember("width", "expression", "Total number of bits."),
         identity="fields",
     ),
-    Part(
+    ModelPart(
         "combination",
         "Values of several fields of a frame that together decide the verdict on the position.",
         NAME,
@@ -63,7 +63,7 @@ FRAMES = (
         NOTE,
         identity="when",
     ),
-    Part(
+    ModelPart(
         "field",
         "A field. Bit 0 is the least significant of the layout or register.",
         NAME,
@@ -289,7 +289,7 @@ FRAMES = (
         ModelMember("turned"),
         of=" ".join(("Field", *(kind.__name__ for kind in get_args(Kind)))),
     ),
-    Part(
+    ModelPart(
         "layout",
         "Named fields, in sending order, that together cover a given number of bits.",
         NAME,

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from ..documents import Edition, Evidence, Revision
-from .member import MEANING, NAME, NOTE, ModelMember, Part, described_part
+from .member import MEANING, NAME, NOTE, ModelMember, ModelPart, described_part
 
 IDENTITY = (
-    Part(
+    ModelPart(
         "source",
         "Source of a fact.",
         ModelMember(
@@ -18,7 +18,7 @@ IDENTITY = (
         ModelMember("page", "integer?", "Page, if the table of contents, the index or a cross-reference proves it."),
         is_sourced=False,
     ),
-    Part(
+    ModelPart(
         "manufacturer",
         "Manufacturer.",
         ModelMember("name", "name", "Name.", "maker"),
@@ -32,7 +32,7 @@ IDENTITY = (
         is_sourced=False,
     ),
     described_part(Evidence),
-    Part(
+    ModelPart(
         "manual",
         "Manual that was transcribed.",
         ModelMember("title", "string", "Title as printed."),
@@ -46,7 +46,7 @@ IDENTITY = (
     ),
     described_part(Edition),
     described_part(Revision),
-    Part(
+    ModelPart(
         "document",
         "A public document that sources refer to.",
         ModelMember("key", "name", "Key that sources use."),
@@ -54,7 +54,7 @@ IDENTITY = (
         ModelMember("url", "string", "Web address of the document."),
         is_sourced=False,
     ),
-    Part(
+    ModelPart(
         "label",
         "Data read from a label.",
         ModelMember("code", "string", "Order code without its suffix."),
@@ -69,7 +69,7 @@ IDENTITY = (
         is_sourced=False,
         of="",
     ),
-    Part(
+    ModelPart(
         "parameter",
         "A quantity set by the order code, or derived from others.",
         NAME,
@@ -122,14 +122,14 @@ IDENTITY = (
             "codes",
         ),
     ),
-    Part(
+    ModelPart(
         "coded_value",
         "A value of a parameter, and its code in a register.",
         ModelMember("code", "integer", "Number in the register."),
         ModelMember("value", "integer", "Value of the parameter."),
         is_sourced=False,
     ),
-    Part(
+    ModelPart(
         "alternative",
         "A question that the manual leaves open. Without a default, frames that depend on it are neither decoded nor"
         " encoded until the user has decided. For order codes, the first answer applies.",
@@ -146,7 +146,7 @@ IDENTITY = (
         ),
         identity="answers",
     ),
-    Part(
+    ModelPart(
         "answer",
         "One answer to the question of an alternative.",
         NAME,
@@ -154,7 +154,7 @@ IDENTITY = (
         ModelMember("sets", "{integer}", "Parameters that the answer sets.", "answer-sets", refers_to="parameters"),
         identity="sets",
     ),
-    Part(
+    ModelPart(
         "order_code_grammar",
         "Structure of an order code.",
         ModelMember("pattern", "string", "Order code with its parts in braces.", "label", refers_to="pattern"),
@@ -170,7 +170,7 @@ IDENTITY = (
         NOTE,
         of="OrderCode",
     ),
-    Part(
+    ModelPart(
         "spelling",
         "An alternative spelling on labels.",
         ModelMember("pattern", "string", "Label with its parts in braces.", "label", refers_to="pattern"),
@@ -189,14 +189,14 @@ IDENTITY = (
             "tail",
         ),
     ),
-    Part(
+    ModelPart(
         "spelled_value",
         "Label text that represents a listed value.",
         ModelMember("part", "name", "Name of the part."),
         ModelMember("text", "string", "Text on the label."),
         ModelMember("value", "string", "Listed value."),
     ),
-    Part(
+    ModelPart(
         "code_part",
         "One part of the order code.",
         NAME,
@@ -218,7 +218,7 @@ IDENTITY = (
         ),
         identity="values",
     ),
-    Part(
+    ModelPart(
         "code_value",
         "One value of a part.",
         ModelMember("text", "string", "Text as printed on the label."),
@@ -233,7 +233,7 @@ IDENTITY = (
         ),
         identity="text",
     ),
-    Part(
+    ModelPart(
         "order_code",
         "One enumerated order code.",
         ModelMember("code", "string", "Order code."),
@@ -249,7 +249,7 @@ IDENTITY = (
 )
 
 
-FAMILY = Part(
+FAMILY = ModelPart(
     "",
     "A family, or one order code with all values resolved. All members are always present. Numbers that the "
     "manual does not give are null, and texts that it does not give are empty. Numbers are integers, and bit "

@@ -11,7 +11,7 @@ from ..interfaces import (
     Network,
     Port,
 )
-from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, Part, described_part
+from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, ModelPart, described_part
 
 INTERFACES = (
     described_part(Clock),
@@ -21,7 +21,7 @@ INTERFACES = (
     described_part(PrintedTimeout),
     described_part(Timeout),
     described_part(DataChannels),
-    Part(
+    ModelPart(
         "control_field",
         "A field of the BiSS control frame. The manual gives no complete layout of that frame.",
         NAME,
@@ -43,7 +43,7 @@ INTERFACES = (
     described_part(Port),
     described_part(DataId),
     described_part(MemoryAccess),
-    Part(
+    ModelPart(
         "exchange",
         "A request over SPI or RS-485, and the frame that answers it.",
         ModelMember("request", "name", "Frame that the master sends."),
@@ -55,7 +55,7 @@ INTERFACES = (
         ModelMember("reply", "name", "Frame with which the encoder answers. Empty if it does not answer."),
         ModelMember("purpose", "name", "Effect of the request."),
     ),
-    Part(
+    ModelPart(
         "interface",
         "One interface. Members that do not apply to its kind are empty or null.",
         ModelMember("kind", "ssi|biss|rs485|spi", "Short name."),

@@ -94,7 +94,7 @@ class ModelMember:
         return self.name.startswith("max")
 
 
-class Part:
+class ModelPart:
     """A part of the model with its members in the order of the data.
 
     ``of`` names the classes of the model, if they are not called like the part. ``identity`` names the members of the
@@ -129,7 +129,7 @@ PRINTED_NAME = ModelMember("printed_name", "text", "Name in the manual.", "words
 NAMES = ModelMember("names", "names", "Names in manuals in other languages, each under its language code.", "words")
 
 
-def described_part(part_class: Any, *additional: ModelMember, after: str = "", name: str = "") -> Part:
+def described_part(part_class: Any, *additional: ModelMember, after: str = "", name: str = "") -> ModelPart:
     """Return the part that a class describes.
 
     ``additional`` members, which only the data have, follow the member ``after``. ``name`` is the name of the part, if
@@ -143,7 +143,7 @@ def described_part(part_class: Any, *additional: ModelMember, after: str = "", n
         members.append(_build_member(described))
         if described.name == after:
             members += additional
-    return Part(
+    return ModelPart(
         name or name_of_part(part_class.__name__),
         description.data or description.about,
         *members,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from ..facts import Alarm
 from ..fields import Crc
-from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, Part, described_part
+from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, ModelPart, described_part
 
 REGISTERS = (
-    Part(
+    ModelPart(
         "opened_by",
         "Register that must hold a value before this one can be written.",
         ModelMember("register", "name", "Name."),
@@ -16,7 +16,7 @@ REGISTERS = (
         is_sourced=False,
         of="",
     ),
-    Part(
+    ModelPart(
         "register",
         "A register. Its fields are listed from the highest bit down.",
         NAME,
@@ -134,7 +134,7 @@ REGISTERS = (
         ModelMember("opened_by_field", rule="register-rule", label="unlocked by the field", refers_to="any-field"),
         identity="interface bank address length",
     ),
-    Part(
+    ModelPart(
         "register_meaning",
         "One possible meaning of a register.",
         NAME,
@@ -170,7 +170,7 @@ REGISTERS = (
         after="poly",
     ),
     described_part(Alarm),
-    Part(
+    ModelPart(
         "step",
         "One step of a procedure.",
         ModelMember(
@@ -198,7 +198,7 @@ REGISTERS = (
         ModelMember("meaning", "text", "Reason for this step."),
         of="WriteStep ModifyStep ReadStep PollStep WaitStep SendStep",
     ),
-    Part(
+    ModelPart(
         "argument",
         "A value supplied by the caller of a procedure.",
         NAME,
@@ -206,7 +206,7 @@ REGISTERS = (
         MEANING,
         ModelMember("meant_as", "name", "Applicable meaning of the register, if it has several."),
     ),
-    Part(
+    ModelPart(
         "procedure",
         "Steps carried out by a master.",
         NAME,

@@ -6,7 +6,7 @@ from ..documents import EditionTest, LostFigure
 from ..examples import Write
 from ..facts import Characteristic, Connector, Contact, Input, Led, LedState, Quantity, Table, Timing
 from ..measurement import Measurement
-from .member import NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, Part, described_part
+from .member import NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, ModelPart, described_part
 
 SURROUNDINGS = (
     described_part(
@@ -23,7 +23,7 @@ SURROUNDINGS = (
     described_part(Characteristic),
     described_part(Quantity),
     described_part(Write),
-    Part(
+    ModelPart(
         "example",
         "A worked example.",
         NAME,
@@ -48,7 +48,7 @@ SURROUNDINGS = (
         NOTE,
         of="FrameExample RegisterExample CrcExample ProcedureExample MeasureExample",
     ),
-    Part(
+    ModelPart(
         "erratum",
         "A place where the manual must not be followed literally.",
         NAME,
@@ -77,7 +77,7 @@ SURROUNDINGS = (
         ),
         ModelMember("only", "string", "Order codes that the erratum concerns. Empty if it concerns all."),
     ),
-    Part(
+    ModelPart(
         "overlay",
         "Overlays applied to the spec.",
         NAME,
@@ -87,7 +87,7 @@ SURROUNDINGS = (
         ),
         is_sourced=False,
     ),
-    Part(
+    ModelPart(
         "manual_edition",
         "An edition of the manual that can be selected.",
         ModelMember("revision", "text", "Revision."),
@@ -100,7 +100,7 @@ SURROUNDINGS = (
     described_part(LostFigure),
     described_part(Measurement),
     described_part(Input),
-    Part(
+    ModelPart(
         "table_row",
         "One row.",
         ModelMember("cells", "[text]", "Cells of the row."),
@@ -108,7 +108,7 @@ SURROUNDINGS = (
         of="",
     ),
     described_part(Table),
-    Part(
+    ModelPart(
         "field_group",
         "Fields that several layouts share.",
         NAME,
