@@ -16,7 +16,7 @@ from typing import Any
 
 from ..model import clocks, data_channels, documents, examples, facts, fields, interfaces, kinds, measurement
 from ..model.key_types import JsonSchema, KeyType, key_type, limits_in_schema, name_of_part
-from ..model.part import DescribedKey, Key, description_of, is_part, keys_of
+from ..model.part import DescribedKey, SpecKey, description_of, is_part, keys_of
 from . import written_codes, written_interfaces, written_layouts, written_parts
 
 #: Modules with parts.
@@ -88,14 +88,14 @@ def _key_schema(described: DescribedKey) -> JsonSchema:
     return schema | _value_schema(value_type, key) | limits_in_schema(key)
 
 
-def _value_schema(value_type: KeyType, key: Key) -> JsonSchema:
+def _value_schema(value_type: KeyType, key: SpecKey) -> JsonSchema:
     """Return the JSON Schema of a value. ``key`` contains the least and the most entries of a list or map.
 
     A part with a definition in the schema is referred to. Other parts are described inline.
     """
     if value_type.container == "list":
         fewest: JsonSchema = {"minItems": key.least} if key.least else {}
-        items = _value_schema(value_type.inner, Key(""))  # A key without a description and limits.
+        items = _value_schema(value_type.inner, SpecKey(""))  # A key without a description and limits.
         return {"type": "array"} | fewest | {"maxItems": key.most, "items": items}
     if value_type.container == "one_or_more":
         return _one_or_more_schema(value_type.inner)
@@ -103,7 +103,7 @@ def _value_schema(value_type: KeyType, key: Key) -> JsonSchema:
         fewest = {"minProperties": key.least} if key.least else {}
         entries = {
             "propertyNames": value_type.key_schema,
-            "additionalProperties": _value_schema(value_type.inner, Key("")),
+            "additionalProperties": _value_schema(value_type.inner, SpecKey("")),
         }
         return {"type": "object"} | fewest | {"maxProperties": key.most} | entries
     if not value_type.part:
@@ -118,7 +118,7 @@ def _one_or_more_schema(value_type: KeyType) -> JsonSchema:
     """Return the JSON Schema of a part or a list of parts. JSON Schema applies each keyword to its type only."""
     single = part_schema(described_parts()[value_type.class_name])
     single.pop("description", None)
-    several = {"minItems": 1, "maxItems": _MOST_ROWS, "items": _value_schema(value_type, Key(""))}
+    several = {"minItems": 1, "maxItems": _MOST_ROWS, "items": _value_schema(value_type, SpecKey(""))}
     return single | {"type": ["object", "array"]} | several
 
 

@@ -9,7 +9,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from .part import DescribedKey, Key
+from .part import DescribedKey, SpecKey
 
 JsonSchema = dict[str, Any]
 
@@ -231,7 +231,7 @@ def data_notation(described: DescribedKey) -> str:
     return kind.notation
 
 
-def limits_in_schema(key: Key) -> JsonSchema:
+def limits_in_schema(key: SpecKey) -> JsonSchema:
     """Return the limits of a value as JSON Schema keywords."""
     limits: JsonSchema = {}
     if key.pattern:

@@ -116,7 +116,7 @@ NOTHING: Mapping[Any, Any] = MappingProxyType({})
 _KEY = "key"
 
 
-class Key(NamedTuple):
+class SpecKey(NamedTuple):
     """Description of a key of the spec language or, without ``is_written``, of a member that only the data have.
 
     Attributes:
@@ -181,10 +181,10 @@ def key(about: str, **options: Any) -> Any: ...
 def key(about: str, *, default: Any = MISSING, **options: Any) -> Any:
     """Describe a key of the spec language. Without a ``default``, specs must contain the key.
 
-    ``options`` are those of ``Key`` and of ``Member``.
+    ``options`` are those of ``SpecKey`` and of ``Member``.
     """
-    own_options = {name: options.pop(name) for name in list(options) if name in Key._fields}
-    metadata = {_KEY: Key(about, member=options, **own_options)}
+    own_options = {name: options.pop(name) for name in list(options) if name in SpecKey._fields}
+    metadata = {_KEY: SpecKey(about, member=options, **own_options)}
     if isinstance(default, Mapping):  # Python 3.11 refuses it as a default, because it has no hash.
         return field(default_factory=lambda: default, metadata=metadata)
     return field(default=default, metadata=metadata)
@@ -289,7 +289,7 @@ class DescribedKey(NamedTuple):
     name: str
     notation: str
     default: object
-    key: Key
+    key: SpecKey
 
     @property
     def is_required(self) -> bool:
