@@ -8,8 +8,8 @@ from codewheel.targets.c.comments import break_lines, end_comment
 from codewheel.targets.c.names import (
     Call,
     Cast,
+    CExpression,
     Conditional,
-    Expr,
     Name,
     Number,
     Operation,
@@ -80,7 +80,7 @@ A, B, C = Name("a"), Name("b"), Name("c")
         (shifted_right(A, 0), "a"),
     ],
 )
-def test_operations_within_others_stand_in_parentheses(tree: Expr, text: str) -> None:
+def test_operations_within_others_stand_in_parentheses(tree: CExpression, text: str) -> None:
     assert str(tree) == text
 
 

@@ -15,7 +15,7 @@ from ...plan.operations import FieldBits, JoinedNumber, Reserved
 from .names import (
     Call,
     Cast,
-    Expr,
+    CExpression,
     Name,
     Number,
     Operation,
@@ -29,7 +29,7 @@ from .names import (
 )
 
 
-def of_bytes(pieces: tuple[BitSlice, ...]) -> tuple[str, Expr]:
+def of_bytes(pieces: tuple[BitSlice, ...]) -> tuple[str, CExpression]:
     """Return the type and the bits in these pieces of ``bytes``, as one number.
 
     For one piece, this is ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``. Without pieces, when no order code has such
@@ -46,14 +46,14 @@ def of_bytes(pieces: tuple[BitSlice, ...]) -> tuple[str, Expr]:
         return type_, bits if is_whole_byte else Cast("uint8_t", bits)
     # Bytes are shifted in a type that is not promoted to a signed one.
     shifted_type = "uint64_t" if width > 32 else "uint32_t"
-    shifted_pieces: list[Expr] = []
+    shifted_pieces: list[CExpression] = []
     for piece in pieces:
         shifted_pieces.append(shifted_left(Cast(shifted_type, _bits_of_piece(piece)), piece.low_in_number))
     number = join_operands("|", tuple(shifted_pieces))
     return type_, number if type_ == shifted_type else Cast(type_, number)
 
 
-def _bits_of_piece(piece: BitSlice) -> Expr:
+def _bits_of_piece(piece: BitSlice) -> CExpression:
     """Return the bits of a byte that belong to a field, shifted to bit 0, such as ``(bytes[2] >> 3) & 0x07U``."""
     shifted_byte = shifted_right(Name(f"bytes[{piece.byte}]"), piece.low_in_byte)
     # Without bits above the piece, no mask is needed.
@@ -82,11 +82,11 @@ class Reader:
         return "uint64_t" if needs_64_bits else "uint32_t"
 
     @property
-    def word(self) -> Expr:
+    def word(self) -> CExpression:
         """The word, with any Gray code in it converted unless the reader is for the bits ``as_sent``."""
         return Name("plain" if self.plan.gray is not None and not self.as_sent else "word")
 
-    def value(self, bits: FieldBits) -> tuple[str, Expr]:
+    def value(self, bits: FieldBits) -> tuple[str, CExpression]:
         """Return the type and the bits of a field, such as ``uint16_t`` and ``(uint16_t)(word >> 6)``."""
         if not self.plan.by_word:
             return of_bytes(bits.pieces)
@@ -98,7 +98,7 @@ class Reader:
         has_64_bits = bits.widest > 32 and not bits.are_fixed
         return type_, number if has_64_bits else Cast(type_, number)
 
-    def in_word(self, bits: FieldBits) -> Expr:
+    def in_word(self, bits: FieldBits) -> CExpression:
         """Return bits of the word, shifted to bit 0, such as ``((uint32_t)word >> 6) & 0xFFFU``.
 
         If their place is fixed and in the lower half, the number has 32 bits. At a place that depends on the order
@@ -117,7 +117,7 @@ class Reader:
             return shifted_right(self.lower(self.word_size), bits.low.constant)
         return Call("cw_above", (self.word, self.scope.expression_of(bits.low)))
 
-    def flag(self, bits: FieldBits) -> Expr:
+    def flag(self, bits: FieldBits) -> CExpression:
         """Return the bit of a flag at its position: ``word & 0x80U``, or in a frame of bytes ``flags & 0x80U``.
 
         ``flags`` is the local for the byte. A flag at a place that depends on the order code is shifted to bit 0.
@@ -129,7 +129,7 @@ class Reader:
             return self.in_word(bits)
         return masked(self.lower(bits.low.constant + 1), 1 << bits.low.constant)
 
-    def lower(self, high: int) -> Expr:
+    def lower(self, high: int) -> CExpression:
         """Return the word, or its lower half ``(uint32_t)word`` if the bits below ``high`` are enough.
 
         Operations in 32 bits are faster on small processors. A word that has only 32 bits needs no cast.
@@ -139,21 +139,21 @@ class Reader:
         is_lower_half_enough = high <= 32
         return Cast("uint32_t", self.word) if is_lower_half_enough and not has_32_bits else self.word
 
-    def number_of_join(self, joined_number: JoinedNumber, name_of: Callable[[Field], Expr]) -> Expr:
+    def number_of_join(self, joined_number: JoinedNumber, name_of: Callable[[Field], CExpression]) -> CExpression:
         """Return a join as one number: from the word if its fields are adjacent, otherwise from its fields by name."""
         if joined_number.bits is None:
             return self.number_from_fields(joined_number, name_of)
         number = self.in_word(joined_number.bits)
         return number if joined_number.widest > 32 else Cast(unsigned(joined_number.widest), number)
 
-    def number_from_fields(self, joined_number: JoinedNumber, name_of: Callable[[Field], Expr]) -> Expr:
+    def number_from_fields(self, joined_number: JoinedNumber, name_of: Callable[[Field], CExpression]) -> CExpression:
         """Return the fields of a join as one number of the join's type. The first field forms the highest bits."""
         highest_field, *lower_fields = joined_number.fields
         type_ = unsigned(joined_number.widest)
         is_short = size_of(joined_number.widest) < 32
         # Several operands below 32 bits would make the result signed.
         is_promoted = is_short and len(lower_fields) > 1
-        number: Expr = Cast("uint32_t" if is_promoted else type_, name_of(highest_field))
+        number: CExpression = Cast("uint32_t" if is_promoted else type_, name_of(highest_field))
         for field in lower_fields:
             shifted_number = shifted_left(number, self.scope.expression_of(field.width))
             number = Operation("|", (shifted_number, name_of(field)))
@@ -164,16 +164,16 @@ class Reader:
         """The reader of the word before any Gray code in it is converted."""
         return replace(self, as_sent=True)
 
-    def bits_as_sent(self, field: Field) -> Expr:
+    def bits_as_sent(self, field: Field) -> CExpression:
         """Return the bits of a field before any Gray code in the word is converted."""
         _, bits = self.before_conversion.value(self.plan.bits_of(field.name))
         return bits
 
-    def parity_as_sent(self, fields: Sequence[Field], mask: int) -> Expr:
+    def parity_as_sent(self, fields: Sequence[Field], mask: int) -> CExpression:
         """Return the parity of fields before any Gray code in the word is converted."""
         return self.parity([(self.bits_as_sent(field), field.widest) for field in fields], mask)
 
-    def parity(self, numbers_and_widths: Sequence[tuple[Expr, int]], mask: int) -> Expr:
+    def parity(self, numbers_and_widths: Sequence[tuple[CExpression, int]], mask: int) -> CExpression:
         """Return the common parity of these numbers, 1 for an odd number of ones. Each comes with its largest width.
 
         ``mask`` is the mask of the bits that count, or 0 if all of them count.
@@ -194,9 +194,9 @@ class Reader:
         return Call("cw_parity", (combined,))
 
 
-def digits(number: object, field: Field, digit_run: Digits) -> Expr:
+def digits(number: object, field: Field, digit_run: Digits) -> CExpression:
     """Return a run of decimal digits extracted from a number, such as ``(number / 100U) % 10U``."""
-    quotient: Expr = Name(str(number))
+    quotient: CExpression = Name(str(number))
     if digit_run.divisor > 1:
         quotient = Operation("/", (quotient, Number(digit_run.divisor)))
     # No digits are above the highest run, so that it needs no remainder.
@@ -235,7 +235,7 @@ class Unused:
     # -- decoding
 
     @property
-    def member(self) -> Expr:
+    def member(self) -> CExpression:
         """The member: 1 in each bit that differs from the manual.
 
         The bits come from the word, or from bytes if the fields are extracted one by one.
@@ -246,12 +246,12 @@ class Unused:
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
         return Cast(self.type, _with_inverted(join_operands("|", all_bits), documented))
 
-    def at_place(self, moved: ShiftedBits, byte: Expr) -> Expr:
+    def at_place(self, moved: ShiftedBits, byte: CExpression) -> CExpression:
         """Return a byte shifted to the place of its bits in the member, such as ``(uint32_t)bytes[2] << 8``."""
         # In bytes, ``shift`` is 0 or negative: the place in the member is never lower than in the byte.
         return shifted_left(Cast(self.work_type, byte), -moved.shift) if moved.shift else byte
 
-    def member_from(self, bits: Expr) -> Expr:
+    def member_from(self, bits: CExpression) -> CExpression:
         """Return the member from bytes that ``at_place`` has shifted, with all other bits masked off."""
         mask = sum(moved.mask for moved in self.moved)
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
@@ -263,7 +263,7 @@ class Unused:
         """The type in which a decoder assembles bytes."""
         return unsigned(max(self.width, 32))
 
-    def _moved_bits(self, moved: ShiftedBits) -> Expr:
+    def _moved_bits(self, moved: ShiftedBits) -> CExpression:
         """Return bits of the word, shifted to their places in the member."""
         # The mask is in the position of the member. Bit 0 of the member is bit ``shift`` of the word.
         word = self.reader.lower(moved.mask.bit_length() + moved.shift)
@@ -271,7 +271,7 @@ class Unused:
             return masked(shifted_right(word, moved.shift), moved.mask)
         return shifted_left(masked(word, moved.mask >> -moved.shift), -moved.shift)
 
-    def _single_bits(self, reserved: Reserved) -> Expr:
+    def _single_bits(self, reserved: Reserved) -> CExpression:
         """Return the bits of one unused field that differ from the manual, shifted to their place in the member."""
         _, bits = self.reader.value(reserved.bits)
         documented = self._express_documented(reserved)
@@ -286,7 +286,7 @@ class Unused:
     # -- encoding
 
     @property
-    def refusal_condition(self) -> Expr | None:
+    def refusal_condition(self) -> CExpression | None:
         """The condition that the member has a bit other than the unused ones, or None if that is not possible.
 
         It is not possible if the unused bits fill the type of the member, or if there are none.
@@ -300,7 +300,7 @@ class Unused:
             other_bits = fixed_mask ^ all_bits_of_type
             can_have_other_bits = bool(fixed_mask and other_bits)
             return Operation("!=", (masked(_MEMBER, other_bits), Number(0))) if can_have_other_bits else None
-        masks: list[Expr] = []
+        masks: list[CExpression] = []
         for reserved in varying_fields:
             mask_of_width = self.reader.scope.mask(reserved.bits.width)
             masks.append(shifted_left(mask_of_width, reserved.place))
@@ -310,7 +310,7 @@ class Unused:
         return Operation("!=", (unused_bits_of_member, _MEMBER))
 
     @property
-    def in_word(self) -> Iterator[Expr]:
+    def in_word(self) -> Iterator[CExpression]:
         """The terms of a word that come from it: the documented bits, with those inverted that are 1 in the member."""
         # A single group of bits is the whole member, and needs no mask.
         is_all = len(self.moved) + len(self.single) == 1
@@ -329,7 +329,7 @@ class Unused:
             yield shifted_left(Cast(self.reader.encoded_type, bits), distance)
 
     @property
-    def in_bytes(self) -> Iterator[tuple[int, Expr]]:
+    def in_bytes(self) -> Iterator[tuple[int, CExpression]]:
         """The bytes with bits that come from it, each with these bits at their places."""
         for moved in self.moved:
             assert moved.byte is not None
@@ -339,7 +339,7 @@ class Unused:
                 bits = shifted_right(self._bits_to_send(reserved), piece.low_in_number)
                 yield piece.byte, _shift_bits(_masked_byte(bits, piece.mask), -piece.low_in_byte)
 
-    def _moved_bits_to_send(self, moved: ShiftedBits) -> Expr:
+    def _moved_bits_to_send(self, moved: ShiftedBits) -> CExpression:
         """Return bits of the member, shifted to their places in the frame and combined with the documented bits."""
         # In bytes, ``shift`` is 0 or negative: bit -shift of the member is bit 0 of the byte.
         bit_in_member = -moved.shift
@@ -350,19 +350,19 @@ class Unused:
             bits = Cast("uint8_t", bits)
         return _with_inverted(bits, _express_documented_value(moved.value >> bit_in_member))
 
-    def bits_of(self, field: Field) -> Expr:
+    def bits_of(self, field: Field) -> CExpression:
         """Return the bits to send for one unused field, shifted to bit 0."""
         reserved_fields = (reserved for reserved in self.plan.reserved if reserved.field is field)
         return self._bits_to_send(first_of(reserved_fields, f"unused field '{field.name}'"))
 
-    def _bits_to_send(self, reserved: Reserved) -> Expr:
+    def _bits_to_send(self, reserved: Reserved) -> CExpression:
         """Return the documented bits of an unused field at bit 0, with those inverted that are 1 in the member."""
         differing_bits = shifted_right(masked(_MEMBER, reserved.mask), reserved.place)
         return _with_inverted(differing_bits, self._express_documented(reserved))
 
     # -- both
 
-    def _express_documented(self, reserved: Reserved) -> Expr | None:
+    def _express_documented(self, reserved: Reserved) -> CExpression | None:
         """Return the value in the manual of a field that may be narrower with this order code, or None if it is 0."""
         value = _express_documented_value(reserved.value)
         width = reserved.bits.width
@@ -371,21 +371,21 @@ class Unused:
         return Operation("&", (value, self.reader.scope.mask(width)))
 
 
-def _masked_byte(bits: Expr, mask: int) -> Expr:
+def _masked_byte(bits: CExpression, mask: int) -> CExpression:
     """Return these bits of a number. A whole byte has no mask, because a later cast drops the higher bits."""
     return bits if mask == 0xFF else masked(bits, mask)
 
 
-def _express_documented_value(value: int) -> Expr | None:
+def _express_documented_value(value: int) -> CExpression | None:
     """Return the value in the manual, or None if that is 0."""
     return Number(value, hexadecimal=True) if value else None
 
 
-def _with_inverted(bits: Expr, inverted: Expr | None) -> Expr:
+def _with_inverted(bits: CExpression, inverted: CExpression | None) -> CExpression:
     """Return the bits, with those inverted that are 1 in ``inverted``."""
     return Operation("^", (bits, inverted)) if inverted is not None else bits
 
 
-def _shift_bits(bits: Expr, distance: int) -> Expr:
+def _shift_bits(bits: CExpression, distance: int) -> CExpression:
     """Return ``bits`` shifted to the right, or to the left if ``distance`` is negative."""
     return shifted_left(bits, -distance) if distance < 0 else shifted_right(bits, distance)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...model import ChannelFrame, channel_frame, first_of
 from .codec import StructCodec
 from .context import Context
-from .names import Declared, Expr, c_name
+from .names import CExpression, Declared, c_name
 
 
 class ChannelCode:
@@ -22,7 +22,7 @@ class ChannelCode:
         self.type = f"{context.prefix}_channels"
         codec_by_layout = {codec.struct.layout.name: codec for codec in codecs}
         self.codecs = [codec_by_layout[layout.name] for layout in frame.layouts]
-        self.compared: list[tuple[str, Expr]] = []
+        self.compared: list[tuple[str, CExpression]] = []
         for field in frame.compared:
             member = f"{c_name(field.layout.name)}.{c_name(field.name)}"
             self.compared.append((member, context.scope.expression_of(field.width)))
@@ -50,7 +50,7 @@ class ChannelCode:
         return [f"Return true unless the highest {bits} bits of {members} differ{tolerance}."]
 
     @property
-    def compared_bits(self) -> Expr:
+    def compared_bits(self) -> CExpression:
         return self._context.scope.expression_of(self._frame.compared_bits)
 
     @property

@@ -15,7 +15,7 @@ from .crc_functions import BitsCrc, WordCrc, fold_operations
 from .decode import Decoder
 from .encode import Encoder
 from .enumerations import AlternativeCode, alternatives_in
-from .names import Declared, Expr, Name, Number, Operation, c_name, join_operands, number, string, unsigned
+from .names import CExpression, Declared, Name, Number, Operation, c_name, join_operands, number, string, unsigned
 from .structs import Struct
 
 
@@ -283,16 +283,16 @@ class StructCodec:
         return f"{self.name}_{field.name}_EXPECTED".upper()
 
     @property
-    def is_expected(self) -> Expr:
+    def is_expected(self) -> CExpression:
         """Condition that a struct has the values of the manual, and that no unused bit differs from it."""
-        conditions: list[Expr] = []
+        conditions: list[CExpression] = []
         for field in self.expected:
             conditions += self._has_expected_value(field)
         if self.struct.unused:
             conditions.append(Operation("==", (Name("in->unused"), Number(0))))
         return join_operands("&&", tuple(conditions))
 
-    def _has_expected_value(self, field: Field) -> Iterator[Expr]:
+    def _has_expected_value(self, field: Field) -> Iterator[CExpression]:
         """Yield the conditions under which a member equals the value in the manual.
 
         A string has one piece per character.

@@ -12,7 +12,7 @@ from ...plan.frames import held_parameters
 from ...say.order_code import timing as say_timing
 from .comments import HEADER_STYLE
 from .enumerations import AlternativeCode, Enumerations, Reports
-from .names import BY_VALUE, Cast, Expr, Passing, Scope, number, unsigned
+from .names import BY_VALUE, Cast, CExpression, Passing, Scope, number, unsigned
 
 
 class Context:
@@ -95,7 +95,7 @@ class Function:
 
     name: str
     type: str
-    value: Expr
+    value: CExpression
     about: str
     uses_variant: bool
 

@@ -22,8 +22,8 @@ from .bits import digits
 from .names import (
     Call,
     Cast,
+    CExpression,
     Conditional,
-    Expr,
     Name,
     Number,
     Operation,
@@ -61,7 +61,7 @@ class FlagsIn:
 class UnusedIn:
     """A byte with unused bits, at its position in the member. The first byte initialises the local variable."""
 
-    bits: Expr
+    bits: CExpression
     is_first: bool
 
 
@@ -69,7 +69,7 @@ class UnusedIn:
 class UnusedAre:
     """All unused bits."""
 
-    bits: Expr
+    bits: CExpression
 
 
 #: Masks of the odd and the even bits in the lower 32 bits of a word.
@@ -99,7 +99,7 @@ class Decoder:
                     checked_names.update(covered.name for covered in check.of)
         self._only_reported = {reserved.field.name for reserved in self.plan.reserved} - checked_names
 
-    def local(self, field: Field) -> Expr:
+    def local(self, field: Field) -> CExpression:
         """Return the local that holds the bits of a field."""
         return Name(c_name(field.name, _LOCALS))
 
@@ -116,11 +116,11 @@ class Decoder:
         names_without_local |= {crc.field.name for crc in self.plan.crcs}
         return tuple(field for field in self.plan.layout.fields if field.name not in names_without_local)
 
-    def raw(self, field: Field) -> tuple[str, Expr]:
+    def raw(self, field: Field) -> tuple[str, CExpression]:
         """Return the type and the bits of a field, such as ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``."""
         return self.reader.value(self.plan.bits_of(field.name))
 
-    def bits_as_sent(self, field: Field) -> Expr:
+    def bits_as_sent(self, field: Field) -> CExpression:
         """Return the bits of a field before any Gray code is converted."""
         return self.reader.bits_as_sent(field)
 
@@ -176,7 +176,7 @@ class Decoder:
             if is_of_value and check.field.name not in selector_names:
                 yield check
 
-    def is_of_other_frame(self, parity: ParityIs) -> Expr:
+    def is_of_other_frame(self, parity: ParityIs) -> CExpression:
         """Return the condition that the selector or its parity bit differs from this frame's.
 
         A byte that holds both is compared once, together with the constants in it, such as
@@ -207,7 +207,7 @@ class Decoder:
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
         return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
 
-    def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> Expr:
+    def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> CExpression:
         """Return the condition that the local of the selector or of its parity bit has another value."""
         selects = self.plan.layout.selects
         selector = parity.selector
@@ -241,19 +241,19 @@ class Decoder:
             names |= alternative.answers[0].sets.keys()
         return names
 
-    def parity_in_word(self, parity: ParityIs) -> Expr:
+    def parity_in_word(self, parity: ParityIs) -> CExpression:
         """Return the parity of a parity bit in the word and all bits that it covers."""
         mask = self._word_parities[parity.field.name]
         return Call("cw_parity", (masked(self.reader.lower(32), mask),))
 
-    def parities_in_word_together(self, parities: Sequence[ParityIs]) -> Expr:
+    def parities_in_word_together(self, parities: Sequence[ParityIs]) -> CExpression:
         """Return the parities of the odd and of the even bits in the word that two parity bits cover."""
         mask = 0
         for parity in parities:
             mask |= self._word_parities[parity.field.name]
         return Call("cw_parities", (masked(self.reader.lower(32), mask),))
 
-    def parity(self, fields: Sequence[Field], mask: int) -> Expr:
+    def parity(self, fields: Sequence[Field], mask: int) -> CExpression:
         """Return the parity of these fields, or of their bits in ``mask`` if it is not 0."""
         if self.plan.parity_covers_gray:
             return self.reader.parity_as_sent(fields, mask)
@@ -277,7 +277,7 @@ class Decoder:
             yield UnusedAre(unused.member)
 
     def _gather_unused(
-        self, ungathered: dict[int, ShiftedBits], byte: int, bits_of_byte: Expr
+        self, ungathered: dict[int, ShiftedBits], byte: int, bits_of_byte: CExpression
     ) -> Iterator[UnusedIn | UnusedAre]:
         """Yield the unused bits of a byte, and after the last such byte the whole member.
 
@@ -324,7 +324,7 @@ class Decoder:
             flags_in[name] = FlagsIn(byte, is_first=is_first, is_only=is_only)
         return flags_in
 
-    def members(self, part: FieldToDecode) -> Iterator[tuple[str, Expr]]:
+    def members(self, part: FieldToDecode) -> Iterator[tuple[str, CExpression]]:
         """Yield the members that a part fills, each with its value, such as ``error`` and ``(flags & 0x80U) != 0U``."""
         name = c_name(part.field.name)
         bits = self.local(part.field)
@@ -354,7 +354,7 @@ class Decoder:
             case never:
                 assert_never(never)
 
-    def _is_active(self, part: FieldToDecode, bit: Expr, *, low_is_active: bool) -> Expr:
+    def _is_active(self, part: FieldToDecode, bit: CExpression, *, low_is_active: bool) -> CExpression:
         """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
         An active-low flag of which only some order codes have the bit is compared with its width, which is 1 or 0.
@@ -364,7 +364,7 @@ class Decoder:
         operator = "==" if low_is_active else "!="
         return Operation(operator, (bit, Number(0)))
 
-    def _bits_as(self, type_: str, part: FieldToDecode) -> Expr:
+    def _bits_as(self, type_: str, part: FieldToDecode) -> CExpression:
         """Return the bits of a part, with a cast if the member has another type."""
         bits = self.local(part.field)
         type_of_local, _ = self.raw(part.field)
@@ -374,7 +374,7 @@ class Decoder:
         """Return True if a field always has the same bits."""
         return field.name in self.plan.constants
 
-    def number_of_join(self, joined_number: JoinedNumber) -> Expr:
+    def number_of_join(self, joined_number: JoinedNumber) -> CExpression:
         return self.reader.number_of_join(joined_number, self.local)
 
 

@@ -30,8 +30,8 @@ from ...plan.values import (
 )
 from .names import (
     Cast,
+    CExpression,
     Conditional,
-    Expr,
     Name,
     Number,
     Operation,
@@ -65,13 +65,13 @@ class Encoder:
         self._padded_names = frozenset(check.field.name for check in checks if isinstance(check, ZerosAbove))
         self._reserved_names = frozenset(reserved.field.name for reserved in self.plan.reserved)
 
-    def member_of(self, field: Field) -> Expr:
+    def member_of(self, field: Field) -> CExpression:
         """Return the member of the struct that is encoded, such as ``in->position``."""
         return Name(f"in->{c_name(field.name)}")
 
     # -- values that are refused
 
-    def number(self, field: Field) -> Expr:
+    def number(self, field: Field) -> CExpression:
         """Return a member as a number, with a cast if it is a flag or of an enumeration."""
         match meaning_of(field):
             case ActiveFlag():
@@ -82,15 +82,15 @@ class Encoder:
                 needs_cast = False
         return Cast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
 
-    def number_from_members(self, joined_number: JoinedNumber) -> Expr:
+    def number_from_members(self, joined_number: JoinedNumber) -> CExpression:
         """Return the number that the members of a join form, the first member in its highest bits."""
         return self.reader.number_from_fields(joined_number, self._unsigned_bits_of_member)
 
-    def total(self, field: Field) -> Expr:
+    def total(self, field: Field) -> CExpression:
         """Return the number that a field's runs of digits form, such as ``(uint32_t)in->tens * 10U + in->ones``."""
         # At least 32 bits, which C does not promote to a signed type.
         type_of_total = unsigned(max(field.widest, 32))
-        products: list[Expr] = []
+        products: list[CExpression] = []
         for run in field.runs:
             run_member = Name(f"in->{c_name(run.name)}")
             if run.divisor > 1:
@@ -107,12 +107,12 @@ class Encoder:
         return self.reader.encoded_type
 
     @property
-    def word(self) -> tuple[Expr, ...]:
+    def word(self) -> tuple[CExpression, ...]:
         """The terms of the word: constants, members, parity bits and unused bits. Terms that are always 0 are left out.
 
         Parity bits over a number in Gray code are in ``parities_of_sent_bits``.
         """
-        terms: list[Expr] = []
+        terms: list[CExpression] = []
         for term in self.plan.terms:
             is_added_later = self.plan.parity_covers_gray and isinstance(term.value, ParityOf)
             # ``unused.in_word`` contains the terms of unused fields.
@@ -122,13 +122,13 @@ class Encoder:
         return (*terms, *self.struct.unused.in_word)
 
     @property
-    def parities_of_sent_bits(self) -> tuple[Expr, ...]:
+    def parities_of_sent_bits(self) -> tuple[CExpression, ...]:
         """The parity bits over a number in Gray code, which are added to the word after its conversion. Often none."""
         if not self.plan.parity_covers_gray:
             return ()
         return tuple(self._term_in_word(term) for term in self.plan.terms if isinstance(term.value, ParityOf))
 
-    def _term_in_word(self, term: FieldToEncode) -> Expr:
+    def _term_in_word(self, term: FieldToEncode) -> CExpression:
         """Return a term shifted to its place in the word, such as ``(uint64_t)in->position << 8``."""
         value = self._express_value(term)
         low = term.field.low
@@ -146,7 +146,7 @@ class Encoder:
 
     # -- values of terms, with their lowest bit at bit 0
 
-    def _express_value(self, term: FieldToEncode) -> Expr:
+    def _express_value(self, term: FieldToEncode) -> CExpression:
         """Return the value of a term, with its lowest bit at bit 0: a literal, a parity, or the bits of a member."""
         match term.value:
             case ConstantNumber(number):
@@ -159,7 +159,7 @@ class Encoder:
             case ReservedBits():
                 return self.struct.unused.bits_of(term.field)
 
-    def _parity_bit(self, term: FieldToEncode, parity: ParityOf) -> Expr:
+    def _parity_bit(self, term: FieldToEncode, parity: ParityOf) -> CExpression:
         """Return the parity bit of several fields, 0 for an order code without this bit."""
         if self.plan.parity_covers_gray:
             even_parity = self.reader.parity_as_sent(parity.of, parity.mask)
@@ -172,7 +172,7 @@ class Encoder:
         # The width is 1 or 0 by order code, which makes it the mask of the bit.
         return Operation("&", (bit, self.struct.scope.expression_of(width)))
 
-    def _parity_of_members(self, parity: ParityOf) -> Expr:
+    def _parity_of_members(self, parity: ParityOf) -> CExpression:
         """Return the parity of the members that a parity bit covers, 1 for an odd number of ones.
 
         An example is ``cw_parity((uint32_t)in->position)``. ``parity.mask`` contains the bits that count, or is 0 if
@@ -187,12 +187,12 @@ class Encoder:
                 bits_and_widths = [(Cast("uint32_t", bits), width)]
         return self.reader.parity(bits_and_widths, parity.mask)
 
-    def _unsigned_bits_of_member(self, field: Field) -> Expr:
+    def _unsigned_bits_of_member(self, field: Field) -> CExpression:
         """Return the bits of a member as an unsigned number. Some compilers make an enumeration signed."""
         bits = self._bits_of_member(field)
         return Cast(unsigned(field.widest), bits) if isinstance(meaning_of(field), OneOfNamedValues) else bits
 
-    def _bits_of_member(self, field: Field) -> Expr:
+    def _bits_of_member(self, field: Field) -> CExpression:
         """Return the bits that are sent for a member, such as ``in->error ? 1U : 0U`` for a flag.
 
         The bits of an unused field come from the member ``unused``.
@@ -213,7 +213,7 @@ class Encoder:
             case meaning:
                 assert_never(meaning)
 
-    def _bit_of_flag(self, field: Field, *, low_is_active: bool) -> Expr:
+    def _bit_of_flag(self, field: Field, *, low_is_active: bool) -> CExpression:
         """Return the bit of a flag, such as ``in->error ? 1U : 0U``."""
         flag = self.member_of(field)
         if not low_is_active:
@@ -228,7 +228,7 @@ class Encoder:
     # -- the bytes
 
     @property
-    def bytes(self) -> Iterator[tuple[int, Expr]]:
+    def bytes(self) -> Iterator[tuple[int, CExpression]]:
         """The index and the value of each byte, such as ``(0, (uint8_t)(0x80U | in->address))``.
 
         Bytes of a CRC over whole bytes are left out, since the encoder computes them afterwards.
@@ -261,9 +261,9 @@ class Encoder:
                     constants[piece.byte] |= bits_of_piece << piece.low_in_byte
         return constants
 
-    def _variable_bits_by_byte(self) -> dict[int, list[Expr]]:
+    def _variable_bits_by_byte(self) -> dict[int, list[CExpression]]:
         """Return the expressions to be ORed in each byte, by its index: bits of unused fields, members, parities."""
-        expressions: dict[int, list[Expr]] = {}
+        expressions: dict[int, list[CExpression]] = {}
         for byte, bits in self.struct.unused.in_bytes:
             expressions.setdefault(byte, []).append(bits)
         for term in self.plan.terms:
@@ -271,7 +271,7 @@ class Encoder:
                 expressions.setdefault(byte, []).append(bits)
         return expressions
 
-    def _variable_bits(self, term: FieldToEncode) -> Iterator[tuple[int, Expr]]:
+    def _variable_bits(self, term: FieldToEncode) -> Iterator[tuple[int, CExpression]]:
         """Yield the index of each byte of a term, with the bits at their places in it. Constant terms have none.
 
         Reserved bits have none either, because ``unused.in_bytes`` contains them.
@@ -288,7 +288,7 @@ class Encoder:
             case _:
                 assert_never(term.value)
 
-    def _bits_in_bytes(self, term: FieldToEncode, field: Field) -> Iterator[tuple[int, Expr]]:
+    def _bits_in_bytes(self, term: FieldToEncode, field: Field) -> Iterator[tuple[int, CExpression]]:
         """Yield the index of each byte of a member, with the bits at their places in it."""
         member = self.member_of(field)
         match meaning_of(field):
@@ -314,7 +314,7 @@ class Encoder:
             case meaning:
                 assert_never(meaning)
 
-    def _piece_in_byte(self, field: Field, piece: BitSlice, bits: Expr, *, may_be_wider: bool) -> Expr:
+    def _piece_in_byte(self, field: Field, piece: BitSlice, bits: CExpression, *, may_be_wider: bool) -> CExpression:
         """Return one piece of the bits of a field, shifted to its place in its byte.
 
         ``may_be_wider`` is True if ``bits`` can have 1 bits above the piece, which must be masked.
@@ -329,14 +329,14 @@ class Encoder:
         return Cast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
 
 
-def _flag_in_byte(flag: Expr, piece: BitSlice, *, low_is_active: bool) -> Expr:
+def _flag_in_byte(flag: CExpression, piece: BitSlice, *, low_is_active: bool) -> CExpression:
     """Return the bit of a flag at its place in its byte, such as ``in->error ? 0x80U : 0x00U``."""
     bit = Number(piece.mask << piece.low_in_byte, hexadecimal=True)
     zero = Number(0, hexadecimal=True)
     return Conditional(flag, zero, bit) if low_is_active else Conditional(flag, bit, zero)
 
 
-def _as_byte(value: Expr) -> Expr:
+def _as_byte(value: CExpression) -> CExpression:
     """Cast a value to a byte. A one-byte member needs no cast."""
     if isinstance(value, Name):
         return value

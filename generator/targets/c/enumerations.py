@@ -32,9 +32,9 @@ from .. import TargetError
 from .comments import HEADER_STYLE, Paragraph
 from .names import (
     Cast,
+    CExpression,
     Conditional,
     Declared,
-    Expr,
     Name,
     Number,
     Operation,
@@ -174,7 +174,7 @@ class AnsweredBy:
 
     name: str
     about: str
-    value: Expr
+    value: CExpression
 
 
 class AlternativeCode:
@@ -216,7 +216,7 @@ class AlternativeCode:
         yield from self.enumeration.declared()
         yield from ((function.name, self.enumeration.path) for function in self.functions)
 
-    def _express_parameter(self, parameter: str) -> Expr:
+    def _express_parameter(self, parameter: str) -> CExpression:
         """Return the parameter as a function of the answer, such as ``code == CODE_GRAY ? 1U : 0U``.
 
         The last answer is the default branch.
@@ -224,7 +224,7 @@ class AlternativeCode:
         *other_answers, last_answer = self.alternative.answers
         # The enumeration has a constant for each answer, in the same order.
         *other_constants, _ = self.enumeration.entries
-        expression: Expr = Number(last_answer.sets[parameter])
+        expression: CExpression = Number(last_answer.sets[parameter])
         for constant, answer in reversed(list(zip(other_constants, other_answers, strict=True))):
             is_answer = Operation("==", (Name(self.argument), Name(constant.name)))
             expression = Conditional(is_answer, Number(answer.sets[parameter]), expression)
@@ -274,7 +274,7 @@ class FrameReports:
         return filter(None, (self.verdict, self.reports))
 
     @property
-    def mask_terms(self) -> Iterator[Expr]:
+    def mask_terms(self) -> Iterator[CExpression]:
         """The terms of the mask of its reports, such as ``frame->error ? ACME_X_REPORT_ERROR : 0U``."""
         for report_cause in self.reporting.causes:
             is_for_encoder = [self._holds(only) for only in report_cause.conditions]
@@ -303,13 +303,13 @@ class FrameReports:
         """Verdicts with their causes, worst first."""
         return self.judgement.worst_first if self.judgement is not None else ()
 
-    def _is_active(self, cause: Cause) -> Expr:
+    def _is_active(self, cause: Cause) -> CExpression:
         """Return the condition that a cause is active."""
         if isinstance(cause, Reserved):
             return self._differs_in([cause])
         return join_operands("&&", tuple(self._conditions_of(cause)))
 
-    def _conditions_of(self, flag_or_match: FieldToDecode | MatchingValues) -> Iterator[Expr]:
+    def _conditions_of(self, flag_or_match: FieldToDecode | MatchingValues) -> Iterator[CExpression]:
         """Yield the condition of a flag, ``frame->error``, or of a match: ``!frame->ok``, ``frame->mode == A``."""
         if isinstance(flag_or_match, FieldToDecode):
             yield Name(_struct_member(flag_or_match))
@@ -324,7 +324,7 @@ class FrameReports:
                 yield Operation("==", (Name(member), Name(enumeration.names[value])))
 
     @property
-    def conditions_of_worse_verdicts(self) -> Iterator[tuple[Expr, Verdict]]:
+    def conditions_of_worse_verdicts(self) -> Iterator[tuple[CExpression, Verdict]]:
         """The conditions of verdicts worse than ``otherwise``, worst first, several of the same verdict one by one.
 
         Separate conditions become one test of the bits of the frame. Flags joined by ``||`` are slower: compilers load
@@ -341,7 +341,7 @@ class FrameReports:
                 for condition in self._conditions_of_causes(causes_by_verdict.get(verdict, ())):
                     yield condition, verdict
 
-    def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> Iterator[Expr]:
+    def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> Iterator[CExpression]:
         """Yield the condition that each of these is active. Unused bits are checked together, last.
 
         A cause counts only for its order codes or answers, and only while all flags in its ``unless`` are inactive.
@@ -358,7 +358,7 @@ class FrameReports:
         if reserved_causes:
             yield self._differs_in(reserved_causes)
 
-    def _differs_in(self, reserved: Sequence[Reserved]) -> Expr:
+    def _differs_in(self, reserved: Sequence[Reserved]) -> CExpression:
         """Return the condition that some of these bits differ from the manual, ``frame->unused != 0U`` if it is all."""
         # The masks have no common bits. The member is the mask of the bits in which the decoder found a difference.
         mask = sum(bits.mask for bits in reserved)
@@ -412,7 +412,7 @@ class Reports:
             return None
         return FrameReports(family=self, reporting=reporting, frame=name, type_=type_, choices=self._choices)
 
-    def constant(self, report: NumberedReport) -> Expr:
+    def constant(self, report: NumberedReport) -> CExpression:
         """Return the bit of a report, as a number of the type of the mask."""
         name = Name(self.enumeration.entries[report.number].name)
         return Cast(self.mask, name) if self.enumeration.is_enum else name
@@ -448,7 +448,7 @@ def _report_note(device: Device, report: NumberedReport) -> str:
     return HEADER_STYLE.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
 
 
-def _express_condition(scope: Scope, parameter_condition: CodeCondition) -> Expr:
+def _express_condition(scope: Scope, parameter_condition: CodeCondition) -> CExpression:
     """Return the condition on a parameter of the order code: ``variant.has_x != 0U``, or ``== 0U`` if not ``holds``."""
     operator = "!=" if parameter_condition.holds else "=="
     return Operation(operator, (scope.member(parameter_condition.parameter), Number(0)))

@@ -42,7 +42,7 @@ from .code_facts import (
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
 from .context import Context, Macro, timing_macros
-from .names import Declared, Expr, c_name, number
+from .names import CExpression, Declared, c_name, number
 from .structs import Struct
 
 _PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}
@@ -62,7 +62,7 @@ class FrameTeller:
         self._names = choice.names if choice is not None else {}
 
     @property
-    def value(self) -> Expr:
+    def value(self) -> CExpression:
         """The selecting field, extracted from the bytes, such as ``bytes[0] & 0x1FU``."""
         _, bits = of_bytes(self.dispatch.bits.pieces)
         return bits

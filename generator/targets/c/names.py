@@ -194,7 +194,7 @@ def unsigned(bits: int) -> str:
     return f"uint{size_of(bits)}_t"
 
 
-class Expr:
+class CExpression:
     """C expression, whose text is its ``str``."""
 
     __slots__ = ()
@@ -206,7 +206,7 @@ class Expr:
 
 
 @dataclass(frozen=True, slots=True)
-class Name(Expr):
+class Name(CExpression):
     """A name: a local, ``in->flag``, ``bytes[3]``."""
 
     text: str
@@ -216,7 +216,7 @@ class Name(Expr):
 
 
 @dataclass(frozen=True, slots=True)
-class Number(Expr):
+class Number(CExpression):
     """An unsigned constant, or with ``signed`` one with a sign."""
 
     value: int
@@ -228,18 +228,18 @@ class Number(Expr):
 
 
 @dataclass(frozen=True, slots=True)
-class Call(Expr):
+class Call(CExpression):
     function: str
-    arguments: tuple[Expr, ...]
+    arguments: tuple[CExpression, ...]
 
     def __str__(self) -> str:
         return f"{self.function}({', '.join(map(str, self.arguments))})"
 
 
 @dataclass(frozen=True, slots=True)
-class Cast(Expr):
+class Cast(CExpression):
     type: str
-    value: Expr
+    value: CExpression
 
     def __str__(self) -> str:
         return f"({self.type}){self.value.operand}"
@@ -249,11 +249,11 @@ _SUMS = frozenset("+-")
 
 
 @dataclass(frozen=True, slots=True)
-class Operation(Expr):
+class Operation(CExpression):
     """Two or more operands with one operator."""
 
     operator: str
-    operands: tuple[Expr, ...]
+    operands: tuple[CExpression, ...]
 
     def __str__(self) -> str:
         leftmost, *others = self.operands
@@ -269,12 +269,12 @@ class Operation(Expr):
 
 
 @dataclass(frozen=True, slots=True)
-class Conditional(Expr):
+class Conditional(CExpression):
     """One of two values: the first if the condition holds."""
 
-    condition: Expr
-    then: Expr
-    otherwise: Expr
+    condition: CExpression
+    then: CExpression
+    otherwise: CExpression
 
     def __str__(self) -> str:
         return f"{self.condition.operand} ? {self.then.operand} : {self.otherwise.operand}"
@@ -284,12 +284,12 @@ class Conditional(Expr):
         return f"({self})"
 
 
-def shifted_right(value: Expr, by: int) -> Expr:
+def shifted_right(value: CExpression, by: int) -> CExpression:
     """Return ``value`` shifted to the right, or unchanged for a shift of 0."""
     return Operation(">>", (value, Number(by))) if by else value
 
 
-def shifted_left(value: Expr, by: int | Expr) -> Expr:
+def shifted_left(value: CExpression, by: int | CExpression) -> CExpression:
     """Return ``value`` shifted to the left, unless by 0."""
     if not by:
         return value
@@ -297,11 +297,11 @@ def shifted_left(value: Expr, by: int | Expr) -> Expr:
     return Operation("<<", (value, distance))
 
 
-def masked(value: Expr, mask: int) -> Expr:
+def masked(value: CExpression, mask: int) -> CExpression:
     return Operation("&", (value, Number(mask, hexadecimal=True)))
 
 
-def join_operands(operator: str, operands: tuple[Expr, ...]) -> Expr:
+def join_operands(operator: str, operands: tuple[CExpression, ...]) -> CExpression:
     """Return the operands joined by an operator, or the only operand."""
     return operands[0] if len(operands) == 1 else Operation(operator, operands)
 
@@ -339,7 +339,7 @@ class Scope:
     answers: Mapping[str, str]
     passing: Passing = BY_VALUE
 
-    def atom(self, parameter: str) -> Expr:
+    def atom(self, parameter: str) -> CExpression:
         """Return a parameter: a function of an answer, a member of the variant, or a function of the variant."""
         if parameter in self.answers:
             return Call(f"{self.prefix}_{parameter}", (Name(self.answers[parameter]),))
@@ -347,17 +347,17 @@ class Scope:
             return self.member(parameter)
         return Call(f"{self.prefix}_{parameter}", (Name("variant"),))
 
-    def member(self, parameter: str) -> Expr:
+    def member(self, parameter: str) -> CExpression:
         """Return a parameter that order codes set: a member of the variant, such as ``variant.position_bits``."""
         return Name(self.passing.member("variant", c_name(parameter)))
 
-    def mask(self, width: Expression) -> Expr:
+    def mask(self, width: Expression) -> CExpression:
         """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
             return Number((1 << width.constant) - 1, hexadecimal=True)
         return Call("cw_mask", (self.expression_of(width),))
 
-    def expression_of(self, expression: Expression) -> Expr:
+    def expression_of(self, expression: Expression) -> CExpression:
         """Return the expression in C, unsigned, such as ``8U + variant.position_bits - 1U``.
 
         No intermediate result is negative unless the result is.
@@ -380,20 +380,20 @@ class Scope:
             subtracted.append(Number(-expression.constant))
         return join_operands("-", (join_operands("+", tuple(added)), *subtracted))
 
-    def signed(self, expression: Expression) -> Expr:
+    def signed(self, expression: Expression) -> CExpression:
         """Return the expression in 64 bits with a sign.
 
         A power of two is written as its mask plus one, since the power itself may not fit.
         """
         constant = expression.constant
-        signs_and_products: list[tuple[str, Expr]] = []
+        signs_and_products: list[tuple[str, CExpression]] = []
         for term in expression.terms:
             sign = "+" if term.multiple > 0 else "-"
             if term.is_power and not term.is_product:
                 # The power is one more than its mask.
                 constant += term.multiple
                 (exponent,) = term.factors
-                product: Expr = Call("cw_mask", (self.atom(exponent.parameter),))
+                product: CExpression = Call("cw_mask", (self.atom(exponent.parameter),))
             else:
                 product = self._express_term(term)
             signs_and_products.append((sign, Cast("int64_t", product)))
@@ -407,7 +407,7 @@ class Scope:
             total = Operation(sign, (total, product))
         return total
 
-    def _express_term(self, term: Term) -> Expr:
+    def _express_term(self, term: Term) -> CExpression:
         """Return the product of a term without its sign, in 64 bits if 32 may be too few.
 
         A single parameter keeps its own type. A power of two has 64 bits already.
@@ -434,6 +434,6 @@ class Scope:
         """Return True if the expression is computed in 64 bits, also if its result is small."""
         return any(map(self._has_64_bits, expression.terms))
 
-    def _express_factor(self, factor: Factor) -> Expr:
+    def _express_factor(self, factor: Factor) -> CExpression:
         name = self.atom(factor.parameter)
         return Operation("<<", (Cast("uint64_t", Number(1)), name)) if factor.power else name

@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
 from .context import Context, Function, wide_number_function
-from .names import Cast, Declared, Expr, Number, Scope
+from .names import Cast, CExpression, Declared, Number, Scope
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ class RangeFunctions:
     is_signed: bool
     never_wraps: bool
     modulus: Function | None
-    turns: Expr | None
+    turns: CExpression | None
     one_turn: bool
     layouts: tuple[Layout, ...]
 
@@ -67,11 +67,11 @@ class LengthPositions:
     where: str
     is_signed: bool
     ranges: tuple[RangeFunctions, ...]
-    step: Expr
+    step: CExpression
     step_varies: bool
     unit: str
     per_mm: int
-    per_counts: Expr | None
+    per_counts: CExpression | None
 
     @property
     def names(self) -> Iterator[str]:
@@ -189,7 +189,7 @@ def _build_modulus(context: Context, position_range: PositionRange, name: str) -
     return wide_number_function(context.scope, name=name, expression=measurement.modulus, about=about)
 
 
-def _cast_to_signed(scope: Scope, expression: Expression) -> Expr:
+def _cast_to_signed(scope: Scope, expression: Expression) -> CExpression:
     """Return an expression as a number with a sign, such as ``(int64_t)variant.step``."""
     if expression.is_constant:
         return Number(expression.constant, signed=True)

@@ -31,7 +31,19 @@ from .. import TargetError
 from .about import about_argument, about_procedure, about_run, note_of_read, note_of_step
 from .comments import Paragraph
 from .context import Context
-from .names import Cast, Declared, Expr, Name, Number, c_name, masked, shifted_left, shifted_right, size_of, unsigned
+from .names import (
+    Cast,
+    CExpression,
+    Declared,
+    Name,
+    Number,
+    c_name,
+    masked,
+    shifted_left,
+    shifted_right,
+    size_of,
+    unsigned,
+)
 from .registers import RegisterCode
 
 #: Names of arguments and locals in the generated functions.
@@ -56,7 +68,7 @@ class Row:
     note: str
     address: str = ""
     mask: int = 0
-    value: Expr = _ZERO
+    value: CExpression = _ZERO
     more: bool = False
 
 
@@ -83,7 +95,7 @@ class WholeRegister:
     code: RegisterCode
     local: str
     bytes: str
-    values: tuple[Expr, ...]
+    values: tuple[CExpression, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -329,7 +341,7 @@ class ProcedureCode:
         step: WriteRegister | ReadRegister | PollRegister | VerifyWrite,
         note: str,
         piece: BitSlice,
-        value: Expr,
+        value: CExpression,
     ) -> Row:
         """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
         return Row(
@@ -368,7 +380,9 @@ class ProcedureCode:
             return self._filled.get((write.value.argument.name, write.register.name))
         return None
 
-    def _byte_value(self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, piece: BitSlice) -> Expr:
+    def _byte_value(
+        self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, piece: BitSlice
+    ) -> CExpression:
         """Return the value that a step writes to a byte, waits for, or reads back, or 0 for a step that only reads.
 
         It has the bits of ``piece`` at their place in the byte. The other bits of the byte are 0.

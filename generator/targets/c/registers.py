@@ -29,7 +29,7 @@ from .about import about_access, about_alarm, about_member, about_register, tabl
 from .codec import StructCodec
 from .comments import Paragraph
 from .context import Context, Function, Macro, number_function
-from .names import Declared, Expr, Name, number
+from .names import CExpression, Declared, Name, number
 from .names import Number as NumberExpr
 from .structs import Struct
 
@@ -93,7 +93,7 @@ class Access:
         # One byte, as checked above.
         (self.bank,) = number_to_bytes(selector.layout, self.register.bank or 0, 8)
 
-    def is_unknown(self, name: str, is_raw: bool) -> Expr:
+    def is_unknown(self, name: str, is_raw: bool) -> CExpression:
         """Return the condition that a byte differs from all named values, such as ``kind != 1U && kind != 2U``.
 
         ``is_raw`` is True if the variable ``name`` holds the byte as read, rather than a value of the enumeration.
@@ -173,7 +173,7 @@ def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
 class Bounds:
     """The limits that are the same for all order codes, as macros with their values, and the others as functions."""
 
-    macros: tuple[tuple[str, Expr], ...]
+    macros: tuple[tuple[str, CExpression], ...]
     functions: tuple[Function, ...]
 
 
@@ -339,7 +339,7 @@ class RegisterCode:
         limits = limits_of(self.device, self.register, meaning)
         name_of_limited = self.register.limits_of if meaning is None else words(meaning.name)
         stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
-        macros: list[tuple[str, Expr]] = []
+        macros: list[tuple[str, CExpression]] = []
         functions: list[Function] = []
         for ending, adjective, limit in (("min", "lowest", limits.low), ("max", "highest", limits.high)):
             if limit is None:

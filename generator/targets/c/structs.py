@@ -24,7 +24,7 @@ from .context import Context, Macro, scale_macros
 from .enumerations import Enumeration
 from .names import (
     Cast,
-    Expr,
+    CExpression,
     Name,
     Number,
     Operation,
@@ -108,7 +108,7 @@ class Struct:
         """The type of the word as a number, which an encoder stores."""
         return unsigned(self.reader.word_size)
 
-    def covered(self, crc: FrameCrc) -> Expr:
+    def covered(self, crc: FrameCrc) -> CExpression:
         """Return the bits of the word that a CRC covers, as they are sent, with bit 0 the last of them.
 
         An example is ``(uint32_t)(word >> 6)``.
@@ -120,7 +120,7 @@ class Struct:
         is_across_halves = covers_32_bits(crc) and end > 32
         return Cast("uint32_t", bits) if is_across_halves else bits
 
-    def received(self, crc: FrameCrc) -> Expr:
+    def received(self, crc: FrameCrc) -> CExpression:
         """Return the CRC in a word as it is sent, in its lowest bits."""
         width = crc.crc.width
         return masked(self.reader.before_conversion.lower(width), (1 << width) - 1)
@@ -213,7 +213,7 @@ class Struct:
             case _:
                 yield number(initial_number, hexadecimal=True)
 
-    def is_none_of(self, field: Field, name: Expr, values: Sequence[int], is_raw: bool = False) -> Expr:
+    def is_none_of(self, field: Field, name: CExpression, values: Sequence[int], is_raw: bool = False) -> CExpression:
         """Return the condition that ``name`` has none of these values, such as ``kind != 0x01U && kind != 0x02U``.
 
         ``is_raw`` is True if ``name`` contains the bits as read, as a number rather than as a member of the
@@ -225,9 +225,9 @@ class Struct:
         type_of_bits = ""
         if is_raw and self.enumeration(field) is not None:
             type_of_bits, _ = self.reader.value(self.plan.bits_of(field.name))
-        conditions: list[Expr] = []
+        conditions: list[CExpression] = []
         for value in values:
-            compared: Expr = Number(value, hexadecimal=True)
+            compared: CExpression = Number(value, hexadecimal=True)
             if value in constants:
                 constant = Name(constants[value])
                 compared = Cast(type_of_bits, constant) if type_of_bits else constant

@@ -19,7 +19,19 @@ from .. import TargetError
 from .about import about_order_codes, about_parameter
 from .bits import of_bytes
 from .context import Context, Function, Macro, number_function
-from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, c_name, join_operands, number, unsigned
+from .names import (
+    Cast,
+    CExpression,
+    Conditional,
+    Declared,
+    Name,
+    Number,
+    Operation,
+    c_name,
+    join_operands,
+    number,
+    unsigned,
+)
 from .order_codes import OpenCode, open_codes, unknown_parts
 from .registers import Access
 
@@ -52,7 +64,7 @@ class HeldValue:
         assert value is not None
         return str(Number(value))
 
-    def _yield_locals(self) -> Iterator[tuple[str, str, Expr]]:
+    def _yield_locals(self) -> Iterator[tuple[str, str, CExpression]]:
         """Yield the type, the name and the initial value of each local, such as ``("uint8_t", "turns", bytes[0])``.
 
         If 0 represents another number, a local with the bits as read comes first. A code has a local that ends in
@@ -73,10 +85,10 @@ class HeldValue:
                 assert_never(meaning)
 
     @property
-    def is_outside(self) -> Expr | None:
+    def is_outside(self) -> CExpression | None:
         """Condition that the parameter cannot have the value, or None if it can have any value."""
         lowest, highest = self.held_parameter.low, self.held_parameter.high
-        comparisons: list[Expr] = []
+        comparisons: list[CExpression] = []
         if lowest is not None:
             comparisons.append(Operation("<", (Name(self.local), Number(lowest))))
         if highest is not None:
@@ -139,7 +151,7 @@ class Taker:
     def declared(self) -> Iterator[Declared]:
         yield self.name, ()
 
-    def _yield_locals(self) -> Iterator[tuple[str, str, Expr]]:
+    def _yield_locals(self) -> Iterator[tuple[str, str, CExpression]]:
         """Yield the locals of all values: type, name and initial value.
 
         Values that one field holds as a code share the local of its switch, which is the local of the first value.
