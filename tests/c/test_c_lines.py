@@ -9,8 +9,8 @@ from codewheel.targets.c.names import (
     Call,
     Cast,
     CExpression,
+    CName,
     Conditional,
-    Name,
     Number,
     Operation,
     Scope,
@@ -62,7 +62,7 @@ def test_a_comment_behind_a_long_line_moves_above_it() -> None:
     assert end_comment("*/ int x;") == " /* * / int x; */"
 
 
-A, B, C = Name("a"), Name("b"), Name("c")
+A, B, C = CName("a"), CName("b"), CName("c")
 
 
 @pytest.mark.parametrize(

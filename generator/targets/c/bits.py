@@ -16,7 +16,7 @@ from .names import (
     Call,
     Cast,
     CExpression,
-    Name,
+    CName,
     Number,
     Operation,
     Scope,
@@ -42,7 +42,7 @@ def of_bytes(pieces: tuple[BitSlice, ...]) -> tuple[str, CExpression]:
     type_ = unsigned(width)
     if len(pieces) == 1:
         bits = _bits_of_piece(pieces[0])
-        is_whole_byte = isinstance(bits, Name)
+        is_whole_byte = isinstance(bits, CName)
         return type_, bits if is_whole_byte else Cast("uint8_t", bits)
     # Bytes are shifted in a type that is not promoted to a signed one.
     shifted_type = "uint64_t" if width > 32 else "uint32_t"
@@ -55,7 +55,7 @@ def of_bytes(pieces: tuple[BitSlice, ...]) -> tuple[str, CExpression]:
 
 def _bits_of_piece(piece: BitSlice) -> CExpression:
     """Return the bits of a byte that belong to a field, shifted to bit 0, such as ``(bytes[2] >> 3) & 0x07U``."""
-    shifted_byte = shifted_right(Name(f"bytes[{piece.byte}]"), piece.low_in_byte)
+    shifted_byte = shifted_right(CName(f"bytes[{piece.byte}]"), piece.low_in_byte)
     # Without bits above the piece, no mask is needed.
     reaches_top = piece.low_in_byte + piece.mask.bit_length() == 8
     return shifted_byte if reaches_top else masked(shifted_byte, piece.mask)
@@ -84,7 +84,7 @@ class Reader:
     @property
     def word(self) -> CExpression:
         """The word, with any Gray code in it converted unless the reader is for the bits ``as_sent``."""
-        return Name("plain" if self.plan.gray is not None and not self.as_sent else "word")
+        return CName("plain" if self.plan.gray is not None and not self.as_sent else "word")
 
     def value(self, bits: FieldBits) -> tuple[str, CExpression]:
         """Return the type and the bits of a field, such as ``uint16_t`` and ``(uint16_t)(word >> 6)``."""
@@ -124,7 +124,7 @@ class Reader:
         """
         if not self.plan.by_word:
             (piece,) = bits.pieces
-            return masked(Name("flags"), piece.mask << piece.low_in_byte)
+            return masked(CName("flags"), piece.mask << piece.low_in_byte)
         if not bits.are_fixed:
             return self.in_word(bits)
         return masked(self.lower(bits.low.constant + 1), 1 << bits.low.constant)
@@ -196,7 +196,7 @@ class Reader:
 
 def digits(number: object, field: Field, digit_run: Digits) -> CExpression:
     """Return a run of decimal digits extracted from a number, such as ``(number / 100U) % 10U``."""
-    quotient: CExpression = Name(str(number))
+    quotient: CExpression = CName(str(number))
     if digit_run.divisor > 1:
         quotient = Operation("/", (quotient, Number(digit_run.divisor)))
     # No digits are above the highest run, so that it needs no remainder.
@@ -204,7 +204,7 @@ def digits(number: object, field: Field, digit_run: Digits) -> CExpression:
     return quotient if is_highest_run else Operation("%", (quotient, Number(digit_run.modulus)))
 
 
-_MEMBER = Name("in->unused")
+_MEMBER = CName("in->unused")
 
 
 class Unused:

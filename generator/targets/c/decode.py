@@ -23,8 +23,8 @@ from .names import (
     Call,
     Cast,
     CExpression,
+    CName,
     Conditional,
-    Name,
     Number,
     Operation,
     c_name,
@@ -101,7 +101,7 @@ class Decoder:
 
     def local(self, field: Field) -> CExpression:
         """Return the local that holds the bits of a field."""
-        return Name(c_name(field.name, _LOCALS))
+        return CName(c_name(field.name, _LOCALS))
 
     @property
     def fields_with_local(self) -> tuple[Field, ...]:
@@ -203,7 +203,7 @@ class Decoder:
         for piece, number in pieces:
             mask |= piece.mask << piece.low_in_byte
             expected_value |= ((number >> piece.low_in_number) & piece.mask) << piece.low_in_byte
-        whole_byte = Name(f"bytes[{byte}]")
+        whole_byte = CName(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
         return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
 
@@ -270,9 +270,9 @@ class Decoder:
         for operation in self._parts_and_wholes():
             yield operation
             if isinstance(operation, FlagsIn) and operation.byte in ungathered:
-                yield from self._gather_unused(ungathered, operation.byte, Name("flags"))
+                yield from self._gather_unused(ungathered, operation.byte, CName("flags"))
         for byte in tuple(ungathered):
-            yield from self._gather_unused(ungathered, byte, Name(f"bytes[{byte}]"))
+            yield from self._gather_unused(ungathered, byte, CName(f"bytes[{byte}]"))
         if unused and (self.plan.by_word or unused.single):
             yield UnusedAre(unused.member)
 
@@ -293,7 +293,7 @@ class Decoder:
             return
         yield UnusedIn(unused.at_place(moved, bits_of_byte), is_first=is_first)
         if not ungathered:
-            yield UnusedAre(unused.member_from(Name("unused")))
+            yield UnusedAre(unused.member_from(CName("unused")))
 
     def _parts_and_wholes(self) -> Iterator[FlagsIn | FieldToDecode | JoinedNumber]:
         """Yield all parts and joins. The byte of adjacent flags comes before the first of them."""
@@ -341,7 +341,7 @@ class Decoder:
             case ActiveFlag(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
                 is_active = self._is_active(part, bit, low_is_active=low)
-                yield name, Name(is_active.operand)
+                yield name, CName(is_active.operand)
             case DecimalDigits(runs):
                 yield name, self._bits_as(type_, part)
                 for run in runs:
@@ -350,7 +350,7 @@ class Decoder:
                     yield c_name(run.name), Cast(type_of_run, digits(bits, part.field, run))
             case Latin1Text():
                 for index, byte in characters(part.field):
-                    yield f"{name}[{index}]", Cast(type_, Name(f"bytes[{byte}]"))
+                    yield f"{name}[{index}]", Cast(type_, CName(f"bytes[{byte}]"))
             case never:
                 assert_never(never)
 

@@ -31,8 +31,8 @@ from ...plan.values import (
 from .names import (
     Cast,
     CExpression,
+    CName,
     Conditional,
-    Name,
     Number,
     Operation,
     c_name,
@@ -67,7 +67,7 @@ class Encoder:
 
     def member_of(self, field: Field) -> CExpression:
         """Return the member of the struct that is encoded, such as ``in->position``."""
-        return Name(f"in->{c_name(field.name)}")
+        return CName(f"in->{c_name(field.name)}")
 
     # -- values that are refused
 
@@ -92,7 +92,7 @@ class Encoder:
         type_of_total = unsigned(max(field.widest, 32))
         products: list[CExpression] = []
         for run in field.runs:
-            run_member = Name(f"in->{c_name(run.name)}")
+            run_member = CName(f"in->{c_name(run.name)}")
             if run.divisor > 1:
                 products.append(Operation("*", (Cast(type_of_total, run_member), Number(run.divisor))))
             else:
@@ -135,7 +135,7 @@ class Encoder:
         is_at_bit_0 = low.is_constant and low.constant == 0
         if is_at_bit_0:
             # A member of a small type would be promoted to a signed one.
-            is_member = isinstance(value, Name)
+            is_member = isinstance(value, CName)
             return Cast(self.word_type, value) if is_member else value
         return shifted_left(Cast(self.word_type, value), self.struct.scope.expression_of(low))
 
@@ -294,7 +294,7 @@ class Encoder:
         match meaning_of(field):
             case Latin1Text():
                 for index, byte in characters(field):
-                    yield byte, Cast("uint8_t", Name(f"{member}[{index}]"))
+                    yield byte, Cast("uint8_t", CName(f"{member}[{index}]"))
             case ActiveFlag(low):
                 for piece in field.pieces:
                     yield piece.byte, _flag_in_byte(member, piece, low_is_active=low)
@@ -325,7 +325,7 @@ class Encoder:
         if piece.low_in_byte:
             return shifted_left(Cast("uint32_t", bits_of_piece), piece.low_in_byte)
         # The bits are still a Name if they are the member itself, neither shifted nor masked.
-        is_wide_member = isinstance(bits_of_piece, Name) and self.struct.type_of(field) != unsigned(8)
+        is_wide_member = isinstance(bits_of_piece, CName) and self.struct.type_of(field) != unsigned(8)
         return Cast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
 
 
@@ -338,9 +338,9 @@ def _flag_in_byte(flag: CExpression, piece: BitSlice, *, low_is_active: bool) ->
 
 def _as_byte(value: CExpression) -> CExpression:
     """Cast a value to a byte. A one-byte member needs no cast."""
-    if isinstance(value, Name):
+    if isinstance(value, CName):
         return value
-    if isinstance(value, Cast) and isinstance(value.value, Name):
+    if isinstance(value, Cast) and isinstance(value.value, CName):
         # One cast instead of two.
         return Cast("uint8_t", value.value)
     return Cast("uint8_t", value)

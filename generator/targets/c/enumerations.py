@@ -33,9 +33,9 @@ from .comments import HEADER_STYLE, Paragraph
 from .names import (
     Cast,
     CExpression,
+    CName,
     Conditional,
     Declared,
-    Name,
     Number,
     Operation,
     Scope,
@@ -226,7 +226,7 @@ class AlternativeCode:
         *other_constants, _ = self.enumeration.entries
         expression: CExpression = Number(last_answer.sets[parameter])
         for constant, answer in reversed(list(zip(other_constants, other_answers, strict=True))):
-            is_answer = Operation("==", (Name(self.argument), Name(constant.name)))
+            is_answer = Operation("==", (CName(self.argument), CName(constant.name)))
             expression = Conditional(is_answer, Number(answer.sets[parameter]), expression)
         return expression
 
@@ -240,7 +240,7 @@ def alternatives_in(alternatives: tuple[AlternativeCode, ...], *expressions: Exp
     )
 
 
-_UNUSED = Name("frame->unused")
+_UNUSED = CName("frame->unused")
 
 
 class FrameReports:
@@ -312,16 +312,16 @@ class FrameReports:
     def _conditions_of(self, flag_or_match: FieldToDecode | MatchingValues) -> Iterator[CExpression]:
         """Yield the condition of a flag, ``frame->error``, or of a match: ``!frame->ok``, ``frame->mode == A``."""
         if isinstance(flag_or_match, FieldToDecode):
-            yield Name(_struct_member(flag_or_match))
+            yield CName(_struct_member(flag_or_match))
             return
         for part, value in flag_or_match.conditions:
             member = _struct_member(part)
             if isinstance(part.meaning, ActiveFlag):
                 # The value of a flag is 1 while it is active.
-                yield Name(member if value else f"!{member}")
+                yield CName(member if value else f"!{member}")
             else:
                 enumeration = self._choices[self.reporting.codec.layout.name, part.field.name]
-                yield Operation("==", (Name(member), Name(enumeration.names[value])))
+                yield Operation("==", (CName(member), CName(enumeration.names[value])))
 
     @property
     def conditions_of_worse_verdicts(self) -> Iterator[tuple[CExpression, Verdict]]:
@@ -352,7 +352,7 @@ class FrameReports:
                 reserved_causes.append(cause.by)
             else:
                 is_for_encoder = [self._holds(only) for only in cause.conditions]
-                combining_flags_are_inactive = [Name(f"!{_struct_member(flag)}") for flag in cause.unless]
+                combining_flags_are_inactive = [CName(f"!{_struct_member(flag)}") for flag in cause.unless]
                 conditions = (*is_for_encoder, *self._conditions_of(cause.by), *combining_flags_are_inactive)
                 yield join_operands("&&", conditions)
         if reserved_causes:
@@ -414,7 +414,7 @@ class Reports:
 
     def constant(self, report: NumberedReport) -> CExpression:
         """Return the bit of a report, as a number of the type of the mask."""
-        name = Name(self.enumeration.entries[report.number].name)
+        name = CName(self.enumeration.entries[report.number].name)
         return Cast(self.mask, name) if self.enumeration.is_enum else name
 
     def _find_path(self, report: NumberedReport) -> Path:

@@ -206,7 +206,7 @@ class CExpression:
 
 
 @dataclass(frozen=True, slots=True)
-class Name(CExpression):
+class CName(CExpression):
     """A name: a local, ``in->flag``, ``bytes[3]``."""
 
     text: str
@@ -342,14 +342,14 @@ class Scope:
     def atom(self, parameter: str) -> CExpression:
         """Return a parameter: a function of an answer, a member of the variant, or a function of the variant."""
         if parameter in self.answers:
-            return Call(f"{self.prefix}_{parameter}", (Name(self.answers[parameter]),))
+            return Call(f"{self.prefix}_{parameter}", (CName(self.answers[parameter]),))
         if parameter in self.largest:
             return self.member(parameter)
-        return Call(f"{self.prefix}_{parameter}", (Name("variant"),))
+        return Call(f"{self.prefix}_{parameter}", (CName("variant"),))
 
     def member(self, parameter: str) -> CExpression:
         """Return a parameter that order codes set: a member of the variant, such as ``variant.position_bits``."""
-        return Name(self.passing.member("variant", c_name(parameter)))
+        return CName(self.passing.member("variant", c_name(parameter)))
 
     def mask(self, width: Expression) -> CExpression:
         """Return a mask of ``width`` 1 bits."""
@@ -373,7 +373,7 @@ class Scope:
         if expression.constant > 0 or not added:
             # Without terms to add, the subtraction begins with 0.
             added.insert(0, Number(max(expression.constant, 0)))
-        elif isinstance(added[0], Name) and not is_single_operand:
+        elif isinstance(added[0], CName) and not is_single_operand:
             # The member can have 8 bits, which would be promoted to a signed type.
             added[0] = Cast("uint32_t", added[0])
         if expression.constant < 0:

@@ -34,8 +34,8 @@ from .context import Context
 from .names import (
     Cast,
     CExpression,
+    CName,
     Declared,
-    Name,
     Number,
     c_name,
     masked,
@@ -368,7 +368,7 @@ class ProcedureCode:
             yield FilledRows(first_index, kind="verify", filled=filled_register, note=note)
             return
         for index, piece in enumerate(step.pieces):
-            written_byte = Name(f"{filled_register.bytes}[{piece.byte}]")
+            written_byte = CName(f"{filled_register.bytes}[{piece.byte}]")
             # A mask of 0 is a byte of reserved bits, which is read but not compared.
             expected = masked(written_byte, piece.mask) if piece.mask else _ZERO
             yield self._build_row(first_index + index, step, note if index == 0 else "", piece, expected)
@@ -397,7 +397,7 @@ class ProcedureCode:
         if isinstance(value, FixedNumber):
             bits_of_piece = (value.number >> piece.low_in_number) & piece.mask
             return Number(bits_of_piece << piece.low_in_byte, hexadecimal=True)
-        bits = shifted_right(Name(self._names[value.argument.name]), piece.low_in_number)
+        bits = shifted_right(CName(self._names[value.argument.name]), piece.low_in_number)
         if piece.mask != 0xFF:
             return Cast("uint8_t", shifted_left(masked(bits, piece.mask), piece.low_in_byte))
         is_whole_byte = isinstance(value, AsNumber) and len(step.pieces) == 1

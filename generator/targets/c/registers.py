@@ -29,7 +29,7 @@ from .about import about_access, about_alarm, about_member, about_register, tabl
 from .codec import StructCodec
 from .comments import Paragraph
 from .context import Context, Function, Macro, number_function
-from .names import CExpression, Declared, Name, number
+from .names import CExpression, CName, Declared, number
 from .names import Number as NumberExpr
 from .structs import Struct
 
@@ -98,7 +98,7 @@ class Access:
 
         ``is_raw`` is True if the variable ``name`` holds the byte as read, rather than a value of the enumeration.
         """
-        return self._layout.is_none_of(self._field, Name(name), self.values, is_raw)
+        return self._layout.is_none_of(self._field, CName(name), self.values, is_raw)
 
     @property
     def write_depends(self) -> bool:

@@ -25,7 +25,7 @@ from .enumerations import Enumeration
 from .names import (
     Cast,
     CExpression,
-    Name,
+    CName,
     Number,
     Operation,
     c_name,
@@ -229,7 +229,7 @@ class Struct:
         for value in values:
             compared: CExpression = Number(value, hexadecimal=True)
             if value in constants:
-                constant = Name(constants[value])
+                constant = CName(constants[value])
                 compared = Cast(type_of_bits, constant) if type_of_bits else constant
             conditions.append(Operation("!=", (name, compared)))
         return join_operands("&&", tuple(conditions))

@@ -22,9 +22,9 @@ from .context import Context, Function, Macro, number_function
 from .names import (
     Cast,
     CExpression,
+    CName,
     Conditional,
     Declared,
-    Name,
     Number,
     Operation,
     c_name,
@@ -73,7 +73,7 @@ class HeldValue:
         type_, bits = of_bytes(self.held_parameter.bits.pieces)
         match self.held_parameter.meaning:
             case ZeroMeans(number):
-                raw_local = Name(f"{self.local}_raw")
+                raw_local = CName(f"{self.local}_raw")
                 yield type_, raw_local.text, bits
                 is_zero = Operation("==", (raw_local, Number(0)))
                 type_of_value = unsigned(widest_value(self.held_parameter.field))
@@ -90,9 +90,9 @@ class HeldValue:
         lowest, highest = self.held_parameter.low, self.held_parameter.high
         comparisons: list[CExpression] = []
         if lowest is not None:
-            comparisons.append(Operation("<", (Name(self.local), Number(lowest))))
+            comparisons.append(Operation("<", (CName(self.local), Number(lowest))))
         if highest is not None:
-            comparisons.append(Operation(">", (Name(self.local), Number(highest))))
+            comparisons.append(Operation(">", (CName(self.local), Number(highest))))
         return join_operands("||", tuple(comparisons)) if comparisons else None
 
 
