@@ -17,7 +17,7 @@ from .names import (
     Cast,
     CExpression,
     CName,
-    Number,
+    CNumber,
     Operation,
     Scope,
     join_operands,
@@ -36,7 +36,7 @@ def of_bytes(pieces: tuple[BitSlice, ...]) -> tuple[str, CExpression]:
     bits, the number is 0.
     """
     if not pieces:
-        return unsigned(1), Number(0)
+        return unsigned(1), CNumber(0)
     # The mask of a piece begins at bit 0, so that its length is the number of bits.
     width = sum(piece.mask.bit_length() for piece in pieces)
     type_ = unsigned(width)
@@ -198,10 +198,10 @@ def digits(number: object, field: Field, digit_run: Digits) -> CExpression:
     """Return a run of decimal digits extracted from a number, such as ``(number / 100U) % 10U``."""
     quotient: CExpression = CName(str(number))
     if digit_run.divisor > 1:
-        quotient = Operation("/", (quotient, Number(digit_run.divisor)))
+        quotient = Operation("/", (quotient, CNumber(digit_run.divisor)))
     # No digits are above the highest run, so that it needs no remainder.
     is_highest_run = digit_run is field.runs[0]
-    return quotient if is_highest_run else Operation("%", (quotient, Number(digit_run.modulus)))
+    return quotient if is_highest_run else Operation("%", (quotient, CNumber(digit_run.modulus)))
 
 
 _MEMBER = CName("in->unused")
@@ -299,13 +299,13 @@ class Unused:
             all_bits_of_type = (1 << size_of(self.width)) - 1
             other_bits = fixed_mask ^ all_bits_of_type
             can_have_other_bits = bool(fixed_mask and other_bits)
-            return Operation("!=", (masked(_MEMBER, other_bits), Number(0))) if can_have_other_bits else None
+            return Operation("!=", (masked(_MEMBER, other_bits), CNumber(0))) if can_have_other_bits else None
         masks: list[CExpression] = []
         for reserved in varying_fields:
             mask_of_width = self.reader.scope.mask(reserved.bits.width)
             masks.append(shifted_left(mask_of_width, reserved.place))
         if fixed_mask:
-            masks.append(Number(fixed_mask, hexadecimal=True))
+            masks.append(CNumber(fixed_mask, hexadecimal=True))
         unused_bits_of_member = Operation("&", (_MEMBER, join_operands("|", tuple(masks))))
         return Operation("!=", (unused_bits_of_member, _MEMBER))
 
@@ -378,7 +378,7 @@ def _masked_byte(bits: CExpression, mask: int) -> CExpression:
 
 def _express_documented_value(value: int) -> CExpression | None:
     """Return the value in the manual, or None if that is 0."""
-    return Number(value, hexadecimal=True) if value else None
+    return CNumber(value, hexadecimal=True) if value else None
 
 
 def _with_inverted(bits: CExpression, inverted: CExpression | None) -> CExpression:

@@ -15,7 +15,7 @@ from .crc_functions import BitsCrc, WordCrc, fold_operations
 from .decode import Decoder
 from .encode import Encoder
 from .enumerations import AlternativeCode, alternatives_in
-from .names import CExpression, CName, Declared, Number, Operation, c_name, join_operands, number, string, unsigned
+from .names import CExpression, CName, CNumber, Declared, Operation, c_name, join_operands, number, string, unsigned
 from .structs import Struct
 
 
@@ -289,7 +289,7 @@ class StructCodec:
         for field in self.expected:
             conditions += self._has_expected_value(field)
         if self.struct.unused:
-            conditions.append(Operation("==", (CName("in->unused"), Number(0))))
+            conditions.append(Operation("==", (CName("in->unused"), CNumber(0))))
         return join_operands("&&", tuple(conditions))
 
     def _has_expected_value(self, field: Field) -> Iterator[CExpression]:

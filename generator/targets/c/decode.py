@@ -24,8 +24,8 @@ from .names import (
     Cast,
     CExpression,
     CName,
+    CNumber,
     Conditional,
-    Number,
     Operation,
     c_name,
     join_operands,
@@ -205,14 +205,14 @@ class Decoder:
             expected_value |= ((number >> piece.low_in_number) & piece.mask) << piece.low_in_byte
         whole_byte = CName(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
-        return Operation("!=", (compared_bits, Number(expected_value, hexadecimal=True)))
+        return Operation("!=", (compared_bits, CNumber(expected_value, hexadecimal=True)))
 
     def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> CExpression:
         """Return the condition that the local of the selector or of its parity bit has another value."""
         selects = self.plan.layout.selects
         selector = parity.selector
         other_value = self.struct.is_none_of(selector, self.local(selector), selects, is_raw=True)
-        other_parity = Operation("!=", (self.local(parity.field), Number(known_parity)))
+        other_parity = Operation("!=", (self.local(parity.field), CNumber(known_parity)))
         return join_operands("||", (other_value, other_parity))
 
     def _mask_in_word(self, parity: ParityIs) -> int:
@@ -336,8 +336,8 @@ class Decoder:
                 width = self.struct.scope.expression_of(part.field.width)
                 yield name, Cast(type_, Call("cw_signed", (bits, width)))
             case ZeroMeans(number):
-                is_zero = Operation("==", (bits, Number(0)))
-                yield name, Cast(type_, Conditional(is_zero, Number(number), bits))
+                is_zero = Operation("==", (bits, CNumber(0)))
+                yield name, Cast(type_, Conditional(is_zero, CNumber(number), bits))
             case ActiveFlag(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
                 is_active = self._is_active(part, bit, low_is_active=low)
@@ -362,7 +362,7 @@ class Decoder:
         if low_is_active and not part.field.width.is_constant:
             return Operation("!=", (bit, self.struct.scope.expression_of(part.field.width)))
         operator = "==" if low_is_active else "!="
-        return Operation(operator, (bit, Number(0)))
+        return Operation(operator, (bit, CNumber(0)))
 
     def _bits_as(self, type_: str, part: FieldToDecode) -> CExpression:
         """Return the bits of a part, with a cast if the member has another type."""

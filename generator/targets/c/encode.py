@@ -32,8 +32,8 @@ from .names import (
     Cast,
     CExpression,
     CName,
+    CNumber,
     Conditional,
-    Number,
     Operation,
     c_name,
     join_operands,
@@ -94,7 +94,7 @@ class Encoder:
         for run in field.runs:
             run_member = CName(f"in->{c_name(run.name)}")
             if run.divisor > 1:
-                products.append(Operation("*", (Cast(type_of_total, run_member), Number(run.divisor))))
+                products.append(Operation("*", (Cast(type_of_total, run_member), CNumber(run.divisor))))
             else:
                 products.append(run_member)
         return join_operands("+", tuple(products))
@@ -151,7 +151,7 @@ class Encoder:
         match term.value:
             case ConstantNumber(number):
                 is_parity = term.field.name in self._parity_names
-                return Number(number, hexadecimal=not is_parity)
+                return CNumber(number, hexadecimal=not is_parity)
             case ParityOf():
                 return self._parity_bit(term, term.value)
             case ValueOfField(field):
@@ -165,7 +165,7 @@ class Encoder:
             even_parity = self.reader.parity_as_sent(parity.of, parity.mask)
         else:
             even_parity = self._parity_of_members(parity)
-        bit = Operation("^", (even_parity, Number(1))) if parity.odd else even_parity
+        bit = Operation("^", (even_parity, CNumber(1))) if parity.odd else even_parity
         width = term.field.width
         if width.is_constant:
             return bit
@@ -206,8 +206,8 @@ class Encoder:
             case TwosComplement():
                 return Operation("&", (Cast("uint64_t", member), self.struct.scope.mask(field.width)))
             case ZeroMeans(number):
-                stands_for_zero = Operation("==", (member, Number(number)))
-                return Conditional(stands_for_zero, Number(0), member)
+                stands_for_zero = Operation("==", (member, CNumber(number)))
+                return Conditional(stands_for_zero, CNumber(0), member)
             case UnsignedNumber() | OneOfNamedValues() | DecimalDigits() | Latin1Text():
                 return member
             case meaning:
@@ -217,11 +217,11 @@ class Encoder:
         """Return the bit of a flag, such as ``in->error ? 1U : 0U``."""
         flag = self.member_of(field)
         if not low_is_active:
-            return Conditional(flag, Number(1), Number(0))
+            return Conditional(flag, CNumber(1), CNumber(0))
         if field.width.is_constant:
-            return Conditional(flag, Number(0), Number(1))
+            return Conditional(flag, CNumber(0), CNumber(1))
         # The width is 1, which inverts the bit, or 0 if the order code has no flag. Its bit is then 0 ^ 0.
-        active = Conditional(flag, Number(1), Number(0))
+        active = Conditional(flag, CNumber(1), CNumber(0))
         width = self.struct.scope.expression_of(field.width)
         return Operation("^", (Cast("uint64_t", active), Cast("uint64_t", width)))
 
@@ -237,11 +237,11 @@ class Encoder:
         crc_bytes = self._crc_bytes()
         for byte, constant in self._constant_bits_by_byte().items():
             if byte in expressions:
-                constants = [Number(constant, hexadecimal=True)] if constant else []
+                constants = [CNumber(constant, hexadecimal=True)] if constant else []
                 yield byte, _as_byte(join_operands("|", (*constants, *expressions[byte])))
             elif byte not in crc_bytes:
                 # A byte of constants alone, or without any field.
-                yield byte, Number(constant, hexadecimal=True)
+                yield byte, CNumber(constant, hexadecimal=True)
 
     def _crc_bytes(self) -> set[int]:
         """Return the indices of the bytes of a CRC over whole bytes. The set is empty if there is no such CRC."""
@@ -331,8 +331,8 @@ class Encoder:
 
 def _flag_in_byte(flag: CExpression, piece: BitSlice, *, low_is_active: bool) -> CExpression:
     """Return the bit of a flag at its place in its byte, such as ``in->error ? 0x80U : 0x00U``."""
-    bit = Number(piece.mask << piece.low_in_byte, hexadecimal=True)
-    zero = Number(0, hexadecimal=True)
+    bit = CNumber(piece.mask << piece.low_in_byte, hexadecimal=True)
+    zero = CNumber(0, hexadecimal=True)
     return Conditional(flag, zero, bit) if low_is_active else Conditional(flag, bit, zero)
 
 

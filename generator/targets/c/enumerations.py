@@ -34,9 +34,9 @@ from .names import (
     Cast,
     CExpression,
     CName,
+    CNumber,
     Conditional,
     Declared,
-    Number,
     Operation,
     Scope,
     c_name,
@@ -224,10 +224,10 @@ class AlternativeCode:
         *other_answers, last_answer = self.alternative.answers
         # The enumeration has a constant for each answer, in the same order.
         *other_constants, _ = self.enumeration.entries
-        expression: CExpression = Number(last_answer.sets[parameter])
+        expression: CExpression = CNumber(last_answer.sets[parameter])
         for constant, answer in reversed(list(zip(other_constants, other_answers, strict=True))):
             is_answer = Operation("==", (CName(self.argument), CName(constant.name)))
-            expression = Conditional(is_answer, Number(answer.sets[parameter]), expression)
+            expression = Conditional(is_answer, CNumber(answer.sets[parameter]), expression)
         return expression
 
 
@@ -279,7 +279,7 @@ class FrameReports:
         for report_cause in self.reporting.causes:
             is_for_encoder = [self._holds(only) for only in report_cause.conditions]
             condition = join_operands("&&", (*is_for_encoder, self._is_active(report_cause.by)))
-            yield Conditional(condition, self.family.constant(report_cause.report), Number(0))
+            yield Conditional(condition, self.family.constant(report_cause.report), CNumber(0))
 
     @property
     def verdict_depends(self) -> bool:
@@ -336,7 +336,7 @@ class FrameReports:
         for verdict in Verdict:
             if verdict is Verdict.UNKNOWN and self.judgement.may_be_unknown:
                 judging_bits = self.family.scope.expression_of(self.judgement.judging_bits)
-                yield Operation("==", (judging_bits, Number(0))), verdict
+                yield Operation("==", (judging_bits, CNumber(0))), verdict
             else:
                 for condition in self._conditions_of_causes(causes_by_verdict.get(verdict, ())):
                     yield condition, verdict
@@ -363,7 +363,7 @@ class FrameReports:
         # The masks have no common bits. The member is the mask of the bits in which the decoder found a difference.
         mask = sum(bits.mask for bits in reserved)
         differing_bits = _UNUSED if mask == self._mask_of_all_unused else masked(_UNUSED, mask)
-        return Operation("!=", (differing_bits, Number(0)))
+        return Operation("!=", (differing_bits, CNumber(0)))
 
 
 class Reports:
@@ -451,7 +451,7 @@ def _report_note(device: Device, report: NumberedReport) -> str:
 def _express_condition(scope: Scope, parameter_condition: CodeCondition) -> CExpression:
     """Return the condition on a parameter of the order code: ``variant.has_x != 0U``, or ``== 0U`` if not ``holds``."""
     operator = "!=" if parameter_condition.holds else "=="
-    return Operation(operator, (scope.member(parameter_condition.parameter), Number(0)))
+    return Operation(operator, (scope.member(parameter_condition.parameter), CNumber(0)))
 
 
 def _struct_member(part: FieldToDecode) -> str:

@@ -216,7 +216,7 @@ class CName(CExpression):
 
 
 @dataclass(frozen=True, slots=True)
-class Number(CExpression):
+class CNumber(CExpression):
     """An unsigned constant, or with ``signed`` one with a sign."""
 
     value: int
@@ -286,19 +286,19 @@ class Conditional(CExpression):
 
 def shifted_right(value: CExpression, by: int) -> CExpression:
     """Return ``value`` shifted to the right, or unchanged for a shift of 0."""
-    return Operation(">>", (value, Number(by))) if by else value
+    return Operation(">>", (value, CNumber(by))) if by else value
 
 
 def shifted_left(value: CExpression, by: int | CExpression) -> CExpression:
     """Return ``value`` shifted to the left, unless by 0."""
     if not by:
         return value
-    distance = Number(by) if isinstance(by, int) else by
+    distance = CNumber(by) if isinstance(by, int) else by
     return Operation("<<", (value, distance))
 
 
 def masked(value: CExpression, mask: int) -> CExpression:
-    return Operation("&", (value, Number(mask, hexadecimal=True)))
+    return Operation("&", (value, CNumber(mask, hexadecimal=True)))
 
 
 def join_operands(operator: str, operands: tuple[CExpression, ...]) -> CExpression:
@@ -354,7 +354,7 @@ class Scope:
     def mask(self, width: Expression) -> CExpression:
         """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
-            return Number((1 << width.constant) - 1, hexadecimal=True)
+            return CNumber((1 << width.constant) - 1, hexadecimal=True)
         return Call("cw_mask", (self.expression_of(width),))
 
     def expression_of(self, expression: Expression) -> CExpression:
@@ -372,12 +372,12 @@ class Scope:
         is_single_operand = len(expression.terms) == 1 and expression.constant >= 0
         if expression.constant > 0 or not added:
             # Without terms to add, the subtraction begins with 0.
-            added.insert(0, Number(max(expression.constant, 0)))
+            added.insert(0, CNumber(max(expression.constant, 0)))
         elif isinstance(added[0], CName) and not is_single_operand:
             # The member can have 8 bits, which would be promoted to a signed type.
             added[0] = Cast("uint32_t", added[0])
         if expression.constant < 0:
-            subtracted.append(Number(-expression.constant))
+            subtracted.append(CNumber(-expression.constant))
         return join_operands("-", (join_operands("+", tuple(added)), *subtracted))
 
     def signed(self, expression: Expression) -> CExpression:
@@ -398,11 +398,11 @@ class Scope:
                 product = self._express_term(term)
             signs_and_products.append((sign, Cast("int64_t", product)))
         if not signs_and_products:
-            return Number(constant, signed=True)
+            return CNumber(constant, signed=True)
         (first_sign, first_product), *further = signs_and_products
         total = first_product
         if constant or first_sign == "-":
-            total = Operation(first_sign, (Number(constant, signed=True), first_product))
+            total = Operation(first_sign, (CNumber(constant, signed=True), first_product))
         for sign, product in further:
             total = Operation(sign, (total, product))
         return total
@@ -414,7 +414,7 @@ class Scope:
         """
         first_factor, *further_factors = (self._express_factor(factor) for factor in term.factors)
         if abs(term.multiple) != 1:
-            further_factors.append(Number(abs(term.multiple)))
+            further_factors.append(CNumber(abs(term.multiple)))
         if not further_factors:
             return first_factor
         if not term.factors[0].power:
@@ -436,4 +436,4 @@ class Scope:
 
     def _express_factor(self, factor: Factor) -> CExpression:
         name = self.atom(factor.parameter)
-        return Operation("<<", (Cast("uint64_t", Number(1)), name)) if factor.power else name
+        return Operation("<<", (Cast("uint64_t", CNumber(1)), name)) if factor.power else name

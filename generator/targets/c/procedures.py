@@ -35,8 +35,8 @@ from .names import (
     Cast,
     CExpression,
     CName,
+    CNumber,
     Declared,
-    Number,
     c_name,
     masked,
     shifted_left,
@@ -52,7 +52,7 @@ _TAKEN = frozenset(
 )
 
 
-_ZERO = Number(0)
+_ZERO = CNumber(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -396,7 +396,7 @@ class ProcedureCode:
         # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
         if isinstance(value, FixedNumber):
             bits_of_piece = (value.number >> piece.low_in_number) & piece.mask
-            return Number(bits_of_piece << piece.low_in_byte, hexadecimal=True)
+            return CNumber(bits_of_piece << piece.low_in_byte, hexadecimal=True)
         bits = shifted_right(CName(self._names[value.argument.name]), piece.low_in_number)
         if piece.mask != 0xFF:
             return Cast("uint8_t", shifted_left(masked(bits, piece.mask), piece.low_in_byte))

@@ -30,7 +30,7 @@ from .codec import StructCodec
 from .comments import Paragraph
 from .context import Context, Function, Macro, number_function
 from .names import CExpression, CName, Declared, number
-from .names import Number as NumberExpr
+from .names import CNumber as NumberExpr
 from .structs import Struct
 
 

@@ -26,7 +26,7 @@ from .names import (
     Cast,
     CExpression,
     CName,
-    Number,
+    CNumber,
     Operation,
     c_name,
     join_operands,
@@ -227,7 +227,7 @@ class Struct:
             type_of_bits, _ = self.reader.value(self.plan.bits_of(field.name))
         conditions: list[CExpression] = []
         for value in values:
-            compared: CExpression = Number(value, hexadecimal=True)
+            compared: CExpression = CNumber(value, hexadecimal=True)
             if value in constants:
                 constant = CName(constants[value])
                 compared = Cast(type_of_bits, constant) if type_of_bits else constant

@@ -23,9 +23,9 @@ from .names import (
     Cast,
     CExpression,
     CName,
+    CNumber,
     Conditional,
     Declared,
-    Number,
     Operation,
     c_name,
     join_operands,
@@ -62,7 +62,7 @@ class HeldValue:
         """Return the value of the parameter for one of its codes."""
         value = self.held_parameter.parameter.held_value(code)
         assert value is not None
-        return str(Number(value))
+        return str(CNumber(value))
 
     def _yield_locals(self) -> Iterator[tuple[str, str, CExpression]]:
         """Yield the type, the name and the initial value of each local, such as ``("uint8_t", "turns", bytes[0])``.
@@ -75,9 +75,9 @@ class HeldValue:
             case ZeroMeans(number):
                 raw_local = CName(f"{self.local}_raw")
                 yield type_, raw_local.text, bits
-                is_zero = Operation("==", (raw_local, Number(0)))
+                is_zero = Operation("==", (raw_local, CNumber(0)))
                 type_of_value = unsigned(widest_value(self.held_parameter.field))
-                yield type_of_value, self.local, Cast(type_of_value, Conditional(is_zero, Number(number), raw_local))
+                yield type_of_value, self.local, Cast(type_of_value, Conditional(is_zero, CNumber(number), raw_local))
             case UnsignedNumber():
                 local = f"{self.local}_code" if self.is_coded else self.local
                 yield type_, local, bits
@@ -90,9 +90,9 @@ class HeldValue:
         lowest, highest = self.held_parameter.low, self.held_parameter.high
         comparisons: list[CExpression] = []
         if lowest is not None:
-            comparisons.append(Operation("<", (CName(self.local), Number(lowest))))
+            comparisons.append(Operation("<", (CName(self.local), CNumber(lowest))))
         if highest is not None:
-            comparisons.append(Operation(">", (CName(self.local), Number(highest))))
+            comparisons.append(Operation(">", (CName(self.local), CNumber(highest))))
         return join_operands("||", tuple(comparisons)) if comparisons else None
 
 
@@ -130,7 +130,7 @@ def _codes_of_held_value(held_value: HeldValue) -> set[int]:
 
 def _switch_case(code: int, held_values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
     """Return a code, and the assignments that it leads to, such as ``("2U", (("position_bits", "24U"),))``."""
-    return str(Number(code)), tuple((value.local, value.for_code(code)) for value in held_values)
+    return str(CNumber(code)), tuple((value.local, value.for_code(code)) for value in held_values)
 
 
 class Taker:
