@@ -13,8 +13,8 @@ from ...model.record import dataclass
 from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
 from ...plan.operations import FieldBits, JoinedNumber, Reserved
 from .names import (
-    Call,
     Cast,
+    CCall,
     CExpression,
     CName,
     CNumber,
@@ -111,11 +111,11 @@ class Reader:
             return masked(shifted_right(self.lower(low + width), low), mask)
         if not bits.on_top:
             low_and_width = (self.scope.expression_of(bits.low), self.scope.expression_of(bits.width))
-            return Call("cw_field", (self.word, *low_and_width))
+            return CCall("cw_field", (self.word, *low_and_width))
         # No bits are above it: the length has been checked.
         if bits.low.is_constant:
             return shifted_right(self.lower(self.word_size), bits.low.constant)
-        return Call("cw_above", (self.word, self.scope.expression_of(bits.low)))
+        return CCall("cw_above", (self.word, self.scope.expression_of(bits.low)))
 
     def flag(self, bits: FieldBits) -> CExpression:
         """Return the bit of a flag at its position: ``word & 0x80U``, or in a frame of bytes ``flags & 0x80U``.
@@ -191,7 +191,7 @@ class Reader:
             lower_half = Cast("uint32_t", combined)
             upper_half = Cast("uint32_t", shifted_right(combined, 32))
             combined = Operation("^", (lower_half, upper_half))
-        return Call("cw_parity", (combined,))
+        return CCall("cw_parity", (combined,))
 
 
 def digits(number: object, field: Field, digit_run: Digits) -> CExpression:

@@ -20,8 +20,8 @@ from ...plan.values import (
 from ...say.names_and_places import words
 from .bits import digits
 from .names import (
-    Call,
     Cast,
+    CCall,
     CExpression,
     CName,
     CNumber,
@@ -244,14 +244,14 @@ class Decoder:
     def parity_in_word(self, parity: ParityIs) -> CExpression:
         """Return the parity of a parity bit in the word and all bits that it covers."""
         mask = self._word_parities[parity.field.name]
-        return Call("cw_parity", (masked(self.reader.lower(32), mask),))
+        return CCall("cw_parity", (masked(self.reader.lower(32), mask),))
 
     def parities_in_word_together(self, parities: Sequence[ParityIs]) -> CExpression:
         """Return the parities of the odd and of the even bits in the word that two parity bits cover."""
         mask = 0
         for parity in parities:
             mask |= self._word_parities[parity.field.name]
-        return Call("cw_parities", (masked(self.reader.lower(32), mask),))
+        return CCall("cw_parities", (masked(self.reader.lower(32), mask),))
 
     def parity(self, fields: Sequence[Field], mask: int) -> CExpression:
         """Return the parity of these fields, or of their bits in ``mask`` if it is not 0."""
@@ -334,7 +334,7 @@ class Decoder:
                 yield name, self._bits_as(type_, part)
             case TwosComplement():
                 width = self.struct.scope.expression_of(part.field.width)
-                yield name, Cast(type_, Call("cw_signed", (bits, width)))
+                yield name, Cast(type_, CCall("cw_signed", (bits, width)))
             case ZeroMeans(number):
                 is_zero = Operation("==", (bits, CNumber(0)))
                 yield name, Cast(type_, Conditional(is_zero, CNumber(number), bits))

@@ -228,7 +228,7 @@ class CNumber(CExpression):
 
 
 @dataclass(frozen=True, slots=True)
-class Call(CExpression):
+class CCall(CExpression):
     function: str
     arguments: tuple[CExpression, ...]
 
@@ -342,10 +342,10 @@ class Scope:
     def atom(self, parameter: str) -> CExpression:
         """Return a parameter: a function of an answer, a member of the variant, or a function of the variant."""
         if parameter in self.answers:
-            return Call(f"{self.prefix}_{parameter}", (CName(self.answers[parameter]),))
+            return CCall(f"{self.prefix}_{parameter}", (CName(self.answers[parameter]),))
         if parameter in self.largest:
             return self.member(parameter)
-        return Call(f"{self.prefix}_{parameter}", (CName("variant"),))
+        return CCall(f"{self.prefix}_{parameter}", (CName("variant"),))
 
     def member(self, parameter: str) -> CExpression:
         """Return a parameter that order codes set: a member of the variant, such as ``variant.position_bits``."""
@@ -355,7 +355,7 @@ class Scope:
         """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
             return CNumber((1 << width.constant) - 1, hexadecimal=True)
-        return Call("cw_mask", (self.expression_of(width),))
+        return CCall("cw_mask", (self.expression_of(width),))
 
     def expression_of(self, expression: Expression) -> CExpression:
         """Return the expression in C, unsigned, such as ``8U + variant.position_bits - 1U``.
@@ -365,7 +365,7 @@ class Scope:
         match expression:
             case Expression(-1, (Term(1, (Factor(exponent, True),)),)):
                 # 2 to the power of the parameter, minus 1.
-                return Call("cw_mask", (self.atom(exponent),))
+                return CCall("cw_mask", (self.atom(exponent),))
         # Terms with positive multiples come first, so that no intermediate result is negative.
         added = [self._express_term(term) for term in expression.terms if term.multiple > 0]
         subtracted = [self._express_term(term) for term in expression.terms if term.multiple < 0]
@@ -393,7 +393,7 @@ class Scope:
                 # The power is one more than its mask.
                 constant += term.multiple
                 (exponent,) = term.factors
-                product: CExpression = Call("cw_mask", (self.atom(exponent.parameter),))
+                product: CExpression = CCall("cw_mask", (self.atom(exponent.parameter),))
             else:
                 product = self._express_term(term)
             signs_and_products.append((sign, Cast("int64_t", product)))
