@@ -6,8 +6,8 @@ import pytest
 from codewheel.model.expressions import Expression
 from codewheel.targets.c.comments import break_lines, end_comment
 from codewheel.targets.c.names import (
-    Cast,
     CCall,
+    CCast,
     CExpression,
     CName,
     CNumber,
@@ -70,12 +70,12 @@ A, B, C = CName("a"), CName("b"), CName("c")
     [
         (Operation("|", (shifted_left(A, 3), B)), "(a << 3U) | b"),
         (shifted_left(Operation("|", (shifted_left(A, 3), B)), 4), "((a << 3U) | b) << 4U"),
-        (Cast("uint8_t", shifted_right(A, 2)), "(uint8_t)(a >> 2U)"),
-        (shifted_right(Cast("uint8_t", A), 2), "(uint8_t)a >> 2U"),
+        (CCast("uint8_t", shifted_right(A, 2)), "(uint8_t)(a >> 2U)"),
+        (shifted_right(CCast("uint8_t", A), 2), "(uint8_t)a >> 2U"),
         (masked(CCall("f", (join_operands("+", (A, B)),)), 7), "f(a + b) & 0x07U"),
         (Operation("-", (Operation("+", (A, B)), C)), "a + b - c"),
         (Operation("-", (A, Operation("+", (B, C)))), "a - (b + c)"),
-        (Cast("int", Conditional(Operation("==", (A, CNumber(0))), B, C)), "(int)((a == 0U) ? b : c)"),
+        (CCast("int", Conditional(Operation("==", (A, CNumber(0))), B, C)), "(int)((a == 0U) ? b : c)"),
         (join_operands("&&", (Operation("!=", (A, B)), Operation("!=", (A, C)))), "(a != b) && (a != c)"),
         (shifted_right(A, 0), "a"),
     ],

@@ -13,8 +13,8 @@ from ...model.record import dataclass
 from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
 from ...plan.operations import FieldBits, JoinedNumber, Reserved
 from .names import (
-    Cast,
     CCall,
+    CCast,
     CExpression,
     CName,
     CNumber,
@@ -43,14 +43,14 @@ def of_bytes(pieces: tuple[BitSlice, ...]) -> tuple[str, CExpression]:
     if len(pieces) == 1:
         bits = _bits_of_piece(pieces[0])
         is_whole_byte = isinstance(bits, CName)
-        return type_, bits if is_whole_byte else Cast("uint8_t", bits)
+        return type_, bits if is_whole_byte else CCast("uint8_t", bits)
     # Bytes are shifted in a type that is not promoted to a signed one.
     shifted_type = "uint64_t" if width > 32 else "uint32_t"
     shifted_pieces: list[CExpression] = []
     for piece in pieces:
-        shifted_pieces.append(shifted_left(Cast(shifted_type, _bits_of_piece(piece)), piece.low_in_number))
+        shifted_pieces.append(shifted_left(CCast(shifted_type, _bits_of_piece(piece)), piece.low_in_number))
     number = join_operands("|", tuple(shifted_pieces))
-    return type_, number if type_ == shifted_type else Cast(type_, number)
+    return type_, number if type_ == shifted_type else CCast(type_, number)
 
 
 def _bits_of_piece(piece: BitSlice) -> CExpression:
@@ -96,7 +96,7 @@ class Reader:
         number = self.in_word(bits)
         # At a place that depends on the order code, the bits have 64 bits, the type of more than 32 of them.
         has_64_bits = bits.widest > 32 and not bits.are_fixed
-        return type_, number if has_64_bits else Cast(type_, number)
+        return type_, number if has_64_bits else CCast(type_, number)
 
     def in_word(self, bits: FieldBits) -> CExpression:
         """Return bits of the word, shifted to bit 0, such as ``((uint32_t)word >> 6) & 0xFFFU``.
@@ -137,14 +137,14 @@ class Reader:
         # A word with Gray code is converted in 64 bits.
         has_32_bits = self.word_size == 32 and self.plan.gray is None
         is_lower_half_enough = high <= 32
-        return Cast("uint32_t", self.word) if is_lower_half_enough and not has_32_bits else self.word
+        return CCast("uint32_t", self.word) if is_lower_half_enough and not has_32_bits else self.word
 
     def number_of_join(self, joined_number: JoinedNumber, name_of: Callable[[Field], CExpression]) -> CExpression:
         """Return a join as one number: from the word if its fields are adjacent, otherwise from its fields by name."""
         if joined_number.bits is None:
             return self.number_from_fields(joined_number, name_of)
         number = self.in_word(joined_number.bits)
-        return number if joined_number.widest > 32 else Cast(unsigned(joined_number.widest), number)
+        return number if joined_number.widest > 32 else CCast(unsigned(joined_number.widest), number)
 
     def number_from_fields(self, joined_number: JoinedNumber, name_of: Callable[[Field], CExpression]) -> CExpression:
         """Return the fields of a join as one number of the join's type. The first field forms the highest bits."""
@@ -153,11 +153,11 @@ class Reader:
         is_short = size_of(joined_number.widest) < 32
         # Several operands below 32 bits would make the result signed.
         is_promoted = is_short and len(lower_fields) > 1
-        number: CExpression = Cast("uint32_t" if is_promoted else type_, name_of(highest_field))
+        number: CExpression = CCast("uint32_t" if is_promoted else type_, name_of(highest_field))
         for field in lower_fields:
             shifted_number = shifted_left(number, self.scope.expression_of(field.width))
             number = Operation("|", (shifted_number, name_of(field)))
-        return Cast(type_, number) if is_short and lower_fields else number
+        return CCast(type_, number) if is_short and lower_fields else number
 
     @property
     def before_conversion(self) -> Reader:
@@ -183,13 +183,13 @@ class Reader:
         combined = numbers[0]
         if len(numbers) > 1:
             type_ = unsigned(max(widest, 32))
-            combined = Operation("^", tuple(Cast(type_, number) for number in numbers))
+            combined = Operation("^", tuple(CCast(type_, number) for number in numbers))
         if mask:
             combined = masked(combined, mask)
         if widest > 32:
             # The parity of a number equals the parity of its halves XORed, and the runtime takes 32 bits.
-            lower_half = Cast("uint32_t", combined)
-            upper_half = Cast("uint32_t", shifted_right(combined, 32))
+            lower_half = CCast("uint32_t", combined)
+            upper_half = CCast("uint32_t", shifted_right(combined, 32))
             combined = Operation("^", (lower_half, upper_half))
         return CCall("cw_parity", (combined,))
 
@@ -244,19 +244,19 @@ class Unused:
         all_bits = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
         # The values have no common bits. Bits of single fields are already inverted in ``_single_bits``.
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
-        return Cast(self.type, _with_inverted(join_operands("|", all_bits), documented))
+        return CCast(self.type, _with_inverted(join_operands("|", all_bits), documented))
 
     def at_place(self, moved: ShiftedBits, byte: CExpression) -> CExpression:
         """Return a byte shifted to the place of its bits in the member, such as ``(uint32_t)bytes[2] << 8``."""
         # In bytes, ``shift`` is 0 or negative: the place in the member is never lower than in the byte.
-        return shifted_left(Cast(self.work_type, byte), -moved.shift) if moved.shift else byte
+        return shifted_left(CCast(self.work_type, byte), -moved.shift) if moved.shift else byte
 
     def member_from(self, bits: CExpression) -> CExpression:
         """Return the member from bytes that ``at_place`` has shifted, with all other bits masked off."""
         mask = sum(moved.mask for moved in self.moved)
         documented = _express_documented_value(sum(moved.value for moved in self.moved))
         differing_bits = _with_inverted(masked(bits, mask), documented)
-        return differing_bits if self.type == self.work_type else Cast(self.type, differing_bits)
+        return differing_bits if self.type == self.work_type else CCast(self.type, differing_bits)
 
     @property
     def work_type(self) -> str:
@@ -277,10 +277,10 @@ class Unused:
         documented = self._express_documented(reserved)
         if not reserved.place:
             return _with_inverted(bits, documented)
-        differing_bits = _with_inverted(Cast(self.work_type, bits), documented)
+        differing_bits = _with_inverted(CCast(self.work_type, bits), documented)
         if not reserved.bits.width.is_constant:
             # The mask of a variable width has 64 bits.
-            differing_bits = Cast(self.work_type, differing_bits)
+            differing_bits = CCast(self.work_type, differing_bits)
         return shifted_left(differing_bits, reserved.place)
 
     # -- encoding
@@ -318,7 +318,7 @@ class Unused:
             differing_bits = _MEMBER if is_all else masked(_MEMBER, moved.mask)
             bits = _with_inverted(differing_bits, _express_documented_value(moved.value))
             # Bit 0 of the member is bit ``shift`` of the word.
-            yield _shift_bits(Cast(self.reader.encoded_type, bits), -moved.shift)
+            yield _shift_bits(CCast(self.reader.encoded_type, bits), -moved.shift)
         for reserved in self.single:
             if is_all:
                 bits = _with_inverted(_MEMBER, self._express_documented(reserved))
@@ -326,7 +326,7 @@ class Unused:
                 bits = self._bits_to_send(reserved)
             low = reserved.bits.low
             distance = low.constant if low.is_constant else self.reader.scope.expression_of(low)
-            yield shifted_left(Cast(self.reader.encoded_type, bits), distance)
+            yield shifted_left(CCast(self.reader.encoded_type, bits), distance)
 
     @property
     def in_bytes(self) -> Iterator[tuple[int, CExpression]]:
@@ -347,7 +347,7 @@ class Unused:
         # The member itself, if it was neither shifted nor masked.
         is_wider_than_byte = bits is _MEMBER and self.width > 8
         if is_wider_than_byte:
-            bits = Cast("uint8_t", bits)
+            bits = CCast("uint8_t", bits)
         return _with_inverted(bits, _express_documented_value(moved.value >> bit_in_member))
 
     def bits_of(self, field: Field) -> CExpression:

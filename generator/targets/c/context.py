@@ -12,7 +12,7 @@ from ...plan.frames import held_parameters
 from ...say.order_code import timing as say_timing
 from .comments import HEADER_STYLE
 from .enumerations import AlternativeCode, Enumerations, Reports
-from .names import BY_VALUE, Cast, CExpression, Passing, Scope, number, unsigned
+from .names import BY_VALUE, CCast, CExpression, Passing, Scope, number, unsigned
 
 
 class Context:
@@ -112,7 +112,7 @@ def number_function(scope: Scope, name: str, expression: Expression, largest: in
     bits = max(largest_intermediate.bit_length(), 32)
     value = scope.expression_of(expression)
     if bits == 32 and scope.has_64_bits(expression):
-        value = Cast("uint32_t", value)
+        value = CCast("uint32_t", value)
     return Function(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
 
 
@@ -122,7 +122,7 @@ def wide_number_function(scope: Scope, name: str, expression: Expression, about:
     # A power of two is computed in 64 bits, and so is what follows it.
     has_64_bits = bool(expression.terms) and expression.terms[0].is_power
     if not has_64_bits:
-        value = Cast("uint64_t", value)
+        value = CCast("uint64_t", value)
     return Function(name, type="uint64_t", value=value, about=about, uses_variant=not expression.is_constant)
 
 

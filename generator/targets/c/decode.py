@@ -20,8 +20,8 @@ from ...plan.values import (
 from ...say.names_and_places import words
 from .bits import digits
 from .names import (
-    Cast,
     CCall,
+    CCast,
     CExpression,
     CName,
     CNumber,
@@ -334,10 +334,10 @@ class Decoder:
                 yield name, self._bits_as(type_, part)
             case TwosComplement():
                 width = self.struct.scope.expression_of(part.field.width)
-                yield name, Cast(type_, CCall("cw_signed", (bits, width)))
+                yield name, CCast(type_, CCall("cw_signed", (bits, width)))
             case ZeroMeans(number):
                 is_zero = Operation("==", (bits, CNumber(0)))
-                yield name, Cast(type_, Conditional(is_zero, CNumber(number), bits))
+                yield name, CCast(type_, Conditional(is_zero, CNumber(number), bits))
             case ActiveFlag(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
                 is_active = self._is_active(part, bit, low_is_active=low)
@@ -347,10 +347,10 @@ class Decoder:
                 for run in runs:
                     highest_of_run = run.modulus - 1
                     type_of_run = unsigned(highest_of_run.bit_length())
-                    yield c_name(run.name), Cast(type_of_run, digits(bits, part.field, run))
+                    yield c_name(run.name), CCast(type_of_run, digits(bits, part.field, run))
             case Latin1Text():
                 for index, byte in characters(part.field):
-                    yield f"{name}[{index}]", Cast(type_, CName(f"bytes[{byte}]"))
+                    yield f"{name}[{index}]", CCast(type_, CName(f"bytes[{byte}]"))
             case never:
                 assert_never(never)
 
@@ -368,7 +368,7 @@ class Decoder:
         """Return the bits of a part, with a cast if the member has another type."""
         bits = self.local(part.field)
         type_of_local, _ = self.raw(part.field)
-        return bits if type_of_local == type_ else Cast(type_, bits)
+        return bits if type_of_local == type_ else CCast(type_, bits)
 
     def is_fixed(self, field: Field) -> bool:
         """Return True if a field always has the same bits."""

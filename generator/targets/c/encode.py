@@ -29,7 +29,7 @@ from ...plan.values import (
     widest_value,
 )
 from .names import (
-    Cast,
+    CCast,
     CExpression,
     CName,
     CNumber,
@@ -80,7 +80,7 @@ class Encoder:
                 needs_cast = self.struct.enumeration(field) is not None
             case _:
                 needs_cast = False
-        return Cast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
+        return CCast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
 
     def number_from_members(self, joined_number: JoinedNumber) -> CExpression:
         """Return the number that the members of a join form, the first member in its highest bits."""
@@ -94,7 +94,7 @@ class Encoder:
         for run in field.runs:
             run_member = CName(f"in->{c_name(run.name)}")
             if run.divisor > 1:
-                products.append(Operation("*", (Cast(type_of_total, run_member), CNumber(run.divisor))))
+                products.append(Operation("*", (CCast(type_of_total, run_member), CNumber(run.divisor))))
             else:
                 products.append(run_member)
         return join_operands("+", tuple(products))
@@ -136,8 +136,8 @@ class Encoder:
         if is_at_bit_0:
             # A member of a small type would be promoted to a signed one.
             is_member = isinstance(value, CName)
-            return Cast(self.word_type, value) if is_member else value
-        return shifted_left(Cast(self.word_type, value), self.struct.scope.expression_of(low))
+            return CCast(self.word_type, value) if is_member else value
+        return shifted_left(CCast(self.word_type, value), self.struct.scope.expression_of(low))
 
     def _is_always_zero(self, term: FieldToEncode) -> bool:
         """Return True if a term is a constant field or a parity bit that is always 0."""
@@ -184,13 +184,13 @@ class Encoder:
             bits, width = bits_and_widths[0]
             is_without_cast = width <= 32
             if is_without_cast:
-                bits_and_widths = [(Cast("uint32_t", bits), width)]
+                bits_and_widths = [(CCast("uint32_t", bits), width)]
         return self.reader.parity(bits_and_widths, parity.mask)
 
     def _unsigned_bits_of_member(self, field: Field) -> CExpression:
         """Return the bits of a member as an unsigned number. Some compilers make an enumeration signed."""
         bits = self._bits_of_member(field)
-        return Cast(unsigned(field.widest), bits) if isinstance(meaning_of(field), OneOfNamedValues) else bits
+        return CCast(unsigned(field.widest), bits) if isinstance(meaning_of(field), OneOfNamedValues) else bits
 
     def _bits_of_member(self, field: Field) -> CExpression:
         """Return the bits that are sent for a member, such as ``in->error ? 1U : 0U`` for a flag.
@@ -204,7 +204,7 @@ class Encoder:
             case ActiveFlag(low):
                 return self._bit_of_flag(field, low_is_active=low)
             case TwosComplement():
-                return Operation("&", (Cast("uint64_t", member), self.struct.scope.mask(field.width)))
+                return Operation("&", (CCast("uint64_t", member), self.struct.scope.mask(field.width)))
             case ZeroMeans(number):
                 stands_for_zero = Operation("==", (member, CNumber(number)))
                 return Conditional(stands_for_zero, CNumber(0), member)
@@ -223,7 +223,7 @@ class Encoder:
         # The width is 1, which inverts the bit, or 0 if the order code has no flag. Its bit is then 0 ^ 0.
         active = Conditional(flag, CNumber(1), CNumber(0))
         width = self.struct.scope.expression_of(field.width)
-        return Operation("^", (Cast("uint64_t", active), Cast("uint64_t", width)))
+        return Operation("^", (CCast("uint64_t", active), CCast("uint64_t", width)))
 
     # -- the bytes
 
@@ -294,13 +294,13 @@ class Encoder:
         match meaning_of(field):
             case Latin1Text():
                 for index, byte in characters(field):
-                    yield byte, Cast("uint8_t", CName(f"{member}[{index}]"))
+                    yield byte, CCast("uint8_t", CName(f"{member}[{index}]"))
             case ActiveFlag(low):
                 for piece in field.pieces:
                     yield piece.byte, _flag_in_byte(member, piece, low_is_active=low)
             case TwosComplement():
                 # Copies of the sign must not reach the zeros above the field.
-                bits = self._express_value(term) if field.name in self._padded_names else Cast("uint64_t", member)
+                bits = self._express_value(term) if field.name in self._padded_names else CCast("uint64_t", member)
                 for piece in field.pieces:
                     yield piece.byte, self._piece_in_byte(field, piece, bits, may_be_wider=True)
             case UnsignedNumber() | ZeroMeans() | OneOfNamedValues() | DecimalDigits():
@@ -323,10 +323,10 @@ class Encoder:
         if may_be_wider and piece.mask != 0xFF:
             bits_of_piece = masked(bits_of_piece, piece.mask)
         if piece.low_in_byte:
-            return shifted_left(Cast("uint32_t", bits_of_piece), piece.low_in_byte)
+            return shifted_left(CCast("uint32_t", bits_of_piece), piece.low_in_byte)
         # The bits are still a Name if they are the member itself, neither shifted nor masked.
         is_wide_member = isinstance(bits_of_piece, CName) and self.struct.type_of(field) != unsigned(8)
-        return Cast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
+        return CCast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
 
 
 def _flag_in_byte(flag: CExpression, piece: BitSlice, *, low_is_active: bool) -> CExpression:
@@ -340,10 +340,10 @@ def _as_byte(value: CExpression) -> CExpression:
     """Cast a value to a byte. A one-byte member needs no cast."""
     if isinstance(value, CName):
         return value
-    if isinstance(value, Cast) and isinstance(value.value, CName):
+    if isinstance(value, CCast) and isinstance(value.value, CName):
         # One cast instead of two.
-        return Cast("uint8_t", value.value)
-    return Cast("uint8_t", value)
+        return CCast("uint8_t", value.value)
+    return CCast("uint8_t", value)
 
 
 def _with_powers_first(unordered: Iterable[Refusal]) -> list[Refusal]:

@@ -31,7 +31,7 @@ from ...say.text import Statement, spec_text, statement
 from .. import TargetError
 from .comments import HEADER_STYLE, Paragraph
 from .names import (
-    Cast,
+    CCast,
     CExpression,
     CName,
     CNumber,
@@ -415,7 +415,7 @@ class Reports:
     def constant(self, report: NumberedReport) -> CExpression:
         """Return the bit of a report, as a number of the type of the mask."""
         name = CName(self.enumeration.entries[report.number].name)
-        return Cast(self.mask, name) if self.enumeration.is_enum else name
+        return CCast(self.mask, name) if self.enumeration.is_enum else name
 
     def _find_path(self, report: NumberedReport) -> Path:
         """Return the path of the first frame with this report."""

@@ -237,7 +237,7 @@ class CCall(CExpression):
 
 
 @dataclass(frozen=True, slots=True)
-class Cast(CExpression):
+class CCast(CExpression):
     type: str
     value: CExpression
 
@@ -375,7 +375,7 @@ class Scope:
             added.insert(0, CNumber(max(expression.constant, 0)))
         elif isinstance(added[0], CName) and not is_single_operand:
             # The member can have 8 bits, which would be promoted to a signed type.
-            added[0] = Cast("uint32_t", added[0])
+            added[0] = CCast("uint32_t", added[0])
         if expression.constant < 0:
             subtracted.append(CNumber(-expression.constant))
         return join_operands("-", (join_operands("+", tuple(added)), *subtracted))
@@ -396,7 +396,7 @@ class Scope:
                 product: CExpression = CCall("cw_mask", (self.atom(exponent.parameter),))
             else:
                 product = self._express_term(term)
-            signs_and_products.append((sign, Cast("int64_t", product)))
+            signs_and_products.append((sign, CCast("int64_t", product)))
         if not signs_and_products:
             return CNumber(constant, signed=True)
         (first_sign, first_product), *further = signs_and_products
@@ -418,7 +418,7 @@ class Scope:
         if not further_factors:
             return first_factor
         if not term.factors[0].power:
-            first_factor = Cast("uint64_t" if self._has_64_bits(term) else "uint32_t", first_factor)
+            first_factor = CCast("uint64_t" if self._has_64_bits(term) else "uint32_t", first_factor)
         return Operation("*", (first_factor, *further_factors))
 
     def _has_64_bits(self, term: Term) -> bool:
@@ -436,4 +436,4 @@ class Scope:
 
     def _express_factor(self, factor: Factor) -> CExpression:
         name = self.atom(factor.parameter)
-        return Operation("<<", (Cast("uint64_t", CNumber(1)), name)) if factor.power else name
+        return Operation("<<", (CCast("uint64_t", CNumber(1)), name)) if factor.power else name

@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
 from .context import Context, Function, wide_number_function
-from .names import Cast, CExpression, CNumber, Declared, Scope
+from .names import CCast, CExpression, CNumber, Declared, Scope
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,4 +193,4 @@ def _cast_to_signed(scope: Scope, expression: Expression) -> CExpression:
     """Return an expression as a number with a sign, such as ``(int64_t)variant.step``."""
     if expression.is_constant:
         return CNumber(expression.constant, signed=True)
-    return Cast("int64_t", scope.expression_of(expression))
+    return CCast("int64_t", scope.expression_of(expression))

@@ -32,7 +32,7 @@ from .about import about_argument, about_procedure, about_run, note_of_read, not
 from .comments import Paragraph
 from .context import Context
 from .names import (
-    Cast,
+    CCast,
     CExpression,
     CName,
     CNumber,
@@ -399,9 +399,9 @@ class ProcedureCode:
             return CNumber(bits_of_piece << piece.low_in_byte, hexadecimal=True)
         bits = shifted_right(CName(self._names[value.argument.name]), piece.low_in_number)
         if piece.mask != 0xFF:
-            return Cast("uint8_t", shifted_left(masked(bits, piece.mask), piece.low_in_byte))
+            return CCast("uint8_t", shifted_left(masked(bits, piece.mask), piece.low_in_byte))
         is_whole_byte = isinstance(value, AsNumber) and len(step.pieces) == 1
-        return bits if is_whole_byte else Cast("uint8_t", bits)
+        return bits if is_whole_byte else CCast("uint8_t", bits)
 
     def _read_members(self) -> Iterator[ReadMember]:
         """Yield a member for each register or field that is read. Repeated names are numbered.

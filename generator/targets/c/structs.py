@@ -23,7 +23,7 @@ from .bits import Reader, Unused
 from .context import Context, Macro, scale_macros
 from .enumerations import Enumeration
 from .names import (
-    Cast,
+    CCast,
     CExpression,
     CName,
     CNumber,
@@ -118,7 +118,7 @@ class Struct:
         end = crc.low + crc.covered.constant if covers_32_bits(crc) else word_size
         bits = shifted_right(self.reader.before_conversion.lower(end), crc.low)
         is_across_halves = covers_32_bits(crc) and end > 32
-        return Cast("uint32_t", bits) if is_across_halves else bits
+        return CCast("uint32_t", bits) if is_across_halves else bits
 
     def received(self, crc: FrameCrc) -> CExpression:
         """Return the CRC in a word as it is sent, in its lowest bits."""
@@ -230,7 +230,7 @@ class Struct:
             compared: CExpression = CNumber(value, hexadecimal=True)
             if value in constants:
                 constant = CName(constants[value])
-                compared = Cast(type_of_bits, constant) if type_of_bits else constant
+                compared = CCast(type_of_bits, constant) if type_of_bits else constant
             conditions.append(Operation("!=", (name, compared)))
         return join_operands("&&", tuple(conditions))
 

@@ -20,7 +20,7 @@ from .about import about_order_codes, about_parameter
 from .bits import of_bytes
 from .context import Context, Function, Macro, number_function
 from .names import (
-    Cast,
+    CCast,
     CExpression,
     CName,
     CNumber,
@@ -77,7 +77,7 @@ class HeldValue:
                 yield type_, raw_local.text, bits
                 is_zero = Operation("==", (raw_local, CNumber(0)))
                 type_of_value = unsigned(widest_value(self.held_parameter.field))
-                yield type_of_value, self.local, Cast(type_of_value, Conditional(is_zero, CNumber(number), raw_local))
+                yield type_of_value, self.local, CCast(type_of_value, Conditional(is_zero, CNumber(number), raw_local))
             case UnsignedNumber():
                 local = f"{self.local}_code" if self.is_coded else self.local
                 yield type_, local, bits
