@@ -18,7 +18,7 @@ from .names import (
     CExpression,
     CName,
     CNumber,
-    Operation,
+    COperation,
     Scope,
     join_operands,
     masked,
@@ -156,7 +156,7 @@ class Reader:
         number: CExpression = CCast("uint32_t" if is_promoted else type_, name_of(highest_field))
         for field in lower_fields:
             shifted_number = shifted_left(number, self.scope.expression_of(field.width))
-            number = Operation("|", (shifted_number, name_of(field)))
+            number = COperation("|", (shifted_number, name_of(field)))
         return CCast(type_, number) if is_short and lower_fields else number
 
     @property
@@ -183,14 +183,14 @@ class Reader:
         combined = numbers[0]
         if len(numbers) > 1:
             type_ = unsigned(max(widest, 32))
-            combined = Operation("^", tuple(CCast(type_, number) for number in numbers))
+            combined = COperation("^", tuple(CCast(type_, number) for number in numbers))
         if mask:
             combined = masked(combined, mask)
         if widest > 32:
             # The parity of a number equals the parity of its halves XORed, and the runtime takes 32 bits.
             lower_half = CCast("uint32_t", combined)
             upper_half = CCast("uint32_t", shifted_right(combined, 32))
-            combined = Operation("^", (lower_half, upper_half))
+            combined = COperation("^", (lower_half, upper_half))
         return CCall("cw_parity", (combined,))
 
 
@@ -198,10 +198,10 @@ def digits(number: object, field: Field, digit_run: Digits) -> CExpression:
     """Return a run of decimal digits extracted from a number, such as ``(number / 100U) % 10U``."""
     quotient: CExpression = CName(str(number))
     if digit_run.divisor > 1:
-        quotient = Operation("/", (quotient, CNumber(digit_run.divisor)))
+        quotient = COperation("/", (quotient, CNumber(digit_run.divisor)))
     # No digits are above the highest run, so that it needs no remainder.
     is_highest_run = digit_run is field.runs[0]
-    return quotient if is_highest_run else Operation("%", (quotient, CNumber(digit_run.modulus)))
+    return quotient if is_highest_run else COperation("%", (quotient, CNumber(digit_run.modulus)))
 
 
 _MEMBER = CName("in->unused")
@@ -299,15 +299,15 @@ class Unused:
             all_bits_of_type = (1 << size_of(self.width)) - 1
             other_bits = fixed_mask ^ all_bits_of_type
             can_have_other_bits = bool(fixed_mask and other_bits)
-            return Operation("!=", (masked(_MEMBER, other_bits), CNumber(0))) if can_have_other_bits else None
+            return COperation("!=", (masked(_MEMBER, other_bits), CNumber(0))) if can_have_other_bits else None
         masks: list[CExpression] = []
         for reserved in varying_fields:
             mask_of_width = self.reader.scope.mask(reserved.bits.width)
             masks.append(shifted_left(mask_of_width, reserved.place))
         if fixed_mask:
             masks.append(CNumber(fixed_mask, hexadecimal=True))
-        unused_bits_of_member = Operation("&", (_MEMBER, join_operands("|", tuple(masks))))
-        return Operation("!=", (unused_bits_of_member, _MEMBER))
+        unused_bits_of_member = COperation("&", (_MEMBER, join_operands("|", tuple(masks))))
+        return COperation("!=", (unused_bits_of_member, _MEMBER))
 
     @property
     def in_word(self) -> Iterator[CExpression]:
@@ -368,7 +368,7 @@ class Unused:
         width = reserved.bits.width
         if value is None or width.is_constant:
             return value
-        return Operation("&", (value, self.reader.scope.mask(width)))
+        return COperation("&", (value, self.reader.scope.mask(width)))
 
 
 def _masked_byte(bits: CExpression, mask: int) -> CExpression:
@@ -383,7 +383,7 @@ def _express_documented_value(value: int) -> CExpression | None:
 
 def _with_inverted(bits: CExpression, inverted: CExpression | None) -> CExpression:
     """Return the bits, with those inverted that are 1 in ``inverted``."""
-    return Operation("^", (bits, inverted)) if inverted is not None else bits
+    return COperation("^", (bits, inverted)) if inverted is not None else bits
 
 
 def _shift_bits(bits: CExpression, distance: int) -> CExpression:

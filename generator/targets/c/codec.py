@@ -15,7 +15,7 @@ from .crc_functions import BitsCrc, WordCrc, fold_operations
 from .decode import Decoder
 from .encode import Encoder
 from .enumerations import AlternativeCode, alternatives_in
-from .names import CExpression, CName, CNumber, Declared, Operation, c_name, join_operands, number, string, unsigned
+from .names import CExpression, CName, CNumber, COperation, Declared, c_name, join_operands, number, string, unsigned
 from .structs import Struct
 
 
@@ -289,7 +289,7 @@ class StructCodec:
         for field in self.expected:
             conditions += self._has_expected_value(field)
         if self.struct.unused:
-            conditions.append(Operation("==", (CName("in->unused"), CNumber(0))))
+            conditions.append(COperation("==", (CName("in->unused"), CNumber(0))))
         return join_operands("&&", tuple(conditions))
 
     def _has_expected_value(self, field: Field) -> Iterator[CExpression]:
@@ -302,8 +302,8 @@ class StructCodec:
         match field.equals:
             case str(characters):
                 for index in range(len(characters)):
-                    yield Operation("==", (CName(f"{member}[{index}]"), CName(f"{macro}[{index}]")))
+                    yield COperation("==", (CName(f"{member}[{index}]"), CName(f"{macro}[{index}]")))
             case Expression() as equals if not equals.is_constant:
-                yield Operation("==", (CName(member), self.scope.expression_of(equals)))
+                yield COperation("==", (CName(member), self.scope.expression_of(equals)))
             case _:
-                yield Operation("==", (CName(member), CName(macro)))
+                yield COperation("==", (CName(member), CName(macro)))

@@ -26,7 +26,7 @@ from .names import (
     CName,
     CNumber,
     Conditional,
-    Operation,
+    COperation,
     c_name,
     join_operands,
     masked,
@@ -205,14 +205,14 @@ class Decoder:
             expected_value |= ((number >> piece.low_in_number) & piece.mask) << piece.low_in_byte
         whole_byte = CName(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
-        return Operation("!=", (compared_bits, CNumber(expected_value, hexadecimal=True)))
+        return COperation("!=", (compared_bits, CNumber(expected_value, hexadecimal=True)))
 
     def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> CExpression:
         """Return the condition that the local of the selector or of its parity bit has another value."""
         selects = self.plan.layout.selects
         selector = parity.selector
         other_value = self.struct.is_none_of(selector, self.local(selector), selects, is_raw=True)
-        other_parity = Operation("!=", (self.local(parity.field), CNumber(known_parity)))
+        other_parity = COperation("!=", (self.local(parity.field), CNumber(known_parity)))
         return join_operands("||", (other_value, other_parity))
 
     def _mask_in_word(self, parity: ParityIs) -> int:
@@ -336,7 +336,7 @@ class Decoder:
                 width = self.struct.scope.expression_of(part.field.width)
                 yield name, CCast(type_, CCall("cw_signed", (bits, width)))
             case ZeroMeans(number):
-                is_zero = Operation("==", (bits, CNumber(0)))
+                is_zero = COperation("==", (bits, CNumber(0)))
                 yield name, CCast(type_, Conditional(is_zero, CNumber(number), bits))
             case ActiveFlag(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
@@ -360,9 +360,9 @@ class Decoder:
         An active-low flag of which only some order codes have the bit is compared with its width, which is 1 or 0.
         """
         if low_is_active and not part.field.width.is_constant:
-            return Operation("!=", (bit, self.struct.scope.expression_of(part.field.width)))
+            return COperation("!=", (bit, self.struct.scope.expression_of(part.field.width)))
         operator = "==" if low_is_active else "!="
-        return Operation(operator, (bit, CNumber(0)))
+        return COperation(operator, (bit, CNumber(0)))
 
     def _bits_as(self, type_: str, part: FieldToDecode) -> CExpression:
         """Return the bits of a part, with a cast if the member has another type."""

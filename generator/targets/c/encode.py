@@ -34,7 +34,7 @@ from .names import (
     CName,
     CNumber,
     Conditional,
-    Operation,
+    COperation,
     c_name,
     join_operands,
     masked,
@@ -94,7 +94,7 @@ class Encoder:
         for run in field.runs:
             run_member = CName(f"in->{c_name(run.name)}")
             if run.divisor > 1:
-                products.append(Operation("*", (CCast(type_of_total, run_member), CNumber(run.divisor))))
+                products.append(COperation("*", (CCast(type_of_total, run_member), CNumber(run.divisor))))
             else:
                 products.append(run_member)
         return join_operands("+", tuple(products))
@@ -165,12 +165,12 @@ class Encoder:
             even_parity = self.reader.parity_as_sent(parity.of, parity.mask)
         else:
             even_parity = self._parity_of_members(parity)
-        bit = Operation("^", (even_parity, CNumber(1))) if parity.odd else even_parity
+        bit = COperation("^", (even_parity, CNumber(1))) if parity.odd else even_parity
         width = term.field.width
         if width.is_constant:
             return bit
         # The width is 1 or 0 by order code, which makes it the mask of the bit.
-        return Operation("&", (bit, self.struct.scope.expression_of(width)))
+        return COperation("&", (bit, self.struct.scope.expression_of(width)))
 
     def _parity_of_members(self, parity: ParityOf) -> CExpression:
         """Return the parity of the members that a parity bit covers, 1 for an odd number of ones.
@@ -204,9 +204,9 @@ class Encoder:
             case ActiveFlag(low):
                 return self._bit_of_flag(field, low_is_active=low)
             case TwosComplement():
-                return Operation("&", (CCast("uint64_t", member), self.struct.scope.mask(field.width)))
+                return COperation("&", (CCast("uint64_t", member), self.struct.scope.mask(field.width)))
             case ZeroMeans(number):
-                stands_for_zero = Operation("==", (member, CNumber(number)))
+                stands_for_zero = COperation("==", (member, CNumber(number)))
                 return Conditional(stands_for_zero, CNumber(0), member)
             case UnsignedNumber() | OneOfNamedValues() | DecimalDigits() | Latin1Text():
                 return member
@@ -223,7 +223,7 @@ class Encoder:
         # The width is 1, which inverts the bit, or 0 if the order code has no flag. Its bit is then 0 ^ 0.
         active = Conditional(flag, CNumber(1), CNumber(0))
         width = self.struct.scope.expression_of(field.width)
-        return Operation("^", (CCast("uint64_t", active), CCast("uint64_t", width)))
+        return COperation("^", (CCast("uint64_t", active), CCast("uint64_t", width)))
 
     # -- the bytes
 

@@ -36,8 +36,8 @@ from .names import (
     CName,
     CNumber,
     Conditional,
+    COperation,
     Declared,
-    Operation,
     Scope,
     c_name,
     join_operands,
@@ -226,7 +226,7 @@ class AlternativeCode:
         *other_constants, _ = self.enumeration.entries
         expression: CExpression = CNumber(last_answer.sets[parameter])
         for constant, answer in reversed(list(zip(other_constants, other_answers, strict=True))):
-            is_answer = Operation("==", (CName(self.argument), CName(constant.name)))
+            is_answer = COperation("==", (CName(self.argument), CName(constant.name)))
             expression = Conditional(is_answer, CNumber(answer.sets[parameter]), expression)
         return expression
 
@@ -321,7 +321,7 @@ class FrameReports:
                 yield CName(member if value else f"!{member}")
             else:
                 enumeration = self._choices[self.reporting.codec.layout.name, part.field.name]
-                yield Operation("==", (CName(member), CName(enumeration.names[value])))
+                yield COperation("==", (CName(member), CName(enumeration.names[value])))
 
     @property
     def conditions_of_worse_verdicts(self) -> Iterator[tuple[CExpression, Verdict]]:
@@ -336,7 +336,7 @@ class FrameReports:
         for verdict in Verdict:
             if verdict is Verdict.UNKNOWN and self.judgement.may_be_unknown:
                 judging_bits = self.family.scope.expression_of(self.judgement.judging_bits)
-                yield Operation("==", (judging_bits, CNumber(0))), verdict
+                yield COperation("==", (judging_bits, CNumber(0))), verdict
             else:
                 for condition in self._conditions_of_causes(causes_by_verdict.get(verdict, ())):
                     yield condition, verdict
@@ -363,7 +363,7 @@ class FrameReports:
         # The masks have no common bits. The member is the mask of the bits in which the decoder found a difference.
         mask = sum(bits.mask for bits in reserved)
         differing_bits = _UNUSED if mask == self._mask_of_all_unused else masked(_UNUSED, mask)
-        return Operation("!=", (differing_bits, CNumber(0)))
+        return COperation("!=", (differing_bits, CNumber(0)))
 
 
 class Reports:
@@ -451,7 +451,7 @@ def _report_note(device: Device, report: NumberedReport) -> str:
 def _express_condition(scope: Scope, parameter_condition: CodeCondition) -> CExpression:
     """Return the condition on a parameter of the order code: ``variant.has_x != 0U``, or ``== 0U`` if not ``holds``."""
     operator = "!=" if parameter_condition.holds else "=="
-    return Operation(operator, (scope.member(parameter_condition.parameter), CNumber(0)))
+    return COperation(operator, (scope.member(parameter_condition.parameter), CNumber(0)))
 
 
 def _struct_member(part: FieldToDecode) -> str:

@@ -249,7 +249,7 @@ _SUMS = frozenset("+-")
 
 
 @dataclass(frozen=True, slots=True)
-class Operation(CExpression):
+class COperation(CExpression):
     """Two or more operands with one operator."""
 
     operator: str
@@ -258,7 +258,7 @@ class Operation(CExpression):
     def __str__(self) -> str:
         leftmost, *others = self.operands
         # A sum continues without parentheses, from the left: ``a + b - c``.
-        continues_sum = isinstance(leftmost, Operation) and {leftmost.operator, self.operator} <= _SUMS
+        continues_sum = isinstance(leftmost, COperation) and {leftmost.operator, self.operator} <= _SUMS
         operand_texts = [str(leftmost) if continues_sum else leftmost.operand]
         operand_texts += [operand.operand for operand in others]
         return f" {self.operator} ".join(operand_texts)
@@ -286,7 +286,7 @@ class Conditional(CExpression):
 
 def shifted_right(value: CExpression, by: int) -> CExpression:
     """Return ``value`` shifted to the right, or unchanged for a shift of 0."""
-    return Operation(">>", (value, CNumber(by))) if by else value
+    return COperation(">>", (value, CNumber(by))) if by else value
 
 
 def shifted_left(value: CExpression, by: int | CExpression) -> CExpression:
@@ -294,16 +294,16 @@ def shifted_left(value: CExpression, by: int | CExpression) -> CExpression:
     if not by:
         return value
     distance = CNumber(by) if isinstance(by, int) else by
-    return Operation("<<", (value, distance))
+    return COperation("<<", (value, distance))
 
 
 def masked(value: CExpression, mask: int) -> CExpression:
-    return Operation("&", (value, CNumber(mask, hexadecimal=True)))
+    return COperation("&", (value, CNumber(mask, hexadecimal=True)))
 
 
 def join_operands(operator: str, operands: tuple[CExpression, ...]) -> CExpression:
     """Return the operands joined by an operator, or the only operand."""
-    return operands[0] if len(operands) == 1 else Operation(operator, operands)
+    return operands[0] if len(operands) == 1 else COperation(operator, operands)
 
 
 @dataclass(frozen=True, slots=True)
@@ -402,9 +402,9 @@ class Scope:
         (first_sign, first_product), *further = signs_and_products
         total = first_product
         if constant or first_sign == "-":
-            total = Operation(first_sign, (CNumber(constant, signed=True), first_product))
+            total = COperation(first_sign, (CNumber(constant, signed=True), first_product))
         for sign, product in further:
-            total = Operation(sign, (total, product))
+            total = COperation(sign, (total, product))
         return total
 
     def _express_term(self, term: Term) -> CExpression:
@@ -419,7 +419,7 @@ class Scope:
             return first_factor
         if not term.factors[0].power:
             first_factor = CCast("uint64_t" if self._has_64_bits(term) else "uint32_t", first_factor)
-        return Operation("*", (first_factor, *further_factors))
+        return COperation("*", (first_factor, *further_factors))
 
     def _has_64_bits(self, term: Term) -> bool:
         """Return True if a term is computed in 64 bits: a power of two, or a product that may need more than 32."""
@@ -436,4 +436,4 @@ class Scope:
 
     def _express_factor(self, factor: Factor) -> CExpression:
         name = self.atom(factor.parameter)
-        return Operation("<<", (CCast("uint64_t", CNumber(1)), name)) if factor.power else name
+        return COperation("<<", (CCast("uint64_t", CNumber(1)), name)) if factor.power else name

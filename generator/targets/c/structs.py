@@ -27,7 +27,7 @@ from .names import (
     CExpression,
     CName,
     CNumber,
-    Operation,
+    COperation,
     c_name,
     join_operands,
     masked,
@@ -231,7 +231,7 @@ class Struct:
             if value in constants:
                 constant = CName(constants[value])
                 compared = CCast(type_of_bits, constant) if type_of_bits else constant
-            conditions.append(Operation("!=", (name, compared)))
+            conditions.append(COperation("!=", (name, compared)))
         return join_operands("&&", tuple(conditions))
 
 

@@ -25,8 +25,8 @@ from .names import (
     CName,
     CNumber,
     Conditional,
+    COperation,
     Declared,
-    Operation,
     c_name,
     join_operands,
     number,
@@ -75,7 +75,7 @@ class HeldValue:
             case ZeroMeans(number):
                 raw_local = CName(f"{self.local}_raw")
                 yield type_, raw_local.text, bits
-                is_zero = Operation("==", (raw_local, CNumber(0)))
+                is_zero = COperation("==", (raw_local, CNumber(0)))
                 type_of_value = unsigned(widest_value(self.held_parameter.field))
                 yield type_of_value, self.local, CCast(type_of_value, Conditional(is_zero, CNumber(number), raw_local))
             case UnsignedNumber():
@@ -90,9 +90,9 @@ class HeldValue:
         lowest, highest = self.held_parameter.low, self.held_parameter.high
         comparisons: list[CExpression] = []
         if lowest is not None:
-            comparisons.append(Operation("<", (CName(self.local), CNumber(lowest))))
+            comparisons.append(COperation("<", (CName(self.local), CNumber(lowest))))
         if highest is not None:
-            comparisons.append(Operation(">", (CName(self.local), CNumber(highest))))
+            comparisons.append(COperation(">", (CName(self.local), CNumber(highest))))
         return join_operands("||", tuple(comparisons)) if comparisons else None
 
 
