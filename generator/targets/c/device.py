@@ -29,7 +29,7 @@ from .comments import HEADER_STYLE, Paragraph
 from .context import Context, timing_macros
 from .crc_code import CrcCode, crc_code
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import BY_VALUE, Declared, Names, Passing, c_name, errata_page_name
+from .names import BY_VALUE, Declared, HeaderNames, Passing, c_name, errata_page_name
 from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
 from .reading import ReadCode
@@ -193,8 +193,8 @@ class DeviceView:
         return f"{c_name(self.maker.name)}::{c_name(self.stem)}"
 
     @cached_property
-    def names(self) -> Names:
-        return Names(self._yield_declared())
+    def names(self) -> HeaderNames:
+        return HeaderNames(self._yield_declared())
 
     def _yield_declared(self) -> Iterator[Declared]:
         """Yield all names in the headers, each with the part of the spec that it comes from."""

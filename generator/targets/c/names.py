@@ -78,7 +78,7 @@ def describe_path(path: Path) -> str:
     return f"{kind_in_words} '{name}'" if name != kind else kind_in_words
 
 
-class Names:
+class HeaderNames:
     """The names of one header. A name belongs to the first part that declares it. Any other part is a clash."""
 
     def __init__(self, declared: Iterable[Declared]) -> None:
@@ -116,7 +116,7 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
         yield from ((c_name(argument.name), ("procedures", procedure.name)) for argument in procedure.arguments)
 
 
-def clashes(headers: Iterable[tuple[Device, Names]]) -> Iterator[tuple[Device, Clash]]:
+def clashes(headers: Iterable[tuple[Device, HeaderNames]]) -> Iterator[tuple[Device, Clash]]:
     """Yield every clash within these headers, and between families, with the device in whose spec it is.
 
     An inner name clashes with a name that an earlier header or its own declares at file scope. The name of a
