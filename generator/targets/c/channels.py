@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...model import ChannelFrame, channel_frame, first_of
 from .codec import StructCodec
 from .context import Context
-from .names import CExpression, Declared, c_name
+from .names import CExpression, DeclaredName, c_name
 
 
 class ChannelCode:
@@ -27,7 +27,7 @@ class ChannelCode:
             member = f"{c_name(field.layout.name)}.{c_name(field.name)}"
             self.compared.append((member, context.scope.expression_of(field.width)))
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names of the struct, its functions and its macros."""
         path = ("interfaces", self._context.interface.name, "channels")
         functions = ["bits", "decode", "verdict", "receive"]

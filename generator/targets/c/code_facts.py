@@ -10,7 +10,7 @@ from ...model import Biss, CableLength, Clock, Clocked, Interface, Ssi, Timeout,
 from ...model.order_codes import facts_for_code, repeated_names
 from ...model.record import dataclass
 from .context import Context, Macro, timing_macros
-from .names import Declared, number
+from .names import DeclaredName, number
 from .variants import CodeRow
 
 
@@ -99,7 +99,7 @@ class CodeFacts:
         }
         return listed(subject for subject, depends_on_code in subjects.items() if depends_on_code)
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names of its macros and functions at file scope, each with the path of the interface."""
         path = ("interfaces", self._interface.name)
         yield from ((macro.name, path) for macro in self.macros)

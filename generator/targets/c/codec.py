@@ -15,7 +15,18 @@ from .crc_functions import BitsCrc, WordCrc, fold_operations
 from .decode import Decoder
 from .encode import Encoder
 from .enumerations import AlternativeCode, alternatives_in
-from .names import CExpression, CName, CNumber, COperation, Declared, c_name, join_operands, number, string, unsigned
+from .names import (
+    CExpression,
+    CName,
+    CNumber,
+    COperation,
+    DeclaredName,
+    c_name,
+    join_operands,
+    number,
+    string,
+    unsigned,
+)
 from .structs import Struct
 
 
@@ -42,7 +53,7 @@ class StructCodec:
         if struct.register is None:
             self.reports = struct.context.reports.of(struct.layout, self.name, self.type)
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         for name in self._yield_names():
             yield name, self.struct.path
 

@@ -11,7 +11,7 @@ from .about import about_crc
 from .codec import StructCodec
 from .comments import Paragraph
 from .context import Context
-from .names import Declared, unsigned
+from .names import DeclaredName, unsigned
 from .structs import covers_32_bits
 
 
@@ -30,7 +30,7 @@ class CrcCode:
     #: The type of the bits that a function over bits takes.
     data_type: str
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         if self.is_called:
             yield self.name, ("crcs", self.crc.name)
         if self.table:

@@ -29,7 +29,7 @@ from .comments import HEADER_STYLE, Paragraph
 from .context import Context, timing_macros
 from .crc_code import CrcCode, crc_code
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import BY_VALUE, Declared, HeaderNames, Passing, c_name, errata_page_name
+from .names import BY_VALUE, DeclaredName, HeaderNames, Passing, c_name, errata_page_name
 from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
 from .reading import ReadCode
@@ -41,7 +41,7 @@ _Built = TypeVar("_Built")
 
 
 class _Declaring(Protocol):
-    def declared(self) -> Iterator[Declared]: ...
+    def declared(self) -> Iterator[DeclaredName]: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +196,7 @@ class DeviceView:
     def names(self) -> HeaderNames:
         return HeaderNames(self._yield_declared())
 
-    def _yield_declared(self) -> Iterator[Declared]:
+    def _yield_declared(self) -> Iterator[DeclaredName]:
         """Yield all names in the headers, each with the part of the spec that it comes from."""
         yield f"{self.PREFIX}_H", ()
         yield f"{self.PREFIX}_HPP", ()

@@ -37,7 +37,7 @@ from .names import (
     CNumber,
     Conditional,
     COperation,
-    Declared,
+    DeclaredName,
     Scope,
     c_name,
     join_operands,
@@ -78,7 +78,7 @@ class Enumeration:
     def names(self) -> Mapping[int, str]:
         return {constant.value: constant.name for constant in self.entries}
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         yield self.type, self.path
         for constant in self.entries:
             yield constant.name, self.path
@@ -211,7 +211,7 @@ class AlternativeCode:
         about = HEADER_STYLE.sentence(statement(parameter.meaning, source=parameter.source))
         return AnsweredBy(f"{prefix}_{parameter.name}", about, self._express_parameter(parameter.name))
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield its declarations at file scope."""
         yield from self.enumeration.declared()
         yield from ((function.name, self.enumeration.path) for function in self.functions)
@@ -396,7 +396,7 @@ class Reports:
         )
         self._by_frame = reportings(device)
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names that it declares at file scope."""
         if self.all and self.enumeration.is_enum:
             yield self.enumeration.type, ()

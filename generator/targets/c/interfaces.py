@@ -42,7 +42,7 @@ from .code_facts import (
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
 from .context import Context, Macro, timing_macros
-from .names import CExpression, Declared, c_name, number
+from .names import CExpression, DeclaredName, c_name, number
 from .structs import Struct
 
 _PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}
@@ -109,7 +109,7 @@ class InterfaceCode:
         )
         self.codecs = tuple(self._build_codec(context, layout) for layout in interface.layouts)
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with its path in the spec.
 
         The codecs yield the names of their layouts.

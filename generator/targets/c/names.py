@@ -48,7 +48,7 @@ _WORDS = {
 
 #: A name at file scope, and the part of the spec that it comes from, empty for names that every header has.
 #: Each part of a header lists its names in ``declared()``.
-Declared = tuple[str, Path]
+DeclaredName = tuple[str, Path]
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def describe_path(path: Path) -> str:
 class HeaderNames:
     """The names of one header. A name belongs to the first part that declares it. Any other part is a clash."""
 
-    def __init__(self, declared: Iterable[Declared]) -> None:
+    def __init__(self, declared: Iterable[DeclaredName]) -> None:
         self.paths: dict[str, Path] = {}
         self.clashes: list[Clash] = []
         for name, path in declared:

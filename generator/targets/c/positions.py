@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
 from .context import Context, Function, wide_number_function
-from .names import CCast, CExpression, CNumber, Declared, Scope
+from .names import CCast, CExpression, CNumber, DeclaredName, Scope
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class AnglePositions:
             yield from functions.names
         yield from ("turns", "degrees")
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         yield from ((f"{self.prefix}_{name}", ()) for name in self.names)
 
 
@@ -80,7 +80,7 @@ class LengthPositions:
             yield from functions.names
         yield from (self.unit, "millimetres")
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         yield from ((f"{self.prefix}_{name}", ()) for name in self.names)
 
 

@@ -36,7 +36,7 @@ from .names import (
     CExpression,
     CName,
     CNumber,
-    Declared,
+    DeclaredName,
     c_name,
     masked,
     shifted_left,
@@ -202,7 +202,7 @@ class ProcedureCode:
                     return True
         return False
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         for name in (self.steps, self.count_macro, self.function, self.read_type):
             if name:
                 yield name, ("procedures", self.run.procedure.name)

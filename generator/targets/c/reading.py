@@ -8,7 +8,7 @@ from ...model import Spi
 from .codec import StructCodec
 from .context import Context
 from .enumerations import AlternativeCode
-from .names import Declared
+from .names import DeclaredName
 from .variants import LengthCode
 
 
@@ -26,7 +26,7 @@ class ReadCode:
         self._lengths = lengths
         self.macro = f"{context.PREFIX}_READ"
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names of the macros and of the function that reads twice. Without a frame, there are no macros."""
         if self.frame is not None:
             path = ("interfaces", self._context.interface.name)

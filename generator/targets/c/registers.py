@@ -29,7 +29,7 @@ from .about import about_access, about_alarm, about_member, about_register, tabl
 from .codec import StructCodec
 from .comments import Paragraph
 from .context import Context, Function, Macro, number_function
-from .names import CExpression, CName, Declared, number
+from .names import CExpression, CName, DeclaredName, number
 from .names import CNumber as NumberExpr
 from .structs import Struct
 
@@ -120,7 +120,7 @@ class AlarmCode:
         self.about = about_alarm(context.device, alarm)
         self.macros = tuple(_alarm_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         for macro in self.macros:
             yield macro.name, ("alarms", self.alarm.name)
 
@@ -208,7 +208,7 @@ class RegisterCode:
         self.limits = tuple(self._find_limits(meaning) for meaning in (None, *register.meanings))
         self.explained = tuple(self._yield_explaining_bits())
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with its path in the spec."""
         for name in self._yield_names():
             yield name, ("registers", self.register.name)
@@ -398,7 +398,7 @@ class IdentityCode:
                 return True
         return False
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         for ending in ("identity", "could_be", "next_candidate", "read_identity"):
             yield f"{self.prefix}_{ending}", ()
 

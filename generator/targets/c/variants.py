@@ -26,7 +26,7 @@ from .names import (
     CNumber,
     Conditional,
     COperation,
-    Declared,
+    DeclaredName,
     c_name,
     join_operands,
     number,
@@ -148,7 +148,7 @@ class Taker:
         self.bytes = c_name(register.name, _TAKEN)
         self.access = access
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         yield self.name, ()
 
     def _yield_locals(self) -> Iterator[tuple[str, str, CExpression]]:
@@ -191,7 +191,7 @@ class VariantCode:
         self.patterns = open_codes(self.device)
         self.about = about_order_codes(self.device)
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with its path in the spec. Names that every header has have none."""
         yield self.context.prefix, ()
         for name in ("order_code", "order_codes", "find_order_code"):
@@ -349,7 +349,7 @@ class LengthCode:
         name_parts += [answer.name for answer in frame.answers]
         return "_".join(name_parts).upper()
 
-    def declared(self) -> Iterator[Declared]:
+    def declared(self) -> Iterator[DeclaredName]:
         """Yield the names of its macros at file scope, each with the path of the interface in the spec."""
         path = ("interfaces", self.interface.name)
         for macro in self.macros:
