@@ -52,7 +52,7 @@ DeclaredName = tuple[str, Path]
 
 
 @dataclass(frozen=True)
-class Clash:
+class NameClash:
     """Two parts of a spec with the same name in C. ``other`` is empty for names that every header has."""
 
     name: str
@@ -83,15 +83,15 @@ class HeaderNames:
 
     def __init__(self, declared: Iterable[DeclaredName]) -> None:
         self.paths: dict[str, Path] = {}
-        self.clashes: list[Clash] = []
+        self.clashes: list[NameClash] = []
         for name, path in declared:
             if name not in self.paths:
                 self.paths[name] = path
             elif path:
-                self.clashes.append(Clash(name, path, self.paths[name]))
+                self.clashes.append(NameClash(name, path, self.paths[name]))
             else:
                 # Every header declares this name, so the earlier part is the one to rename.
-                self.clashes.append(Clash(name, self.paths[name], ()))
+                self.clashes.append(NameClash(name, self.paths[name], ()))
 
 
 def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
@@ -116,7 +116,7 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
         yield from ((c_name(argument.name), ("procedures", procedure.name)) for argument in procedure.arguments)
 
 
-def clashes(headers: Iterable[tuple[Device, HeaderNames]]) -> Iterator[tuple[Device, Clash]]:
+def clashes(headers: Iterable[tuple[Device, HeaderNames]]) -> Iterator[tuple[Device, NameClash]]:
     """Yield every clash within these headers, and between families, with the device in whose spec it is.
 
     An inner name clashes with a name that an earlier header or its own declares at file scope. The name of a
@@ -125,17 +125,17 @@ def clashes(headers: Iterable[tuple[Device, HeaderNames]]) -> Iterator[tuple[Dev
     declared_paths: dict[str, Path] = {}
     for device, names in headers:
         if device.manufacturer.name in TAKEN:
-            yield device, Clash(device.manufacturer.name, ("manufacturer",), ())
+            yield device, NameClash(device.manufacturer.name, ("manufacturer",), ())
         for clash in names.clashes:
             yield device, clash
         for name, path in names.paths.items():
             if name in declared_paths:
-                yield device, Clash(name, path or ("device",), declared_paths[name])
+                yield device, NameClash(name, path or ("device",), declared_paths[name])
             # For the families that follow, a name belongs to the family rather than to a part of it.
             declared_paths[name] = ("device", device.name)
         for name, path in inner_names(device):
             if name in declared_paths:
-                yield device, Clash(name, path, ())
+                yield device, NameClash(name, path, ())
 
 
 _PLAIN = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter not in '"\\?')
