@@ -12,7 +12,7 @@ from ...plan.frames import held_parameters
 from ...say.order_code import timing as say_timing
 from .comments import HEADER_STYLE
 from .enumerations import AlternativeCode, Enumerations, Reports
-from .names import BY_VALUE, CCast, CExpression, Passing, Scope, number, unsigned
+from .names import BY_VALUE, CCast, CExpression, Scope, StructPassing, number, unsigned
 
 
 class Context:
@@ -22,7 +22,7 @@ class Context:
     The device has only this interface. ``prefix`` begins every name, and is the type of the order codes.
     """
 
-    def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
+    def __init__(self, device: Device, passing: StructPassing = BY_VALUE) -> None:
         self.device = device
         self.passing = passing
         self.maker = device.manufacturer

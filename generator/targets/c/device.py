@@ -29,7 +29,7 @@ from .comments import HEADER_STYLE, Paragraph
 from .context import Context, timing_macros
 from .crc_code import CrcCode, crc_code
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import BY_VALUE, DeclaredName, HeaderNames, Passing, c_name, errata_page_name
+from .names import BY_VALUE, DeclaredName, HeaderNames, StructPassing, c_name, errata_page_name
 from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
 from .reading import ReadCode
@@ -76,7 +76,7 @@ class DeviceView:
     ``device`` contains only this interface, and only its order codes.
     """
 
-    def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
+    def __init__(self, device: Device, passing: StructPassing = BY_VALUE) -> None:
         self.device = device
         self.context = context = Context(device, passing)
         self.parameter = passing.parameter
@@ -357,7 +357,7 @@ def manual_title(device: Device) -> str:
     return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{compared})'
 
 
-def views_of(device: Device, passing: Passing = BY_VALUE) -> Sequence[DeviceView]:
+def views_of(device: Device, passing: StructPassing = BY_VALUE) -> Sequence[DeviceView]:
     """Return the interfaces of a family, in the order of the spec. The last families are remembered.
 
     Raises:
@@ -372,10 +372,10 @@ def views_of(device: Device, passing: Passing = BY_VALUE) -> Sequence[DeviceView
 
 
 #: Families are compared by identity, because comparing their members takes longer than making their views.
-_LATEST: deque[tuple[Device, Passing, Sequence[DeviceView]]] = deque(maxlen=8)
+_LATEST: deque[tuple[Device, StructPassing, Sequence[DeviceView]]] = deque(maxlen=8)
 
 
-def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
+def _views_of(device: Device, passing: StructPassing) -> Iterator[DeviceView]:
     """Yield each interface with only its own order codes, registers and parameters."""
     for interface in device.interfaces:
         codes = {variant.code for variant in device.variants_over(interface.name)}

@@ -50,7 +50,7 @@ from .names import (
     BY_ADDRESS,
     BY_VALUE,
     FOLDER,
-    Passing,
+    StructPassing,
     c_name,
     clashes,
     describe_path,
@@ -240,7 +240,7 @@ def _shared_files(
     return files
 
 
-def _choose_passing(options: Options) -> Passing:
+def _choose_passing(options: Options) -> StructPassing:
     return BY_ADDRESS if options.get(PASSING.name) == "address" else BY_VALUE
 
 
@@ -294,7 +294,9 @@ def _yield_headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Ca
         yield f"{view.maker.name}/{part.file}", text_function
 
 
-def _single_headers(device: Device, library: Library, passing: Passing) -> Iterator[tuple[str, Callable[[], str]]]:
+def _single_headers(
+    device: Device, library: Library, passing: StructPassing
+) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of the header of each order code, and a function for its text."""
 
     def text(view: DeviceView) -> str:

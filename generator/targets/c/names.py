@@ -307,7 +307,7 @@ def join_operands(operator: str, operands: tuple[CExpression, ...]) -> CExpressi
 
 
 @dataclass(frozen=True, slots=True)
-class Passing:
+class StructPassing:
     """The spelling of structures that functions receive: by value, or by address for compilers that cannot do this."""
 
     by_address: bool = False
@@ -322,8 +322,8 @@ class Passing:
         return f"{parameter}{'->' if self.by_address else '.'}{member}"
 
 
-BY_VALUE = Passing()
-BY_ADDRESS = Passing(by_address=True)
+BY_VALUE = StructPassing()
+BY_ADDRESS = StructPassing(by_address=True)
 
 
 @dataclass(frozen=True)
@@ -337,7 +337,7 @@ class Scope:
     prefix: str
     largest: Mapping[str, int]
     answers: Mapping[str, str]
-    passing: Passing = BY_VALUE
+    passing: StructPassing = BY_VALUE
 
     def atom(self, parameter: str) -> CExpression:
         """Return a parameter: a function of an answer, a member of the variant, or a function of the variant."""

@@ -21,7 +21,7 @@ from .comments import COLUMNS, break_lines
 from .context import timing_macros
 from .declarations import Declaration, declarations_in, declarations_needed_by, names_of, without_settings
 from .device import DeviceView, views_of
-from .names import Passing
+from .names import StructPassing
 from .runtime_texts import runtime_headers, runtime_version
 
 TEMPLATE = "single.h.jinja"
@@ -318,7 +318,7 @@ def single_path(maker: Manufacturer, order_code: str) -> str:
     return f"{maker.name}_{identifier(order_code)}.h"
 
 
-def single_views(device: Device, passing: Passing) -> Iterator[DeviceView]:
+def single_views(device: Device, passing: StructPassing) -> Iterator[DeviceView]:
     """Yield a view of the device for each of its order codes."""
     for variant in device.variants:
         yield from views_of(for_codes(device, {variant.code}), passing)
