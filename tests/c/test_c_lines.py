@@ -13,7 +13,7 @@ from codewheel.targets.c.names import (
     CNumber,
     Conditional,
     COperation,
-    Scope,
+    ParameterSpelling,
     join_operands,
     masked,
     shifted_left,
@@ -98,6 +98,6 @@ def test_operations_within_others_stand_in_parentheses(tree: CExpression, text: 
     ],
 )  # fmt: skip
 def test_parameters_are_members_of_the_variant_or_functions_of_it(text: str, unsigned: str, signed: str) -> None:
-    scope = Scope("m_d", {"set": 255}, {})
+    scope = ParameterSpelling("m_d", {"set": 255}, {})
     assert str(scope.expression_of(Expression.parse(text))) == unsigned
     assert str(scope.signed(Expression.parse(text))) == signed

@@ -19,7 +19,7 @@ from .names import (
     CName,
     CNumber,
     COperation,
-    Scope,
+    ParameterSpelling,
     join_operands,
     masked,
     shifted_left,
@@ -66,7 +66,7 @@ class Reader:
     """Expressions that extract the fields of a layout: from the word if there is one, otherwise from the bytes."""
 
     plan: LayoutPlan
-    scope: Scope
+    scope: ParameterSpelling
     #: Number of bits in the type of the word that a decoder takes.
     word_size: int = 64
     #: Whether the bits are those of the word as sent, rather than those after the conversion of Gray code.

@@ -12,7 +12,7 @@ from ...plan.frames import held_parameters
 from ...say.order_code import timing as say_timing
 from .comments import HEADER_STYLE
 from .enumerations import AlternativeCode, Enumerations, Reports
-from .names import BY_VALUE, CCast, CExpression, Scope, StructPassing, number, unsigned
+from .names import BY_VALUE, CCast, CExpression, ParameterSpelling, StructPassing, number, unsigned
 
 
 class Context:
@@ -37,7 +37,7 @@ class Context:
         for alternative in self.alternatives:
             # All answers of an alternative set the same parameters.
             argument_by_parameter |= dict.fromkeys(alternative.alternative.answers[0].sets, alternative.argument)
-        self.scope = Scope(
+        self.scope = ParameterSpelling(
             prefix=self.prefix, largest=_largest_values(device), answers=argument_by_parameter, passing=passing
         )
         self.enumerations = Enumerations(device, self.prefix)
@@ -100,7 +100,7 @@ class Function:
     uses_variant: bool
 
 
-def number_function(scope: Scope, name: str, expression: Expression, largest: int, about: str) -> Function:
+def number_function(scope: ParameterSpelling, name: str, expression: Expression, largest: int, about: str) -> Function:
     """Build a function for numbers up to ``largest``, in 32 bits if they and all intermediate results fit.
 
     ``about`` is the comment on the function.
@@ -116,7 +116,7 @@ def number_function(scope: Scope, name: str, expression: Expression, largest: in
     return Function(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
 
 
-def wide_number_function(scope: Scope, name: str, expression: Expression, about: str) -> Function:
+def wide_number_function(scope: ParameterSpelling, name: str, expression: Expression, about: str) -> Function:
     """Build a function for numbers of 64 bits."""
     value = scope.expression_of(expression)
     # A power of two is computed in 64 bits, and so is what follows it.

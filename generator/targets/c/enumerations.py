@@ -38,7 +38,7 @@ from .names import (
     Conditional,
     COperation,
     DeclaredName,
-    Scope,
+    ParameterSpelling,
     c_name,
     join_operands,
     masked,
@@ -370,7 +370,7 @@ class Reports:
     """All reports of a family, or a TargetError if there are more than 64. ``mask`` is the type with a bit for each."""
 
     def __init__(
-        self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration], scope: Scope
+        self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration], scope: ParameterSpelling
     ) -> None:
         self.all = reports_of(device)
         self._choices = choices
@@ -448,7 +448,7 @@ def _report_note(device: Device, report: NumberedReport) -> str:
     return HEADER_STYLE.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
 
 
-def _express_condition(scope: Scope, parameter_condition: CodeCondition) -> CExpression:
+def _express_condition(scope: ParameterSpelling, parameter_condition: CodeCondition) -> CExpression:
     """Return the condition on a parameter of the order code: ``variant.has_x != 0U``, or ``== 0U`` if not ``holds``."""
     operator = "!=" if parameter_condition.holds else "=="
     return COperation(operator, (scope.member(parameter_condition.parameter), CNumber(0)))

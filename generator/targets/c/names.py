@@ -327,7 +327,7 @@ BY_ADDRESS = StructPassing(by_address=True)
 
 
 @dataclass(frozen=True)
-class Scope:
+class ParameterSpelling:
     """The spelling of parameters: set parameters are members of the variant, others are functions of it.
 
     ``largest`` contains the highest values of the parameters that an order code sets. A parameter that depends on an

@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
 from .context import Context, Function, wide_number_function
-from .names import CCast, CExpression, CNumber, DeclaredName, Scope
+from .names import CCast, CExpression, CNumber, DeclaredName, ParameterSpelling
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +189,7 @@ def _build_modulus(context: Context, position_range: PositionRange, name: str) -
     return wide_number_function(context.scope, name=name, expression=measurement.modulus, about=about)
 
 
-def _cast_to_signed(scope: Scope, expression: Expression) -> CExpression:
+def _cast_to_signed(scope: ParameterSpelling, expression: Expression) -> CExpression:
     """Return an expression as a number with a sign, such as ``(int64_t)variant.step``."""
     if expression.is_constant:
         return CNumber(expression.constant, signed=True)
