@@ -61,7 +61,7 @@ class Usage:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class HeaderPart:
     """A header that only some users of an interface need. ``includes`` lists the headers that it needs itself."""
 
     name: str
@@ -150,7 +150,7 @@ class DeviceView:
         return f"{self.maker.name}/{self.stem}.h"
 
     @property
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[HeaderPart]:
         """The other headers. Each includes the first header, and its other dependencies."""
         first_header = self.header
         encoder_header = "codewheel/encoder.h"
@@ -174,8 +174,8 @@ class DeviceView:
         parts.append(self._build_part("simulate", "the encoder's side, for simulators and tests", first_header))
         return parts
 
-    def _build_part(self, name: str, about: str, *includes: str) -> Part:
-        return Part(name=name, file=f"{self.stem}_{name}.h", about=about, includes=includes)
+    def _build_part(self, name: str, about: str, *includes: str) -> HeaderPart:
+        return HeaderPart(name=name, file=f"{self.stem}_{name}.h", about=about, includes=includes)
 
     @property
     def headers(self) -> list[str]:

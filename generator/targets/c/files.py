@@ -43,7 +43,7 @@ from .comments import (
 )
 from .crc_functions import FoldOperation
 from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
-from .device import DeviceView, Part, views_of
+from .device import DeviceView, HeaderPart, views_of
 from .errata_page import ERRATA_TEMPLATE, ErrataPage, errata_files
 from .examples import ExampleCode
 from .names import (
@@ -178,7 +178,7 @@ class FamilyHeader(Family):
 
 
 class PartHeader(Family):
-    further: Annotated[Part, "the header that the template generates, such as that of the registers"]
+    further: Annotated[HeaderPart, "the header that the template generates, such as that of the registers"]
 
 
 class Receiver(Family):
