@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model import ChannelFrame, channel_frame, first_of
 from .codec import StructCodec
-from .context import Context
+from .context import HeaderContext
 from .names import CExpression, DeclaredName, c_name
 
 
@@ -16,7 +16,7 @@ class ChannelCode:
     ``compared`` contains the member and the width of each compared field.
     """
 
-    def __init__(self, context: Context, frame: ChannelFrame, codecs: Sequence[StructCodec]) -> None:
+    def __init__(self, context: HeaderContext, frame: ChannelFrame, codecs: Sequence[StructCodec]) -> None:
         self._context = context
         self._frame = frame
         self.type = f"{context.prefix}_channels"
@@ -79,7 +79,7 @@ class ChannelCode:
         return [codec for codec in others if codec.reports is not None and codec.reports.verdict]
 
 
-def channel_code(context: Context, codecs: Sequence[StructCodec]) -> ChannelCode | None:
+def channel_code(context: HeaderContext, codecs: Sequence[StructCodec]) -> ChannelCode | None:
     """Return the frame with all data channels of an interface, or None if there is none."""
     frame = channel_frame(context.interface)
     return ChannelCode(context, frame, codecs) if frame is not None else None

@@ -9,7 +9,7 @@ from ...language.problems import listed
 from ...model import Biss, CableLength, Clock, Clocked, Interface, Ssi, Timeout, Timing, cite
 from ...model.order_codes import facts_for_code, repeated_names
 from ...model.record import dataclass
-from .context import Context, Macro, timing_macros
+from .context import HeaderContext, Macro, timing_macros
 from .names import DeclaredName, number
 from .variants import CodeRow
 
@@ -80,7 +80,7 @@ class CodeFacts:
     each order code is another name of it.
     """
 
-    def __init__(self, context: Context, interface: Interface, code_rows: Sequence[CodeRow]) -> None:
+    def __init__(self, context: HeaderContext, interface: Interface, code_rows: Sequence[CodeRow]) -> None:
         self._context = context
         self._interface = interface
         self.clock_limits: list[ClockLimitFunction] = []

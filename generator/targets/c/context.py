@@ -15,7 +15,7 @@ from .enumerations import AlternativeCode, Enumerations, Reports
 from .names import BY_VALUE, CCast, CExpression, ParameterSpelling, StructPassing, number, unsigned
 
 
-class Context:
+class HeaderContext:
     """The values that all parts of the headers of an interface share. The class imports no part, and its values never
     change.
 

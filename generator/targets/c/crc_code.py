@@ -10,7 +10,7 @@ from ...plan.crcs import CoveredData, CrcFunction, CrcMethod, byte_table, carrie
 from .about import about_crc
 from .codec import StructCodec
 from .comments import Paragraph
-from .context import Context
+from .context import HeaderContext
 from .names import DeclaredName, unsigned
 from .structs import covers_32_bits
 
@@ -71,7 +71,7 @@ class CrcCode:
         return self.crc.refout != self.is_reflected
 
 
-def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
+def crc_code(context: HeaderContext, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
     """Return the function of a CRC. It has a table only if its form needs one and a codec uses it.
 
     A codec with a CRC for words does not call the function, and uses only the table.

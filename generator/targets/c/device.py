@@ -26,7 +26,7 @@ from .chosen import chosen_variant
 from .code_facts import CodeFacts
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
-from .context import Context, timing_macros
+from .context import HeaderContext, timing_macros
 from .crc_code import CrcCode, crc_code
 from .interfaces import InterfaceCode, ReplyRequest
 from .names import BY_VALUE, DeclaredName, HeaderNames, StructPassing, c_name, errata_page_name
@@ -78,7 +78,7 @@ class DeviceView:
 
     def __init__(self, device: Device, passing: StructPassing = BY_VALUE) -> None:
         self.device = device
-        self.context = context = Context(device, passing)
+        self.context = context = HeaderContext(device, passing)
         self.parameter = passing.parameter
         self.argument = passing.argument
         self.member = passing.member

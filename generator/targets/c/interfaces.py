@@ -41,7 +41,7 @@ from .code_facts import (
 )
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
-from .context import Context, Macro, timing_macros
+from .context import HeaderContext, Macro, timing_macros
 from .names import CExpression, DeclaredName, c_name, number
 from .structs import Struct
 
@@ -54,7 +54,7 @@ _KINDS = {"encoder": "reply", "master": "request"}
 class FrameTeller:
     """The functions that distinguish the frames of one sender, by bytes and by the value of the selecting field."""
 
-    def __init__(self, context: Context, prefix: str, dispatch: FrameDispatch) -> None:
+    def __init__(self, context: HeaderContext, prefix: str, dispatch: FrameDispatch) -> None:
         self.dispatch = dispatch
         self.by_bytes = f"{prefix}_{_KINDS[dispatch.sender]}_frame"
         self.by_value = f"{prefix}_{_KINDS[dispatch.sender]}_for"
@@ -90,7 +90,7 @@ class ReplyRequest:
 class InterfaceCode:
     """The values that the templates print for an interface. ``frames`` are those selected by a field."""
 
-    def __init__(self, context: Context, interface: Interface) -> None:
+    def __init__(self, context: HeaderContext, interface: Interface) -> None:
         self.device = context.device
         self.interface = interface
         self.prefix = context.prefix
@@ -202,7 +202,7 @@ class InterfaceCode:
     def frame_name(self, layout: Layout) -> str:
         return f"{self.upper}_FRAME_{layout.name}".upper()
 
-    def _build_codec(self, context: Context, layout: Layout) -> StructCodec:
+    def _build_codec(self, context: HeaderContext, layout: Layout) -> StructCodec:
         """Return the struct, decoder and encoder of a frame."""
         # The functions of the only frame of an interface need no further name.
         is_only_frame = len(self.interface.layouts) == 1 and not self.frame_selectors

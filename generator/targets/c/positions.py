@@ -8,7 +8,7 @@ from ...model import Layout, Measurement, cite
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
-from .context import Context, Function, wide_number_function
+from .context import Function, HeaderContext, wide_number_function
 from .names import CCast, CExpression, CNumber, DeclaredName, ParameterSpelling
 
 
@@ -87,13 +87,13 @@ class LengthPositions:
 Positions = AnglePositions | LengthPositions
 
 
-def positions(context: Context) -> Positions | None:
+def positions(context: HeaderContext) -> Positions | None:
     """Return the functions that convert the positions of the interface, if the manual gives their unit."""
     measurement = context.device.measurement_of(context.interface.name)
     return _build_positions(context, measurement) if measurement is not None else None
 
 
-def _build_positions(context: Context, measurement: Measurement) -> Positions | None:
+def _build_positions(context: HeaderContext, measurement: Measurement) -> Positions | None:
     """Return the conversions to angles or to lengths, or None if the manual gives no unit."""
     if measurement.counts_per_turn is not None:
         return _angle_positions(context, measurement, measurement.counts_per_turn)
@@ -104,7 +104,7 @@ def _build_positions(context: Context, measurement: Measurement) -> Positions | 
     return None
 
 
-def _angle_positions(context: Context, measurement: Measurement, counts_per_turn: Expression) -> AnglePositions:
+def _angle_positions(context: HeaderContext, measurement: Measurement, counts_per_turn: Expression) -> AnglePositions:
     """Return the functions that convert counts to turns and degrees."""
     ranges = position_ranges(context.device, context.interface)
     where = f"[{cite(measurement.source)}]"
@@ -124,7 +124,7 @@ def _angle_positions(context: Context, measurement: Measurement, counts_per_turn
 
 
 def _length_positions(
-    context: Context, measurement: Measurement, step: Expression, *, unit: str, per_mm: int
+    context: HeaderContext, measurement: Measurement, step: Expression, *, unit: str, per_mm: int
 ) -> LengthPositions:
     """Return the functions that convert counts to lengths, with a step in ``unit``."""
     ranges = position_ranges(context.device, context.interface)
@@ -142,7 +142,7 @@ def _length_positions(
     )
 
 
-def _range_functions(context: Context, ranges: Sequence[PositionRange]) -> Iterator[RangeFunctions]:
+def _range_functions(context: HeaderContext, ranges: Sequence[PositionRange]) -> Iterator[RangeFunctions]:
     """Yield the functions of the only range, or the functions of each frame if there are several ranges.
 
     A range in which the distance between two positions is unknown has no functions.
@@ -158,7 +158,7 @@ def _range_functions(context: Context, ranges: Sequence[PositionRange]) -> Itera
 
 
 def _functions_of_range(
-    context: Context, position_range: PositionRange, *, scope: str, layouts: tuple[Layout, ...]
+    context: HeaderContext, position_range: PositionRange, *, scope: str, layouts: tuple[Layout, ...]
 ) -> RangeFunctions:
     """Return the functions for one range. ``scope`` is a part of their names: ``acme_x_ssi_`` and then ``scope``."""
     turns = position_range.measurement.turns
@@ -174,7 +174,7 @@ def _functions_of_range(
     )
 
 
-def _build_modulus(context: Context, position_range: PositionRange, name: str) -> Function | None:
+def _build_modulus(context: HeaderContext, position_range: PositionRange, name: str) -> Function | None:
     """Return the function for the number of counts after which a length wraps around, or None if there is no number."""
     measurement = position_range.measurement
     is_signed = position_range.signed_field is not None

@@ -30,7 +30,7 @@ from ...plan.steps import (
 from .. import TargetError
 from .about import about_argument, about_procedure, about_run, note_of_read, note_of_step
 from .comments import Paragraph
-from .context import Context
+from .context import HeaderContext
 from .names import (
     CCast,
     CExpression,
@@ -133,7 +133,7 @@ class ProcedureCode:
     """A procedure. ``function`` is the function that carries it out, ``steps`` the function that returns its steps."""
 
     def __init__(
-        self, context: Context, registers: Mapping[str, RegisterCode], read_state: str, procedure: Procedure
+        self, context: HeaderContext, registers: Mapping[str, RegisterCode], read_state: str, procedure: Procedure
     ) -> None:
         self.context = context
         self.registers = registers

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ...model import Spi
 from .codec import StructCodec
-from .context import Context
+from .context import HeaderContext
 from .enumerations import AlternativeCode
 from .names import DeclaredName
 from .variants import LengthCode
@@ -19,7 +19,9 @@ class ReadCode:
     ``reads_twice`` is true if no CRC protects it, so that two frames must agree.
     """
 
-    def __init__(self, context: Context, frame: StructCodec | None, lengths: LengthCode, *, reads_twice: bool) -> None:
+    def __init__(
+        self, context: HeaderContext, frame: StructCodec | None, lengths: LengthCode, *, reads_twice: bool
+    ) -> None:
         self.frame = frame
         self.reads_twice = reads_twice
         self._context = context

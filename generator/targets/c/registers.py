@@ -28,7 +28,7 @@ from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
 from .codec import StructCodec
 from .comments import Paragraph
-from .context import Context, Function, Macro, number_function
+from .context import Function, HeaderContext, Macro, number_function
 from .names import CExpression, CName, DeclaredName, number
 from .names import CNumber as NumberExpr
 from .structs import Struct
@@ -115,7 +115,7 @@ def state_registers(device: Device) -> list[str]:
 class AlarmCode:
     """The values that the templates print for an alarm."""
 
-    def __init__(self, context: Context, alarm: Alarm) -> None:
+    def __init__(self, context: HeaderContext, alarm: Alarm) -> None:
         self.alarm = alarm
         self.about = about_alarm(context.device, alarm)
         self.macros = tuple(_alarm_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
@@ -189,7 +189,7 @@ class ExplainingBits:
 class RegisterCode:
     """The values that the templates print for a register. ``codec`` is None if the byte itself is the value."""
 
-    def __init__(self, context: Context, register: Register) -> None:
+    def __init__(self, context: HeaderContext, register: Register) -> None:
         self.context = context
         self.device = context.device
         self.scope = context.scope
@@ -403,7 +403,7 @@ class IdentityCode:
             yield f"{self.prefix}_{ending}", ()
 
 
-def identity_codes(context: Context, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
+def identity_codes(context: HeaderContext, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
     """Yield the identifying registers of each interface that has any. ``codes`` are all registers by name."""
     for identity in identities(context.device):
         compared = tuple(codes[comparison.register.name] for comparison in identity.compared)

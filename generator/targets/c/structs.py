@@ -20,7 +20,7 @@ from ...plan.values import (
 )
 from .. import TargetError
 from .bits import Reader, Unused
-from .context import Context, Macro, scale_macros
+from .context import HeaderContext, Macro, scale_macros
 from .enumerations import Enumeration
 from .names import (
     CCast,
@@ -44,7 +44,7 @@ class Struct:
     """One layout, its names and its types. A register of one plain byte also has a struct, which is not printed."""
 
     def __init__(
-        self, context: Context, layout: Layout, name: str, length_macro: str, register: Register | None = None
+        self, context: HeaderContext, layout: Layout, name: str, length_macro: str, register: Register | None = None
     ) -> None:
         self.context = context
         self.device = context.device
@@ -240,7 +240,7 @@ def covers_32_bits(crc: FrameCrc) -> bool:
     return crc.covered.is_constant and crc.covered.constant <= 32
 
 
-def word_size(context: Context, layout: Layout) -> int:
+def word_size(context: HeaderContext, layout: Layout) -> int:
     """Return the number of bits in the type of a frame's word.
 
     A word over SPI has the smallest type for its bits, since a master exchanges it as a whole. Other words have 64

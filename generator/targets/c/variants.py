@@ -18,7 +18,7 @@ from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
 from .bits import of_bytes
-from .context import Context, Function, Macro, number_function
+from .context import Function, HeaderContext, Macro, number_function
 from .names import (
     CCast,
     CExpression,
@@ -42,7 +42,7 @@ _TAKEN = frozenset(("failure", "result", "taken", "transport", "variant"))
 class HeldValue:
     """A parameter held by a register, and its local."""
 
-    def __init__(self, context: Context, parameter_in_register: HeldParameter) -> None:
+    def __init__(self, context: HeaderContext, parameter_in_register: HeldParameter) -> None:
         parameter = parameter_in_register.parameter
         field = parameter_in_register.field
         if not field.pieces:
@@ -136,7 +136,7 @@ def _switch_case(code: int, held_values: Sequence[HeldValue]) -> tuple[str, tupl
 class Taker:
     """The function that updates a variant from the content of a register."""
 
-    def __init__(self, context: Context, register_parameters: HoldingRegister, access: Access) -> None:
+    def __init__(self, context: HeaderContext, register_parameters: HoldingRegister, access: Access) -> None:
         register = register_parameters.register
         self.name = f"{context.prefix}_take_{register.name}"
         parameter_names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
@@ -177,7 +177,7 @@ class CodeRow:
 class VariantCode:
     """The order codes of a family over one interface, and the functions for derived parameters."""
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, context: HeaderContext) -> None:
         self.context = context
         self.device = context.device
         self.parameters = self.device.set_parameters
@@ -283,7 +283,7 @@ class LengthCode:
     """The lengths of one interface, empty if a peripheral receives its frames."""
 
     def __init__(
-        self, context: Context, interface: Interface, code_rows: Sequence[CodeRow], sample_row: CodeRow
+        self, context: HeaderContext, interface: Interface, code_rows: Sequence[CodeRow], sample_row: CodeRow
     ) -> None:
         self.interface = interface
         received_frames = list(received_sizes(context.device, interface))
