@@ -90,7 +90,7 @@ def _largest_values(device: Device) -> dict[str, int]:
 
 
 @dataclass(frozen=True, slots=True)
-class Function:
+class CFunction:
     """A function that returns one expression. ``uses_variant`` is True if the value depends on the order code."""
 
     name: str
@@ -100,7 +100,7 @@ class Function:
     uses_variant: bool
 
 
-def number_function(scope: ParameterSpelling, name: str, expression: Expression, largest: int, about: str) -> Function:
+def number_function(scope: ParameterSpelling, name: str, expression: Expression, largest: int, about: str) -> CFunction:
     """Build a function for numbers up to ``largest``, in 32 bits if they and all intermediate results fit.
 
     ``about`` is the comment on the function.
@@ -113,17 +113,17 @@ def number_function(scope: ParameterSpelling, name: str, expression: Expression,
     value = scope.expression_of(expression)
     if bits == 32 and scope.has_64_bits(expression):
         value = CCast("uint32_t", value)
-    return Function(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
+    return CFunction(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
 
 
-def wide_number_function(scope: ParameterSpelling, name: str, expression: Expression, about: str) -> Function:
+def wide_number_function(scope: ParameterSpelling, name: str, expression: Expression, about: str) -> CFunction:
     """Build a function for numbers of 64 bits."""
     value = scope.expression_of(expression)
     # A power of two is computed in 64 bits, and so is what follows it.
     has_64_bits = bool(expression.terms) and expression.terms[0].is_power
     if not has_64_bits:
         value = CCast("uint64_t", value)
-    return Function(name, type="uint64_t", value=value, about=about, uses_variant=not expression.is_constant)
+    return CFunction(name, type="uint64_t", value=value, about=about, uses_variant=not expression.is_constant)
 
 
 @dataclass(frozen=True, slots=True)

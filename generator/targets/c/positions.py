@@ -8,7 +8,7 @@ from ...model import Layout, Measurement, cite
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
-from .context import Function, HeaderContext, wide_number_function
+from .context import CFunction, HeaderContext, wide_number_function
 from .names import CCast, CExpression, CNumber, DeclaredName, ParameterSpelling
 
 
@@ -24,7 +24,7 @@ class RangeFunctions:
     scope: str
     is_signed: bool
     never_wraps: bool
-    modulus: Function | None
+    modulus: CFunction | None
     turns: CExpression | None
     one_turn: bool
     layouts: tuple[Layout, ...]
@@ -44,7 +44,7 @@ class AnglePositions:
     prefix: str
     where: str
     is_signed: bool
-    per_turn: Function
+    per_turn: CFunction
     ranges: tuple[RangeFunctions, ...]
 
     @property
@@ -174,7 +174,7 @@ def _functions_of_range(
     )
 
 
-def _build_modulus(context: HeaderContext, position_range: PositionRange, name: str) -> Function | None:
+def _build_modulus(context: HeaderContext, position_range: PositionRange, name: str) -> CFunction | None:
     """Return the function for the number of counts after which a length wraps around, or None if there is no number."""
     measurement = position_range.measurement
     is_signed = position_range.signed_field is not None

@@ -28,7 +28,7 @@ from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
 from .codec import StructCodec
 from .comments import Paragraph
-from .context import Function, HeaderContext, Macro, number_function
+from .context import CFunction, HeaderContext, Macro, number_function
 from .names import CExpression, CName, DeclaredName, number
 from .names import CNumber as NumberExpr
 from .structs import Struct
@@ -174,7 +174,7 @@ class Bounds:
     """The limits that are the same for all order codes, as macros with their values, and the others as functions."""
 
     macros: tuple[tuple[str, CExpression], ...]
-    functions: tuple[Function, ...]
+    functions: tuple[CFunction, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -340,7 +340,7 @@ class RegisterCode:
         name_of_limited = self.register.limits_of if meaning is None else words(meaning.name)
         stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
         macros: list[tuple[str, CExpression]] = []
-        functions: list[Function] = []
+        functions: list[CFunction] = []
         for ending, adjective, limit in (("min", "lowest", limits.low), ("max", "highest", limits.high)):
             if limit is None:
                 continue
@@ -352,7 +352,7 @@ class RegisterCode:
                 functions.append(self._limit_function(name, about, limit, is_signed=limits.signed))
         return Bounds(tuple(macros), tuple(functions))
 
-    def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> Function:
+    def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> CFunction:
         """Return the function for a limit that depends on the order code.
 
         With ``is_signed`` it returns an ``int64_t``. Otherwise the largest limit of all order codes, with all
@@ -360,7 +360,7 @@ class RegisterCode:
         """
         if is_signed:
             value = self.scope.signed(limit)
-            return Function(name, type="int64_t", value=value, about=about, uses_variant=True)
+            return CFunction(name, type="int64_t", value=value, about=about, uses_variant=True)
         unsigned_limits = [0]
         for variant in self.device.variants_over(self.register.interface):
             for parameters in parameters_at_run_time(self.device, variant):

@@ -18,7 +18,7 @@ from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
 from .bits import of_bytes
-from .context import Function, HeaderContext, Macro, number_function
+from .context import CFunction, HeaderContext, Macro, number_function
 from .names import (
     CCast,
     CExpression,
@@ -184,7 +184,7 @@ class VariantCode:
         #: Without those that the functions of positions return.
         measured = parameters_in_measurement(self.device)
         self._named = [parameter for parameter in self._in_order_of_use() if parameter.name not in measured]
-        self.derived: Sequence[Function] = [self._build_derived(parameter) for parameter in self._named]
+        self.derived: Sequence[CFunction] = [self._build_derived(parameter) for parameter in self._named]
         self.rows = [self._build_row(variant) for variant in self.device.variants]
         #: A macro with one bit for each open part of the order code.
         self.unlisted = list(self._unlisted_macros())
@@ -235,7 +235,7 @@ class VariantCode:
             ordered.append(waiting.pop(parameter.name))
         return ordered
 
-    def _build_derived(self, parameter: Parameter) -> Function:
+    def _build_derived(self, parameter: Parameter) -> CFunction:
         """Return the function that computes a derived parameter."""
         assert parameter.equals is not None
         name = f"{self.context.prefix}_{parameter.name}"
