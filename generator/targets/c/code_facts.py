@@ -9,7 +9,7 @@ from ...language.problems import listed
 from ...model import Biss, CableLength, Clock, Clocked, Interface, Ssi, Timeout, Timing, cite
 from ...model.order_codes import facts_for_code, repeated_names
 from ...model.record import dataclass
-from .context import HeaderContext, Macro, timing_macros
+from .context import CMacro, HeaderContext, timing_macros
 from .names import DeclaredName, number
 from .variants import CodeRow
 
@@ -105,13 +105,13 @@ class CodeFacts:
         yield from ((macro.name, path) for macro in self.macros)
         yield from ((name, path) for name in function_names(self.clock_limits, self.timeouts))
 
-    def _macros_of(self, row: CodeRow) -> Iterator[Macro]:
+    def _macros_of(self, row: CodeRow) -> Iterator[CMacro]:
         """Yield the macros of an order code, such as ``ACME_X_24_A_CLOCK_MAX_HZ``."""
         interface = self._interface
         code = row.variant.code
         if isinstance(interface, Clocked) and interface.clocks_by_code:
             for name, clock_hz, note in clock_limits(interface.clock_of(code)):
-                yield Macro(f"{row.macro}_{name}", number(clock_hz), note)
+                yield CMacro(f"{row.macro}_{name}", number(clock_hz), note)
         if isinstance(interface, Biss) and interface.timeouts_by_code:
             yield from self._timeout_macros(row, interface.timeout_of(code))
         if isinstance(interface, Ssi) and has_cables_by_code(interface):
@@ -119,7 +119,7 @@ class CodeFacts:
         for time in facts_for_code(self._times, code):
             yield from timing_macros(time, row.macro)
 
-    def _timeout_macros(self, row: CodeRow, timeout: Timeout | None) -> Iterator[Macro]:
+    def _timeout_macros(self, row: CodeRow, timeout: Timeout | None) -> Iterator[CMacro]:
         """Yield the macros of the time-out of an order code, and its function if the time-out depends on the clock.
 
         A new function is added to ``timeouts``. Order codes with the same rule share it.
@@ -127,16 +127,16 @@ class CodeFacts:
         if timeout is None:
             return
         for name, time_ns in timeout_limits(timeout):
-            yield Macro(f"{row.macro}_{name}", number(time_ns), "time-out in nanoseconds")
+            yield CMacro(f"{row.macro}_{name}", number(time_ns), "time-out in nanoseconds")
         product = timeout_product(timeout)
         if product:
             name_by_product = {function.product: function.name for function in self.timeouts}
             if product not in name_by_product:
                 name_by_product[product] = self._function_name("timeout_ns", row)
                 self.timeouts.append(TimeoutFunction(name_by_product[product], product))
-            yield Macro(f"{row.macro}_TIMEOUT_NS", name_by_product[product], "function that returns its time-out")
+            yield CMacro(f"{row.macro}_TIMEOUT_NS", name_by_product[product], "function that returns its time-out")
 
-    def _clock_limit_macros(self, row: CodeRow, cable_rows: tuple[CableLength, ...]) -> Iterator[Macro]:
+    def _clock_limit_macros(self, row: CodeRow, cable_rows: tuple[CableLength, ...]) -> Iterator[CMacro]:
         """Yield the macro that names the function of an order code for the clock limit by cable length.
 
         A new function is added to ``clock_limits``. Order codes with the same clocks share it.
@@ -147,7 +147,7 @@ class CodeFacts:
         if cable_rows not in name_by_rows:
             name_by_rows[cable_rows] = self._function_name("clock_limit_hz", row)
             self.clock_limits.append(ClockLimitFunction(name_by_rows[cable_rows], cable_rows))
-        yield Macro(f"{row.macro}_CLOCK_LIMIT_HZ", name_by_rows[cable_rows], "function that returns its clock limit")
+        yield CMacro(f"{row.macro}_CLOCK_LIMIT_HZ", name_by_rows[cable_rows], "function that returns its clock limit")
 
     def _function_name(self, ending: str, row: CodeRow) -> str:
         """Return the name of a function that is called after the first order code that it applies to."""

@@ -127,13 +127,13 @@ def wide_number_function(scope: ParameterSpelling, name: str, expression: Expres
 
 
 @dataclass(frozen=True, slots=True)
-class Macro:
+class CMacro:
     name: str
     value: str
     note: str = ""
 
 
-def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
+def timing_macros(timing: Timing, stem: str) -> Iterator[CMacro]:
     """Yield the bounds of a time in microseconds, such as ``ACME_X_STARTUP_AT_MOST_US``.
 
     The comment on the first describes all of them, and the other comments refer to it.
@@ -142,19 +142,19 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
     for bound, value in bounds.items():
         if value is not None:
-            yield Macro(f"{stem}_{timing.name}_{bound}_US".upper(), number(value), note)
+            yield CMacro(f"{stem}_{timing.name}_{bound}_US".upper(), number(value), note)
             note = f"see {timing.name} above"
 
 
-def scale_macros(layout: Layout, stem: str) -> Iterator[Macro]:
+def scale_macros(layout: Layout, stem: str) -> Iterator[CMacro]:
     """Yield the numbers of each scale. The numbers have 64 bits, so that no product overflows."""
     for field in layout.fields:
         scale = field.scale
         name = f"{stem}_{field.name}".upper()
         if scale is not None:
             note = f"{field.name} in {scale.unit}: ({field.name} * NUMERATOR + OFFSET) / DENOMINATOR"
-            yield Macro(f"{name}_NUMERATOR", f"INT64_C({scale.numerator})", note)
+            yield CMacro(f"{name}_NUMERATOR", f"INT64_C({scale.numerator})", note)
             magnitude = f"INT64_C({abs(scale.offset)})"
             offset = f"(-{magnitude})" if scale.offset < 0 else magnitude
-            yield Macro(f"{name}_OFFSET", offset)
-            yield Macro(f"{name}_DENOMINATOR", f"INT64_C({scale.denominator})")
+            yield CMacro(f"{name}_OFFSET", offset)
+            yield CMacro(f"{name}_DENOMINATOR", f"INT64_C({scale.denominator})")

@@ -41,7 +41,7 @@ from .code_facts import (
 )
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
-from .context import HeaderContext, Macro, timing_macros
+from .context import CMacro, HeaderContext, timing_macros
 from .names import CExpression, DeclaredName, c_name, number
 from .structs import Struct
 
@@ -250,14 +250,14 @@ class InterfaceCode:
 
     # -- constants
 
-    def _define_macro(self, name: str, value: int, about: Statement | str = "", hexadecimal: bool = False) -> Macro:
+    def _define_macro(self, name: str, value: int, about: Statement | str = "", hexadecimal: bool = False) -> CMacro:
         """Return a macro, and note a statement in its comment, so that the comment on the interface leaves it out."""
         if isinstance(about, Statement):
             self._macro_statements.append(about)
         note = about if isinstance(about, str) else HEADER_STYLE.sentence(about)
-        return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
+        return CMacro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
 
-    def _yield_macros(self) -> Iterator[Macro]:
+    def _yield_macros(self) -> Iterator[CMacro]:
         """Yield the constants of the interface: clock, time-out, port, words and times."""
         interface = self.interface
         for fact, about in zip(interface.facts(), settings(self.device, interface), strict=True):
@@ -269,7 +269,7 @@ class InterfaceCode:
                 self._macro_statements.append(timing(time))
                 yield from timing_macros(time, self.upper)
 
-    def _fact_macros(self, fact: Fact, statement: Statement) -> Iterator[Macro]:
+    def _fact_macros(self, fact: Fact, statement: Statement) -> Iterator[CMacro]:
         """Yield the constants of a fact. Facts of some order codes are in macros of these codes."""
         if isinstance(fact, (Clock, Timeout)) and fact.only:
             return
@@ -293,21 +293,21 @@ class InterfaceCode:
             case _:
                 pass  # Code needs no number from it.
 
-    def _yield_clock_macros(self, clock: Clock, statement: Statement) -> Iterator[Macro]:
+    def _yield_clock_macros(self, clock: Clock, statement: Statement) -> Iterator[CMacro]:
         """Yield the limits, and the fastest clock in use. The first macro carries the comment on all of them."""
         has_comment_on_all = False
         for name, clock_hz, note in clock_limits(clock):
             yield self._define_macro(name, clock_hz, about=note if has_comment_on_all else statement)
             has_comment_on_all = True
 
-    def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[Macro]:
+    def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[CMacro]:
         """Yield the settings of a serial port. The first macro carries the comment on all of them."""
         yield self._define_macro("BAUD", port.baud, about=statement)
         yield self._define_macro("DATA_BITS", port.data_bits, about="number of data bits")
-        yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
+        yield CMacro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
         yield self._define_macro("STOP_BITS", port.stop_bits, about="number of stop bits")
 
-    def _control_data(self, interface: Biss) -> Iterator[Macro]:
+    def _control_data(self, interface: Biss) -> Iterator[CMacro]:
         """Yield the widths and the named values of the fields in the control data."""
         for field in interface.control_data:
             yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, about=control_field(field))
@@ -315,7 +315,7 @@ class InterfaceCode:
                 name = f"CONTROL_{field.name}_{value.name}"
                 yield self._define_macro(name, value.value, about=f"{title(field)}: {title(value)}", hexadecimal=True)
 
-    def _yield_timeout_macros(self, timeout: Timeout, statement: Statement) -> Iterator[Macro]:
+    def _yield_timeout_macros(self, timeout: Timeout, statement: Statement) -> Iterator[CMacro]:
         """Yield the typical and the longest time-out. The first macro carries the comment on all of them.
 
         If the time-out is not a number of clock periods, those printed for each clock follow.
@@ -333,7 +333,7 @@ class InterfaceCode:
                 return f"{self.upper}_REQUEST_{spi_exchange.request}".upper()
         return ""
 
-    def _yield_control_macros(self) -> Iterator[Macro]:
+    def _yield_control_macros(self) -> Iterator[CMacro]:
         """Yield the macros of requests: the control field over RS-485, or a number over SPI."""
         if isinstance(self.interface, Rs485):
             for rs485_id in self.interface.data_ids:

@@ -20,7 +20,7 @@ from ...plan.values import (
 )
 from .. import TargetError
 from .bits import Reader, Unused
-from .context import HeaderContext, Macro, scale_macros
+from .context import CMacro, HeaderContext, scale_macros
 from .enumerations import Enumeration
 from .names import (
     CCast,
@@ -58,7 +58,7 @@ class Struct:
         self.plan: LayoutPlan = codec_of(context.device, layout)
         self.reader = Reader(self.plan, context.scope, word_size(context, layout))
         #: The numbers of the scales of its fields.
-        self.scales: tuple[Macro, ...] = tuple(scale_macros(layout, name))
+        self.scales: tuple[CMacro, ...] = tuple(scale_macros(layout, name))
         self.unused = Unused(self.reader)
         self._check_supported()
 

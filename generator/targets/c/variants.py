@@ -18,7 +18,7 @@ from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
 from .bits import of_bytes
-from .context import CFunction, HeaderContext, Macro, number_function
+from .context import CFunction, CMacro, HeaderContext, number_function
 from .names import (
     CCast,
     CExpression,
@@ -213,13 +213,13 @@ class VariantCode:
         """Return the parts that a pattern leaves open as bits in C, such as ``ACME_X_UNLISTED_BITS``, or ``0U``."""
         return " | ".join(map(self._unlisted_macro, pattern.unlisted)) or "0U"
 
-    def _unlisted_macros(self) -> Iterator[Macro]:
+    def _unlisted_macros(self) -> Iterator[CMacro]:
         """Yield a macro with a bit for each open part of the order code, except parts that no pattern describes."""
         unknown_names = unknown_parts(self.device)
         bit = 1
         for part in self.device.order_code.parts:
             if part.open and part.name not in unknown_names:
-                yield Macro(self._unlisted_macro(part.name), number(bit, hexadecimal=True), part.name)
+                yield CMacro(self._unlisted_macro(part.name), number(bit, hexadecimal=True), part.name)
                 bit <<= 1
 
     def _unlisted_macro(self, part: str) -> str:
@@ -357,11 +357,11 @@ class LengthCode:
         if self.receive:
             yield self.receive, path
 
-    def macros_of(self, frame: FrameSize) -> Iterator[Macro]:
+    def macros_of(self, frame: FrameSize) -> Iterator[CMacro]:
         """Yield the macros of the number of bits and of the bytes of a buffer."""
         stem = f"{self._prefix}{self.code_of(frame)}"
-        yield Macro(f"{stem}_BITS", number(frame.bits), "number of bits in its frame")
-        yield Macro(f"{stem}_RX_BYTES", number(frame.bytes), "number of bytes in its buffer")
+        yield CMacro(f"{stem}_BITS", number(frame.bits), "number of bits in its frame")
+        yield CMacro(f"{stem}_RX_BYTES", number(frame.bytes), "number of bytes in its buffer")
 
 
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
