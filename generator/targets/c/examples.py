@@ -45,7 +45,7 @@ from .enumerations import AlternativeCode, FrameReports
 from .interfaces import ReplyRequest
 from .names import c_name
 from .positions import Positions
-from .procedures import ProcedureCode, Row
+from .procedures import ProcedureCode, StepRow
 from .registers import Access
 from .structs import Struct
 from .variants import CodeRow
@@ -296,7 +296,7 @@ class ExampleCode:
         code = self.run.code if self.run is not None else None
         if code is None or code.arguments or code.reads or not self.request:
             return False
-        operations = [row.op for row in code.rows if isinstance(row, Row)]
+        operations = [row.op for row in code.rows if isinstance(row, StepRow)]
         requests = [operation for operation in operations if isinstance(operation, SendRequest)]
         return bool(requests) and all(request.reply is not None for request in requests)
 

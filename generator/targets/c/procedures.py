@@ -56,7 +56,7 @@ _ZERO = CNumber(0)
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class StepRow:
     """An elementary step at index ``at`` of the list: one byte of a register, a wait, a request.
 
     ``address`` is an expression with the macro of the register. ``more`` is true if the byte is accessed together with
@@ -302,20 +302,20 @@ class ProcedureCode:
 
     # -- steps
 
-    def _yield_rows(self) -> Iterator[Row | FilledRows]:
+    def _yield_rows(self) -> Iterator[StepRow | FilledRows]:
         """Yield the steps with their index in the list. A step on several bytes of a register takes several indices."""
         index = 0
         for step in self.run.operations:
             note = note_of_step(self.context.device, step)
             if isinstance(step, (WaitTime, SendRequest)):
-                yield Row(at=index, op=step, note=note)
+                yield StepRow(at=index, op=step, note=note)
             else:
                 yield from self._rows_of_register(index, step, note)
             index += _number_of_rows(step)
 
     def _rows_of_register(
         self, first_index: int, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, note: str
-    ) -> Iterator[Row | FilledRows]:
+    ) -> Iterator[StepRow | FilledRows]:
         """Yield the steps on the bytes of a register. Only the first has a note.
 
         If a struct is filled for the register, one item represents all its bytes, unless it reads back only some bits.
@@ -342,9 +342,9 @@ class ProcedureCode:
         note: str,
         piece: BitSlice,
         value: CExpression,
-    ) -> Row:
+    ) -> StepRow:
         """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
-        return Row(
+        return StepRow(
             at=index,
             op=step,
             note=note,
@@ -362,7 +362,7 @@ class ProcedureCode:
 
     def _read_back(
         self, first_index: int, step: VerifyWrite, filled_register: FilledRegister, note: str
-    ) -> Iterator[Row | FilledRows]:
+    ) -> Iterator[StepRow | FilledRows]:
         """Yield one row for all bytes if every bit of them counts, else one row per byte."""
         if step.pieces == step.write.pieces:
             yield FilledRows(first_index, kind="verify", filled=filled_register, note=note)
