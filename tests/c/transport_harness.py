@@ -23,7 +23,7 @@ from codewheel.model import Device
 from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.names import c_name
 from codewheel.targets.c.procedures import ProcedureCode
-from codewheel.targets.c.registers import Access
+from codewheel.targets.c.registers import RegisterFunctions
 from working_tools import require
 
 OK, LENGTH, CRC, CONSTANT, RANGE, TRANSPORT, TIMEOUT, UNSUPPORTED = range(8)
@@ -297,11 +297,11 @@ int state(const cw_transport *transport, const char *code, uint8_t *data, cw_fai
 """
 
 
-def _register(access: Access) -> str:
+def _register(access: RegisterFunctions) -> str:
     return (_read(access) if access.read else "") + (_write(access) if access.write else "")
 
 
-def _read(access: Access) -> str:
+def _read(access: RegisterFunctions) -> str:
     name = access.read.partition("_read_")[2]
     declaration = f"{access.type} out;" if access.struct else f"{access.type} out = ({access.type})0xAA;"
     encoding = (
@@ -323,7 +323,7 @@ int read_{name}(const cw_transport *transport, const char *code, uint8_t *data, 
 """
 
 
-def _write(access: Access) -> str:
+def _write(access: RegisterFunctions) -> str:
     name = access.write.partition("_write_")[2]
     declaration = f"{access.type} in;" if access.struct else f"const {access.type} in = ({access.type})bytes[0];"
     decoding = (

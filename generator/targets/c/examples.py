@@ -46,7 +46,7 @@ from .interfaces import ReplyRequest
 from .names import c_name
 from .positions import Positions
 from .procedures import ProcedureCode, StepRow
-from .registers import Access
+from .registers import RegisterFunctions
 from .structs import Struct
 from .variants import CodeRow
 
@@ -65,7 +65,7 @@ class ShownRegister:
     title: str
     name: str
     about: str
-    access: Access
+    access: RegisterFunctions
     struct: Struct
 
     @property

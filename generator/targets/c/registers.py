@@ -34,7 +34,7 @@ from .names import CNumber as NumberExpr
 from .structs import Struct
 
 
-class Access:
+class RegisterFunctions:
     """The functions that read and write a register. A name is empty if the register does not allow that access.
 
     Registers reserved for the manufacturer are only read. ``struct`` is empty if the register is one plain byte.
@@ -203,7 +203,7 @@ class RegisterCode:
         outside_limits = outside(self.struct.plan, limits_of(self.device, register))
         refused = (outside_limits,) if outside_limits is not None else ()
         self.codec = None if self.is_plain else StructCodec(self.struct, outside=refused)
-        self.access = Access(self.struct, has_struct=self.codec is not None, outside=refused)
+        self.access = RegisterFunctions(self.struct, has_struct=self.codec is not None, outside=refused)
         #: Its own limits, and the limits of each of its meanings.
         self.limits = tuple(self._find_limits(meaning) for meaning in (None, *register.meanings))
         self.explained = tuple(self._yield_explaining_bits())

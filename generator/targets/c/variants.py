@@ -33,7 +33,7 @@ from .names import (
     unsigned,
 )
 from .order_codes import OpenCode, open_codes, unknown_parts
-from .registers import Access
+from .registers import RegisterFunctions
 
 #: Names of arguments and locals in the function that reads the registers.
 _TAKEN = frozenset(("failure", "result", "taken", "transport", "variant"))
@@ -136,7 +136,7 @@ def _switch_case(code: int, held_values: Sequence[HeldValue]) -> tuple[str, tupl
 class Taker:
     """The function that updates a variant from the content of a register."""
 
-    def __init__(self, context: HeaderContext, register_parameters: HoldingRegister, access: Access) -> None:
+    def __init__(self, context: HeaderContext, register_parameters: HoldingRegister, access: RegisterFunctions) -> None:
         register = register_parameters.register
         self.name = f"{context.prefix}_take_{register.name}"
         parameter_names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
