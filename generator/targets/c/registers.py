@@ -170,7 +170,7 @@ def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Bounds:
+class RegisterBounds:
     """The limits that are the same for all order codes, as macros with their values, and the others as functions."""
 
     macros: tuple[tuple[str, CExpression], ...]
@@ -331,7 +331,7 @@ class RegisterCode:
 
     # -- limits
 
-    def _find_limits(self, meaning: RegisterMeaning | None) -> Bounds:
+    def _find_limits(self, meaning: RegisterMeaning | None) -> RegisterBounds:
         """Return the limits of the register, or of one of its meanings, under names that end in ``min`` and ``max``.
 
         A limit that the manual does not give is left out.
@@ -350,7 +350,7 @@ class RegisterCode:
             else:
                 about = f"Return the {adjective} {name_of_limited}: {limit.render()}."
                 functions.append(self._limit_function(name, about, limit, is_signed=limits.signed))
-        return Bounds(tuple(macros), tuple(functions))
+        return RegisterBounds(tuple(macros), tuple(functions))
 
     def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> CFunction:
         """Return the function for a limit that depends on the order code.
