@@ -62,7 +62,7 @@ def _bits_of_piece(piece: BitSlice) -> CExpression:
 
 
 @dataclass(frozen=True)
-class Reader:
+class BitReader:
     """Expressions that extract the fields of a layout: from the word if there is one, otherwise from the bytes."""
 
     plan: LayoutPlan
@@ -160,7 +160,7 @@ class Reader:
         return CCast(type_, number) if is_short and lower_fields else number
 
     @property
-    def before_conversion(self) -> Reader:
+    def before_conversion(self) -> BitReader:
         """The reader of the word before any Gray code in it is converted."""
         return replace(self, as_sent=True)
 
@@ -210,7 +210,7 @@ _MEMBER = CName("in->unused")
 class Unused:
     """The member ``unused`` of a struct. The object is false if the layout has no unused bits."""
 
-    def __init__(self, reader: Reader) -> None:
+    def __init__(self, reader: BitReader) -> None:
         self.reader = reader
         self.plan = reader.plan
         self.width = self.plan.layout.unused_width

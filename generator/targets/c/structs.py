@@ -19,7 +19,7 @@ from ...plan.values import (
     widest_value,
 )
 from .. import TargetError
-from .bits import Reader, Unused
+from .bits import BitReader, Unused
 from .context import CMacro, HeaderContext, scale_macros
 from .enumerations import Enumeration
 from .names import (
@@ -56,7 +56,7 @@ class Struct:
         self.length_macro = length_macro
         self.register = register
         self.plan: LayoutPlan = codec_of(context.device, layout)
-        self.reader = Reader(self.plan, context.scope, word_size(context, layout))
+        self.reader = BitReader(self.plan, context.scope, word_size(context, layout))
         #: The numbers of the scales of its fields.
         self.scales: tuple[CMacro, ...] = tuple(scale_macros(layout, name))
         self.unused = Unused(self.reader)
