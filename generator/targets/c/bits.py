@@ -207,7 +207,7 @@ def digits(number: object, field: Field, digit_run: Digits) -> CExpression:
 _MEMBER = CName("in->unused")
 
 
-class Unused:
+class UnusedMember:
     """The member ``unused`` of a struct. The object is false if the layout has no unused bits."""
 
     def __init__(self, reader: BitReader) -> None:

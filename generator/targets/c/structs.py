@@ -19,7 +19,7 @@ from ...plan.values import (
     widest_value,
 )
 from .. import TargetError
-from .bits import BitReader, Unused
+from .bits import BitReader, UnusedMember
 from .context import CMacro, HeaderContext, scale_macros
 from .enumerations import Enumeration
 from .names import (
@@ -59,7 +59,7 @@ class Struct:
         self.reader = BitReader(self.plan, context.scope, word_size(context, layout))
         #: The numbers of the scales of its fields.
         self.scales: tuple[CMacro, ...] = tuple(scale_macros(layout, name))
-        self.unused = Unused(self.reader)
+        self.unused = UnusedMember(self.reader)
         self._check_supported()
 
     def _check_supported(self) -> None:
