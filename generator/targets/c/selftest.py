@@ -105,7 +105,7 @@ Work = ConstantCheck | FrameCheck | CrcCheck | ProcedureCheck | MeasureCheck
 
 
 @dataclass(frozen=True, slots=True)
-class Check:
+class SelfTestCheck:
     """A numbered check. ``about`` names the example and its source."""
 
     number: int
@@ -121,7 +121,7 @@ class SelfTest:
         self.name = f"{view.prefix}_selftest"
         self.path = f"selftest/{view.stem}.c"
         works = [*self._example_checks(), *self._vector_checks()]
-        self.checks = [Check(index, about, work) for index, (about, work) in enumerate(works, 1)]
+        self.checks = [SelfTestCheck(index, about, work) for index, (about, work) in enumerate(works, 1)]
 
     @property
     def is_used(self) -> Mapping[str, bool]:
