@@ -35,7 +35,7 @@ from .procedures import ProcedureCode
 from .reading import ReadCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
 from .runtime_texts import runtime_version
-from .variants import LengthCode, Taker, VariantCode
+from .variants import LengthCode, VariantCode, VariantUpdater
 
 _Built = TypeVar("_Built")
 
@@ -102,7 +102,7 @@ class DeviceView:
         self.crcs = list(self._crc_codes())
         codes = {code.register.name: code for code in self.registers}
         self.take_functions = [
-            Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)
+            VariantUpdater(context, group, codes[group.register.name].access) for group in held_parameters(device)
         ]
         usage = self.usage
         reads_twice = usage is not None and usage.reads_twice

@@ -133,7 +133,7 @@ def _switch_case(code: int, held_values: Sequence[HeldValue]) -> tuple[str, tupl
     return str(CNumber(code)), tuple((value.local, value.for_code(code)) for value in held_values)
 
 
-class Taker:
+class VariantUpdater:
     """The function that updates a variant from the content of a register."""
 
     def __init__(self, context: HeaderContext, register_parameters: HoldingRegister, access: RegisterFunctions) -> None:
