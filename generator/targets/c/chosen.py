@@ -31,7 +31,7 @@ from ...say.evidence import document
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class ExampleFrame:
     """A frame as a number, its source, and the values of its fields, as far as they are known."""
 
     layout: Layout
@@ -144,7 +144,7 @@ class Chosen:
 
     # -- the frame
 
-    def _choose_frame(self) -> Frame:
+    def _choose_frame(self) -> ExampleFrame:
         """Return a worked frame, or a made-up frame if there is none.
 
         A frame used as printed is preferred, and then a frame from the manual to one from another source.
@@ -157,14 +157,14 @@ class Chosen:
             return self._made_up_frame()
         example = min(worked_frames, key=_rate_unreliability)
         layout = self.device.layout(example.layout)
-        return Frame(
+        return ExampleFrame(
             layout=layout,
             wire=int(example.bits, 2) if example.bits else number_from_bytes(layout, example.bytes),
             about=f"a worked example [{cite(example.source)}]",
             values=example.values,
         )
 
-    def _made_up_frame(self) -> Frame:
+    def _made_up_frame(self) -> ExampleFrame:
         """Return a made-up frame, if possible one with the position.
 
         Raises:
@@ -185,7 +185,7 @@ class Chosen:
             frame_examples = (example for example in self.device.examples if isinstance(example, FrameExample))
             if any(example.layout == layout.name for example in frame_examples):
                 about += " for this order code"
-        return Frame(layout=layout, wire=sample.frame, about=about, values=sample.values)
+        return ExampleFrame(layout=layout, wire=sample.frame, about=about, values=sample.values)
 
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""

@@ -37,7 +37,7 @@ from ...plan.values import (
 )
 from ...say.names_and_places import title, words
 from ...say.text import VERDICT_CLAUSES
-from .chosen import Chosen, Frame, NoFrame
+from .chosen import Chosen, ExampleFrame, NoFrame
 from .codec import StructCodec
 from .comments import ascii_text
 from .device import DeviceView
@@ -140,7 +140,7 @@ class ExampleCode:
         self._chosen = chosen = Chosen(view.device, self.interface)
         self.name = view.stem
         self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
-        self.frame: Frame = chosen.frame
+        self.frame: ExampleFrame = chosen.frame
         self.run = self._shown_run()
         self.reads = [self._show_register(register) for register, _ in chosen.registers.values()]
         self.memory = list(self._yield_memory())
