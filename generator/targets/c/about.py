@@ -42,7 +42,7 @@ from ...say.names_and_places import addresses, bit_range, field_place, full_titl
 from ...say.text import CodeText, Statement, counted, list_parts, statement
 from .comments import HEADER_STYLE, Paragraph
 from .order_codes import unknown_parts
-from .structs import Struct
+from .structs import LayoutStruct
 
 #: The functions of a transport.
 CALLS = {
@@ -154,7 +154,7 @@ def _format_power(exponent: int) -> str:
 # -- layouts
 
 
-def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
+def about_layout(device: Device, interface: Interface, struct: LayoutStruct) -> list[Paragraph]:
     """Return the purpose of the frame, the positions of its bits, and finally its errata, which few readers need."""
     frame_layout = struct.layout
     statements_on_joins = list(say_layout.joins(frame_layout))  # The comments on their members contain them.
@@ -167,7 +167,7 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
     return [*paragraphs, *table(struct), *map(HEADER_STYLE.sentence, errata)]
 
 
-def about_member(struct: Struct, member: Field) -> str:
+def about_member(struct: LayoutStruct, member: Field) -> str:
     """Return the facts of a field that its enumeration does not show, or its title if there are none.
 
     For a string, a remark on the missing terminator follows.
@@ -181,7 +181,7 @@ def about_member(struct: Struct, member: Field) -> str:
     return " ".join(filter(None, (about or f"{title(member)}.", ending)))
 
 
-def about_unused(struct: Struct) -> str:
+def about_unused(struct: LayoutStruct) -> str:
     """Describe the member for all unused bits, with the bits of it that belong to each unused field."""
     unused = struct.layout.unused
     fields = list_parts([f"{bit_range(low + field.widest - 1, low)} {field.name}" for field, low in unused])
@@ -193,7 +193,7 @@ def place_of_field(frame_layout: Layout, placed_field: Field) -> str:
     return HEADER_STYLE.phrase(statement(*field_place(frame_layout, placed_field)))
 
 
-def _facts_without_member(struct: Struct, field: Field) -> str:
+def _facts_without_member(struct: LayoutStruct, field: Field) -> str:
     """Return the facts of a field that no member shows, and its width unless its place shows it.
 
     The comment on a member contains the facts of its field. Constants and the selector have no member.
@@ -206,7 +206,7 @@ def _facts_without_member(struct: Struct, field: Field) -> str:
     return HEADER_STYLE.paragraph((statement(counted(width, "bit")), *about))
 
 
-def _table_rows(struct: Struct) -> Iterator[tuple[str, str, str]]:
+def _table_rows(struct: LayoutStruct) -> Iterator[tuple[str, str, str]]:
     """Yield the place of each field, its name, and the facts that no member shows."""
     for placed_field in struct.layout.fields:
         if struct.plan.by_word or not placed_field.padding_of:
@@ -214,7 +214,7 @@ def _table_rows(struct: Struct) -> Iterator[tuple[str, str, str]]:
             yield place_of_field(struct.layout, placed_field), name, _facts_without_member(struct, placed_field)
 
 
-def table(struct: Struct) -> Iterator[Paragraph]:
+def table(struct: LayoutStruct) -> Iterator[Paragraph]:
     """Yield one line for each field: its place, its name, and the facts that no member shows.
 
     An example is ``  bits 46:31  position  Absolute position.``

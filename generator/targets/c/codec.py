@@ -27,13 +27,15 @@ from .names import (
     string,
     unsigned,
 )
-from .structs import Struct
+from .structs import LayoutStruct
 
 
 class StructCodec:
     """The values that the templates print for a layout. ``about`` describes a frame and is empty for a register."""
 
-    def __init__(self, struct: Struct, about: Sequence[Paragraph] = (), outside: Sequence[OutsideLimits] = ()) -> None:
+    def __init__(
+        self, struct: LayoutStruct, about: Sequence[Paragraph] = (), outside: Sequence[OutsideLimits] = ()
+    ) -> None:
         self.struct = struct
         self.plan = struct.plan
         self.scope = struct.scope

@@ -32,7 +32,7 @@ from .names import (
     masked,
     unsigned,
 )
-from .structs import Struct
+from .structs import LayoutStruct
 
 #: Names of arguments and locals in the generated functions. The locals of fields have different names.
 _LOCALS = frozenset("variant word received plain bytes length out in crc index v wide value flags".split())
@@ -79,7 +79,7 @@ _ODD_BITS, _EVEN_BITS = 0xAAAAAAAA, 0x55555555
 class Decoder:
     """The operations of a decoder in order, and the expressions in them."""
 
-    def __init__(self, struct: Struct) -> None:
+    def __init__(self, struct: LayoutStruct) -> None:
         self.struct = struct
         self.plan = struct.plan
         self.reader = struct.reader

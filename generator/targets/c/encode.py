@@ -43,7 +43,7 @@ from .names import (
     size_of,
     unsigned,
 )
-from .structs import Struct
+from .structs import LayoutStruct
 
 
 class Encoder:
@@ -52,7 +52,7 @@ class Encoder:
     A word is the sum of terms, such as ``(uint64_t)in->position << 8``. A frame of bytes has one expression per byte.
     """
 
-    def __init__(self, struct: Struct, limits: Sequence[OutsideLimits]) -> None:
+    def __init__(self, struct: LayoutStruct, limits: Sequence[OutsideLimits]) -> None:
         self.struct = struct
         self.plan = struct.plan
         self.reader = struct.reader

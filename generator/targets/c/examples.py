@@ -47,7 +47,7 @@ from .names import c_name
 from .positions import Positions
 from .procedures import ProcedureCode, StepRow
 from .registers import RegisterFunctions
-from .structs import Struct
+from .structs import LayoutStruct
 from .variants import CodeRow
 
 #: Names of the program and the README that a register must not take: the function show_frame, and variables.
@@ -66,7 +66,7 @@ class ShownRegister:
     name: str
     about: str
     access: RegisterFunctions
-    struct: Struct
+    struct: LayoutStruct
 
     @property
     def members(self) -> int:
@@ -120,7 +120,7 @@ class Session:
     ``size`` is the number of bytes of the longest word of the request.
     """
 
-    request: Struct
+    request: LayoutStruct
     initial: str
     macro: str
     data: bytes
@@ -186,7 +186,7 @@ class ExampleCode:
         return name[0].upper() + name[1:]
 
     @property
-    def struct(self) -> Struct:
+    def struct(self) -> LayoutStruct:
         """The struct of the frame."""
         structs = (codec.struct for codec in self.view.interface.codecs)
         own_structs = (struct for struct in structs if struct.layout is self.frame.layout)

@@ -43,7 +43,7 @@ from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
 from .context import CMacro, HeaderContext, timing_macros
 from .names import CExpression, DeclaredName, c_name, number
-from .structs import Struct
+from .structs import LayoutStruct
 
 _PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}
 #: Time allowed for an encoder to answer a request, in microseconds, in examples.
@@ -207,7 +207,7 @@ class InterfaceCode:
         # The functions of the only frame of an interface need no further name.
         is_only_frame = len(self.interface.layouts) == 1 and not self.frame_selectors
         name = context.prefix if is_only_frame else f"{context.prefix}_{layout.name}"
-        struct = Struct(context, layout, name, context.length_macro(layout))
+        struct = LayoutStruct(context, layout, name, context.length_macro(layout))
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
     def _yield_comment(self) -> Iterator[Paragraph]:

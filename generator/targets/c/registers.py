@@ -31,7 +31,7 @@ from .comments import Paragraph
 from .context import CFunction, CMacro, HeaderContext, number_function
 from .names import CExpression, CName, DeclaredName, number
 from .names import CNumber as NumberExpr
-from .structs import Struct
+from .structs import LayoutStruct
 
 
 class RegisterFunctions:
@@ -40,7 +40,7 @@ class RegisterFunctions:
     Registers reserved for the manufacturer are only read. ``struct`` is empty if the register is one plain byte.
     """
 
-    def __init__(self, layout: Struct, *, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
+    def __init__(self, layout: LayoutStruct, *, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
         context = layout.context
         register = layout.register
         assert register is not None
@@ -197,7 +197,7 @@ class RegisterCode:
         self.layout = register.layout
         self.name = f"{context.prefix}_reg_{register.name}"
         self.stem = self.name.upper()
-        self.struct = Struct(context, self.layout, self.name, f"{self.stem}_LENGTH", register)
+        self.struct = LayoutStruct(context, self.layout, self.name, f"{self.stem}_LENGTH", register)
         self.enumerations = context.enumerations.of("registers", register.name)
         # The check for the limits, or None if they limit no single field or join, or if no value is outside them.
         outside_limits = outside(self.struct.plan, limits_of(self.device, register))

@@ -40,7 +40,7 @@ from .names import (
 )
 
 
-class Struct:
+class LayoutStruct:
     """One layout, its names and its types. A register of one plain byte also has a struct, which is not printed."""
 
     def __init__(
