@@ -12,7 +12,7 @@ from ...plan.operations import FrameCrc
 from .about import about_bits_crc, about_member, about_unused, about_word_crc
 from .comments import Paragraph
 from .crc_functions import BitsCrc, WordCrc, fold_operations
-from .decode import Decoder
+from .decode import CDecoder
 from .encode import Encoder
 from .enumerations import AlternativeCode, alternatives_in
 from .names import (
@@ -43,7 +43,7 @@ class StructCodec:
         self.type = struct.type
         self.length_macro = struct.length_macro
         self.about = tuple(about)
-        self.decoder = Decoder(struct)
+        self.decoder = CDecoder(struct)
         self.encoder = Encoder(struct, outside)
         alternatives = struct.context.alternatives
         self.alternatives = tuple(code for code in alternatives if code.alternative in self.plan.alternatives)

@@ -76,7 +76,7 @@ class UnusedAre:
 _ODD_BITS, _EVEN_BITS = 0xAAAAAAAA, 0x55555555
 
 
-class Decoder:
+class CDecoder:
     """The operations of a decoder in order, and the expressions in them."""
 
     def __init__(self, struct: LayoutStruct) -> None:
