@@ -39,7 +39,7 @@ _LOCALS = frozenset("variant word received plain bytes length out in crc index v
 
 
 @dataclass(frozen=True, slots=True)
-class ByteIs:
+class ConstantByte:
     """A byte whose bits under ``mask`` never change. ``reasons`` contains the names of its constant fields."""
 
     byte: int
@@ -150,7 +150,7 @@ class CDecoder:
         return tuple(parity for parity in parities if parity.field.name in self._word_parities)
 
     @property
-    def checks(self) -> Iterator[Check | ByteIs]:
+    def checks(self) -> Iterator[Check | ConstantByte]:
         """The checks in order: constants, parity bits, parity bits of the selector, and then values.
 
         In bytes, constants are checked byte by byte, after the zeros above fields. A parity bit of the selector is
@@ -378,22 +378,24 @@ class CDecoder:
         return self.reader.number_of_join(joined_number, self.local)
 
 
-def _constant_bytes(checks: Iterable[Check]) -> list[ByteIs]:
+def _constant_bytes(checks: Iterable[Check]) -> list[ConstantByte]:
     """Return the bytes with constant bits, in order, each with the mask and the value of all its constants."""
-    constant_bytes: dict[int, ByteIs] = {}
+    constant_bytes: dict[int, ConstantByte] = {}
     for check in checks:
         name = words(check.field.name)
         match check:
             case ZerosAbove(beyond=pieces_beyond):
                 for piece in pieces_beyond:
-                    constant_bytes[piece.byte] = ByteIs(piece.byte, mask=0xFF, value=0, reasons=(f"above {name}",))
+                    constant_bytes[piece.byte] = ConstantByte(
+                        piece.byte, mask=0xFF, value=0, reasons=(f"above {name}",)
+                    )
             case AlwaysIs(bits=bits, value=constant):
                 for piece in bits.pieces:
                     # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
                     value_in_byte = ((constant >> piece.low_in_number) & piece.mask) << piece.low_in_byte
                     # The constants that earlier checks have in the same byte.
-                    earlier = constant_bytes.get(piece.byte, ByteIs(piece.byte, mask=0, value=0, reasons=()))
-                    constant_bytes[piece.byte] = ByteIs(
+                    earlier = constant_bytes.get(piece.byte, ConstantByte(piece.byte, mask=0, value=0, reasons=()))
+                    constant_bytes[piece.byte] = ConstantByte(
                         piece.byte,
                         mask=earlier.mask | (piece.mask << piece.low_in_byte),
                         value=earlier.value | value_in_byte,
