@@ -13,7 +13,7 @@ from .about import about_bits_crc, about_member, about_unused, about_word_crc
 from .comments import Paragraph
 from .crc_functions import BitsCrc, WordCrc, fold_operations
 from .decode import CDecoder
-from .encode import Encoder
+from .encode import CEncoder
 from .enumerations import AlternativeCode, alternatives_in
 from .names import (
     CExpression,
@@ -44,7 +44,7 @@ class StructCodec:
         self.length_macro = struct.length_macro
         self.about = tuple(about)
         self.decoder = CDecoder(struct)
-        self.encoder = Encoder(struct, outside)
+        self.encoder = CEncoder(struct, outside)
         alternatives = struct.context.alternatives
         self.alternatives = tuple(code for code in alternatives if code.alternative in self.plan.alternatives)
         #: Whether a program that talks to an encoder decodes it, and encodes it. A simulator does the rest.

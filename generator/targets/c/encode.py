@@ -46,7 +46,7 @@ from .names import (
 from .structs import LayoutStruct
 
 
-class Encoder:
+class CEncoder:
     """The checks of an encoder in order, and the expressions in it.
 
     A word is the sum of terms, such as ``(uint64_t)in->position << 8``. A frame of bytes has one expression per byte.
