@@ -56,7 +56,7 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True)
-class Enumeration:
+class CEnumeration:
     """The named values of a field, each with ``digits`` hexadecimal digits. Values too large for an int become macros.
 
     ``statements`` contains the statements about the field that are in its comment.
@@ -94,10 +94,10 @@ class Enumerations:
 
     def __init__(self, device: Device, prefix: str) -> None:
         self.prefix = prefix
-        self.choices: dict[tuple[str, str], Enumeration] = {}
-        self.all: list[Enumeration] = []
+        self.choices: dict[tuple[str, str], CEnumeration] = {}
+        self.all: list[CEnumeration] = []
         #: By field name, the values and the enumeration of the first field with this name.
-        self._shared: dict[str, tuple[Sequence[Value], Enumeration]] = {}
+        self._shared: dict[str, tuple[Sequence[Value], CEnumeration]] = {}
         for interface, layout in device.layouts():
             path = ("interfaces", interface.name, "layouts", layout.name)
             for field in layout.fields:
@@ -110,7 +110,7 @@ class Enumerations:
                     sole = title(register) if len(register.layout.fields) == 1 else ""
                     self._add_enumeration(f"reg_{register.name}", field, ("registers", register.name), sole=sole)
 
-    def of(self, *path: str) -> list[Enumeration]:
+    def of(self, *path: str) -> list[CEnumeration]:
         """Return those declared with this part of the spec, such as ``("registers", "status")``, or one inside it."""
         return [enumeration for enumeration in self.all if enumeration.path[: len(path)] == path]
 
@@ -133,10 +133,10 @@ class Enumerations:
         else:
             self._add_new(owner, field, path, type_=f"{self.prefix}_{path[-1]}_{field.name}")
 
-    def _add_new(self, owner: str, field: Field, path: Path, type_: str, sole: str = "") -> Enumeration:
+    def _add_new(self, owner: str, field: Field, path: Path, type_: str, sole: str = "") -> CEnumeration:
         """Add and return a new enumeration with the values of a field."""
         statements = () if sole else tuple(meaning(field, field.meaning))
-        enumeration = Enumeration(
+        enumeration = CEnumeration(
             type=type_,
             about=HEADER_STYLE.paragraph(statements) or f"Values of {sole or title(field)}.",
             statements=statements,
@@ -192,7 +192,7 @@ class AlternativeCode:
         ]
         for correction in errata(device, f"alternatives.{alternative.name}"):
             about.append(HEADER_STYLE.sentence(erratum(correction)))
-        self.enumeration = Enumeration(
+        self.enumeration = CEnumeration(
             type=self.type,
             about=about,
             statements=(),
@@ -255,7 +255,7 @@ class FrameReports:
         reporting: ReportsAndVerdict,
         frame: str,
         type_: str,
-        choices: Mapping[tuple[str, str], Enumeration],
+        choices: Mapping[tuple[str, str], CEnumeration],
     ) -> None:
         self.family = family
         self.reporting = reporting
@@ -370,7 +370,7 @@ class Reports:
     """All reports of a family, or a TargetError if there are more than 64. ``mask`` is the type with a bit for each."""
 
     def __init__(
-        self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration], scope: ParameterSpelling
+        self, device: Device, prefix: str, choices: Mapping[tuple[str, str], CEnumeration], scope: ParameterSpelling
     ) -> None:
         self.all = reports_of(device)
         self._choices = choices
@@ -386,7 +386,7 @@ class Reports:
         for report in self.all:
             name = f"{type_}_{report.name}".upper()
             constants.append(Entry(name=name, value=1 << report.number, note=_report_note(device, report)))
-        self.enumeration = Enumeration(
+        self.enumeration = CEnumeration(
             type=type_,
             about="Reports of the encoder. The _reports() functions of the frames return a mask of these bits.",
             statements=(),

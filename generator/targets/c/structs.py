@@ -21,7 +21,7 @@ from ...plan.values import (
 from .. import TargetError
 from .bits import BitReader, UnusedMember
 from .context import CMacro, HeaderContext, scale_macros
-from .enumerations import Enumeration
+from .enumerations import CEnumeration
 from .names import (
     CCast,
     CExpression,
@@ -127,13 +127,13 @@ class LayoutStruct:
 
     # -- members
 
-    def choice(self, field: Field) -> Enumeration | None:
+    def choice(self, field: Field) -> CEnumeration | None:
         """Return the named values of a field as an enumeration or as macros, or None if its values have no names."""
         # A register can have the same name as a frame.
         owner = self.layout.name if self.register is None else f"reg_{self.register.name}"
         return self.context.choices.get((owner, field.name))
 
-    def enumeration(self, field: Field) -> Enumeration | None:
+    def enumeration(self, field: Field) -> CEnumeration | None:
         """Return the enumeration of a field, or None if its values have no names or are macros."""
         choice = self.choice(field)
         return choice if choice is not None and choice.is_enum else None
