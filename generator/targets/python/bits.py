@@ -21,7 +21,19 @@ from ...plan.values import (
     meaning_of,
 )
 from ...say.plain_text import plain
-from .literals import Atom, Expr, Not, Operation, Scope, call, join_operands, mask, multiply, number, shift_value
+from .literals import (
+    Atom,
+    Not,
+    Operation,
+    PythonExpression,
+    Scope,
+    call,
+    join_operands,
+    mask,
+    multiply,
+    number,
+    shift_value,
+)
 from .names import ClassNames, byte_order
 
 #: Number of characters from which a comment is too long for the end of a line.
@@ -36,7 +48,7 @@ class BitsEncoder:
         self.codec = codec
         self.names = class_names
 
-    def _checked_bits(self, field: Field) -> Expr:
+    def _checked_bits(self, field: Field) -> PythonExpression:
         """Return the bits of a field, with the same check of its value as in ``encode``.
 
         An example is ``check_width("turns", self.turns, 12)``.
@@ -65,18 +77,20 @@ class BitsEncoder:
             case meaning:
                 assert_never(meaning)
 
-    def digits(self, field: Field) -> Expr:
+    def digits(self, field: Field) -> PythonExpression:
         """Return the number that the runs of decimal digits of a field form: ``index(self.turns) * 100 + …``.
 
         Each run is multiplied by its divisor, the value of 1 in its lowest digit.
         """
         return join_operands("+", (multiply(self._index_of_choice(run.name), run.divisor) for run in field.runs))
 
-    def checked_bits(self, joined_number: JoinedNumber) -> list[tuple[str, Expr]]:
+    def checked_bits(self, joined_number: JoinedNumber) -> list[tuple[str, PythonExpression]]:
         """Return each attribute of a joined number, most significant first, with a checked expression for its bits."""
         return [(self.names.attribute(field.name), self._checked_bits(field)) for field in joined_number.fields]
 
-    def join_numbers(self, joined_number: JoinedNumber, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
+    def join_numbers(
+        self, joined_number: JoinedNumber, scope: Scope, expression_of: Callable[[str], str]
+    ) -> PythonExpression:
         """Return a joined number of attributes that are unsigned numbers, without checks of their values.
 
         ``expression_of`` returns the expression for an attribute. An example is ``turns << 12 | angle``.
@@ -89,14 +103,14 @@ class BitsEncoder:
         # The highest field comes first.
         return join_operands("|", reversed(shifted_attributes))
 
-    def parts(self, whole: JoinedNumber) -> list[tuple[Field, Expr]]:
+    def parts(self, whole: JoinedNumber) -> list[tuple[Field, PythonExpression]]:
         """Return the fields of a joined number, most significant first, with expressions for their bits.
 
         An example of such an expression is ``position >> 4 & 0xFFF``.
         """
         joined_number = Atom(self.names.attribute(whole.join.name))
         highest_field = whole.fields[0]
-        fields_and_bits: list[tuple[Field, Expr]] = []
+        fields_and_bits: list[tuple[Field, PythonExpression]] = []
         # ``low`` is the position of the field's lowest bit in the joined number.
         for field, low in whole.from_low:
             bits = shift_value(joined_number, ">>", self.scope.expression_of(low))
@@ -116,7 +130,7 @@ class BitsEncoder:
                 parameters.update(field.width.parameters)
         return frozenset(parameters)
 
-    def _index_of_choice(self, name: str) -> Expr:
+    def _index_of_choice(self, name: str) -> PythonExpression:
         return call("index", f"self.{self.names.attribute(name)}")
 
 
@@ -148,7 +162,7 @@ class Reader:
         reader.source = "sent" if self.codec.parity_covers_gray else self.source
         return reader
 
-    def bits(self, bits: FieldBits) -> Expr:
+    def bits(self, bits: FieldBits) -> PythonExpression:
         """Return the bits as a number, such as ``word >> 8 & 0x3FF``."""
         if not self.codec.by_word:
             return self.number_from_pieces(bits.pieces)
@@ -166,7 +180,7 @@ class Reader:
             return place_in_bytes(bits.pieces)
         return bit_numbers(bits.low.constant, bits.width.constant) if bits.are_fixed else ""
 
-    def exclusive_or(self, parts: Sequence[FieldBits], counted: int) -> Expr:
+    def exclusive_or(self, parts: Sequence[FieldBits], counted: int) -> PythonExpression:
         """Return a number with the same parity as the bits of these fields, or as the bits in the mask ``counted``.
 
         For fields at fixed places in a word, it is the word with all other bits cleared, such as ``word & 0xFF3``. In
@@ -181,11 +195,11 @@ class Reader:
         xor_of_fields = join_operands("^", [self.bits(bits) for bits in parts])
         return Operation(xor_of_fields, "&", mask(counted)) if counted else xor_of_fields
 
-    def number_from_pieces(self, pieces: Sequence[BitSlice]) -> Expr:
+    def number_from_pieces(self, pieces: Sequence[BitSlice]) -> PythonExpression:
         """Return the number that pieces of the bytes form."""
         return from_pieces(pieces, self.codec.length, self._byte)
 
-    def bit(self, bits: FieldBits, word: str = "") -> Expr:
+    def bit(self, bits: FieldBits, word: str = "") -> PythonExpression:
         """Return an expression that is not 0 if the bit is set. ``word`` is the number to read it from, if given."""
         if self.codec.by_word:
             source = Atom(word or self.source)
@@ -202,7 +216,7 @@ class Reader:
     def _byte_variable(self, byte: int) -> Atom:
         return Atom(self._byte.format(byte))
 
-    def differing_unused_bits(self) -> Expr:
+    def differing_unused_bits(self) -> PythonExpression:
         """Return the unused bits that differ from the manual, each at its position in the attribute ``unused``.
 
         An example is ``b1 & 0xC | (b2 & 0x1) << 4``.
@@ -215,7 +229,7 @@ class Reader:
                 differing_bits.append(self._unused_at_moving_place(reserved))
         return join_operands("|", differing_bits)
 
-    def bits_without_field(self) -> Expr:
+    def bits_without_field(self) -> PythonExpression:
         """Return the bits without a field, at their positions in the number that the bytes form.
 
         An example is ``data[0] & 0xF0``.
@@ -228,7 +242,7 @@ class Reader:
             all_bits = "data[0]"
         return Operation(Atom(all_bits), "&", mask_without_field(self.scope, self.codec))
 
-    def _unused_at_fixed_place(self, bits: ShiftedBits) -> Expr:
+    def _unused_at_fixed_place(self, bits: ShiftedBits) -> PythonExpression:
         """Return the differing bits among the bits of the word, or of a byte, that are shifted by the same distance.
 
         An example is ``(b1 & 0xC ^ 0x4) << 4``, where ``0x4`` is the value in the manual.
@@ -248,7 +262,7 @@ class Reader:
             expression = Operation(expression, "^", mask(value_in_source))
         return shift_value(expression, "<<", number(left_shift))
 
-    def _unused_at_moving_place(self, reserved: Reserved) -> Expr:
+    def _unused_at_moving_place(self, reserved: Reserved) -> PythonExpression:
         """Return the differing bits of an unused field whose position depends on the order code."""
         bits = shift_value(Atom(self.source), ">>", self.scope.expression_of(reserved.bits.low))
         # The value in the manual. XOR with it leaves a 1 in each bit that differs.
@@ -308,14 +322,14 @@ def bit_numbers(low: int, width: int) -> str:
     return f"bit {low}" if width == 1 else f"bits {low + width - 1}:{low}"
 
 
-def mask_without_field(scope: Scope, codec: LayoutPlan) -> Expr:
+def mask_without_field(scope: Scope, codec: LayoutPlan) -> PythonExpression:
     """Return a mask of the bits without a field, such as ``0xF0 & ~(variant.mask << 4)``.
 
     Fields whose place is fixed are cleared in the first mask, and the others are masked at run time.
     """
     # All bits at first. The length of a layout with such bits is constant.
     bits_without_fixed_field = (1 << codec.layout.bits.constant) - 1
-    masks_of_moving_fields: list[Expr] = []
+    masks_of_moving_fields: list[PythonExpression] = []
     for field in codec.layout.fields:
         if field.is_fixed:
             bits_without_fixed_field &= ~field.mask_in_place
@@ -337,7 +351,7 @@ def _are_ascending(byte_indices: Sequence[int]) -> bool:
     return all(next_index - index == 1 for index, next_index in pairwise(byte_indices))
 
 
-def from_pieces(pieces: Sequence[BitSlice], length: int = 0, byte: str = "data[{}]") -> Expr:
+def from_pieces(pieces: Sequence[BitSlice], length: int = 0, byte: str = "data[{}]") -> PythonExpression:
     """Return the number that the pieces form, such as ``data[1] | data[2] << 8``, or 0 if there are none.
 
     The pieces begin with the lowest bits. ``length`` is the number of bytes, or 0 if it is unknown. ``byte`` is the
@@ -363,7 +377,7 @@ def _are_adjacent_whole_bytes(ascending: Sequence[BitSlice]) -> bool:
     return all(map(_is_whole_byte, ascending)) and _are_ascending([piece.byte for piece in ascending])
 
 
-def _from_piece(piece: BitSlice, byte: str) -> Expr:
+def _from_piece(piece: BitSlice, byte: str) -> PythonExpression:
     """Return the bits of one piece at their place in the number, such as ``(b1 & 0x3F) << 8``."""
     bits = shift_value(Atom(byte.format(piece.byte)), ">>", number(piece.low_in_byte))
     # The mask of the piece covers its bits after the shift. Without bits above them, they need none.

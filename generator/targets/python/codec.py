@@ -30,7 +30,7 @@ from . import docstrings
 from .bits import BitsEncoder
 from .decode import Decoder, attribute_values
 from .limits import LimitsFunction, limit_expressions, limits_depend
-from .literals import Atom, Expr, Scope, coded, quoted
+from .literals import Atom, PythonExpression, Scope, coded, quoted
 from .named_values import NamedValues
 from .names import ClassNames, Context, OpenQuestion, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports
@@ -62,7 +62,7 @@ class Coder:
         #: Questions whose answers the decoder accepts: the questions of all frames among which it is chosen.
         self.passed_arguments = self.questions
 
-    def number(self, expression: Expression) -> Expr:
+    def number(self, expression: Expression) -> PythonExpression:
         return self.context.scope.expression_of(expression)
 
     # -- dependencies
@@ -237,12 +237,12 @@ class Coder:
 
     # -- joined numbers and values from the manual
 
-    def assigned(self, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
+    def assigned(self, field: Field, bits: PythonExpression) -> Iterator[tuple[str, PythonExpression]]:
         """Yield the attributes of a field of a joined number, with their values."""
         enum = self.enum(field) if is_named(meaning_of(field)) else ""
         return attribute_values(self.context.scope, self.names, enum, field, bits)
 
-    def join_attributes(self, joined_number: JoinedNumber) -> Expr:
+    def join_attributes(self, joined_number: JoinedNumber) -> PythonExpression:
         """Return a joined number as an expression of local variables named like the attributes."""
         return self.encoding.join_numbers(joined_number, self.encoding.scope, str)
 
@@ -259,7 +259,7 @@ class Coder:
                 needed_questions.append(question)
         return needed_questions
 
-    def whole_width(self, joined_number: JoinedNumber) -> Expr:
+    def whole_width(self, joined_number: JoinedNumber) -> PythonExpression:
         return self.number(sum((field.width for field in reversed(joined_number.fields)), Expression(0)))
 
     @property
@@ -286,7 +286,7 @@ class Coder:
             conditions.append("no unused bit differs")
         return ", ".join(conditions)
 
-    def documented_value(self, field: Field) -> Expr:
+    def documented_value(self, field: Field) -> PythonExpression:
         """Return the value in the manual for a field."""
         match field.equals:
             case Expression() as value:

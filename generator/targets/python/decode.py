@@ -21,7 +21,7 @@ from ...plan.values import (
 )
 from .bits import Reader
 from .first_byte import FirstByte
-from .literals import Atom, Expr, Operation, Scope, call, grouped, mask, number
+from .literals import Atom, Operation, PythonExpression, Scope, call, grouped, mask, number
 from .named_values import NamedValues, prefer_names_of_fields
 from .names import ClassNames
 
@@ -54,7 +54,7 @@ class Decoder:
         if isinstance(scope, NamedValues):
             prefer_names_of_fields(scope, codec, class_names)
 
-    def number(self, expression: Expression) -> Expr:
+    def number(self, expression: Expression) -> PythonExpression:
         return self.scope.expression_of(expression)
 
     @property
@@ -87,7 +87,7 @@ class Decoder:
         self.assigned = set(before)
         return ""
 
-    def assign(self, field: Field, expression: Expr) -> str:
+    def assign(self, field: Field, expression: PythonExpression) -> str:
         """Return the statement that reads a field into its variable, which has the bits from then on.
 
         It is empty if an earlier statement has done so.
@@ -122,7 +122,7 @@ class Decoder:
         return " ^ ".join(operands)
 
     @property
-    def crc_covers(self) -> Expr | None:
+    def crc_covers(self) -> PythonExpression | None:
         """Number of bits before the CRC of a word, for its tables.
 
         None without a CRC, for a frame of bytes, if order codes differ in the CRC, or if an answer decides the number.
@@ -192,7 +192,7 @@ class Decoder:
         return covered if is_read else None
 
     @property
-    def padded_fields(self) -> list[tuple[Field, Expr]]:
+    def padded_fields(self) -> list[tuple[Field, PythonExpression]]:
         """Fields below zeros, each with the bits that include the zeros."""
         checks = (check for check in self.codec.checks if isinstance(check, ZerosAbove))
         return [(check.field, self.read.number_from_pieces(check.field.pieces)) for check in checks]
@@ -230,12 +230,12 @@ class Decoder:
 
     # -- values
 
-    def bits(self, part: FieldToDecode) -> Expr:
+    def bits(self, part: FieldToDecode) -> PythonExpression:
         """Return the bits of a field after all checks: its variable, if it has one, or else the expression."""
         has_variable = part.field.name in self.assigned
         return Atom(self.local(part.field)) if has_variable else self.read.bits(part.bits)
 
-    def values(self, part: FieldToDecode) -> list[Expr]:
+    def values(self, part: FieldToDecode) -> list[PythonExpression]:
         """Return the values of a field: one, or one per run of digits.
 
         ``valid_first_bytes`` maps the first byte to the selector. A variable holds the member of a named value.
@@ -265,14 +265,14 @@ class Decoder:
             case meaning:
                 assert_never(meaning)
 
-    def _decode_text(self, part: FieldToDecode) -> Expr:
+    def _decode_text(self, part: FieldToDecode) -> PythonExpression:
         """Return the characters of a field, such as ``data[2:6].decode("latin-1")``."""
         adjacent_bytes = self.read.characters(part.bits)
         if adjacent_bytes:
             return Atom(f'{adjacent_bytes}.decode("latin-1")')
         return _text_of_number(part.field, self.bits(part))
 
-    def _is_active(self, part: FieldToDecode, *, low_is_active: bool) -> Expr:
+    def _is_active(self, part: FieldToDecode, *, low_is_active: bool) -> PythonExpression:
         """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
         Such a flag has a width of 0 or 1, and its bits are 0 without it.
@@ -354,8 +354,8 @@ class DecodedValues:
 
 
 def attribute_values(
-    scope: Scope, class_names: ClassNames, enum: str, field: Field, bits: Expr
-) -> Iterator[tuple[str, Expr]]:
+    scope: Scope, class_names: ClassNames, enum: str, field: Field, bits: PythonExpression
+) -> Iterator[tuple[str, PythonExpression]]:
     """Yield the attributes of a field of a joined number, with their values. ``enum`` is the name of its IntEnum."""
     attribute = class_names.attribute(field.name)
     match meaning_of(field):
@@ -378,7 +378,7 @@ def attribute_values(
             assert_never(meaning)
 
 
-def digit_values(number_of_runs: Expr, runs: Sequence[Digits]) -> Iterator[tuple[Digits, Expr]]:
+def digit_values(number_of_runs: PythonExpression, runs: Sequence[Digits]) -> Iterator[tuple[Digits, PythonExpression]]:
     """Yield the runs of decimal digits in a number, each with its value, such as ``number // 100 % 10``."""
     for run in runs:
         run_value = number_of_runs
@@ -390,14 +390,14 @@ def digit_values(number_of_runs: Expr, runs: Sequence[Digits]) -> Iterator[tuple
         yield run, run_value
 
 
-def _or_if_zero(bits: Expr, stands_for: int) -> Expr:
+def _or_if_zero(bits: PythonExpression, stands_for: int) -> PythonExpression:
     return Atom(f"{bits.operand} or {grouped(stands_for)}")
 
 
-def _is_flag_active(bit: Expr, *, low_is_active: bool) -> Expr:
+def _is_flag_active(bit: PythonExpression, *, low_is_active: bool) -> PythonExpression:
     return Atom(f"not {bit}" if low_is_active else f"{bit.operand} != 0")
 
 
-def _text_of_number(field: Field, bits: Expr) -> Expr:
+def _text_of_number(field: Field, bits: PythonExpression) -> PythonExpression:
     number_of_characters = field.width.constant // 8
     return Atom(f'{bits.operand}.to_bytes({number_of_characters}, "big").decode("latin-1")')

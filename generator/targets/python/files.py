@@ -25,7 +25,7 @@ from ..registry import copied_files, licence_in, our_runtime
 from .bits import place_in_bytes, purpose_of_constant
 from .docstrings import docstring, of_answer, of_crc, of_value
 from .line_breaks import break_lines
-from .literals import Expr, coded, constant, grouped, literal, mask, quoted, table_statement
+from .literals import PythonExpression, coded, constant, grouped, literal, mask, quoted, table_statement
 from .module import Enumeration, Module
 from .names import (
     BISS,
@@ -44,7 +44,7 @@ from .names import (
 from .readme import ReadmeExample, first_example, virtual_examples
 
 
-def in_parentheses(value: Expr) -> str:
+def in_parentheses(value: PythonExpression) -> str:
     """Return an operand, in parentheses unless it is a name, a number or a call."""
     return value.operand
 

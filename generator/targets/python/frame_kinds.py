@@ -8,7 +8,7 @@ from ...model import Interface, channel_frame, first_of
 from ...model.record import dataclass
 from ...plan.description import describe
 from .codec import Coder
-from .literals import Expr, Scope
+from .literals import PythonExpression, Scope
 from .names import ClassNames, Context, OpenQuestion, decoder_maker
 
 
@@ -114,8 +114,8 @@ class ChannelCode:
 
     kinds: tuple[str, ...]
     position: int
-    compared: tuple[tuple[int, str, Expr], ...]
-    compared_bits: Expr
+    compared: tuple[tuple[int, str, PythonExpression], ...]
+    compared_bits: PythonExpression
     tolerance: int
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.limits import NumberLimits
-from .literals import Expr, Negative, Operation, Scope, number
+from .literals import Negative, Operation, PythonExpression, Scope, number
 
 
 @dataclass(frozen=True)
@@ -14,12 +14,12 @@ class LimitsFunction:
 
     name: str
     when: str
-    low: Expr
-    high: Expr
+    low: PythonExpression
+    high: PythonExpression
     takes_variant: bool
 
 
-def limit_expressions(scope: Scope, limits: NumberLimits) -> tuple[Expr, Expr]:
+def limit_expressions(scope: Scope, limits: NumberLimits) -> tuple[PythonExpression, PythonExpression]:
     """Return the lowest and the highest value. A missing limit follows from the width."""
     low, high = _limits_of_width(scope, limits)
     if limits.low is not None:
@@ -29,7 +29,7 @@ def limit_expressions(scope: Scope, limits: NumberLimits) -> tuple[Expr, Expr]:
     return low, high
 
 
-def _limits_of_width(scope: Scope, limits: NumberLimits) -> tuple[Expr, Expr]:
+def _limits_of_width(scope: Scope, limits: NumberLimits) -> tuple[PythonExpression, PythonExpression]:
     """Return the lowest and the highest value that the width allows.
 
     If 0 stands for a number above all other values, the values are 1 to this number.

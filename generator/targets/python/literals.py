@@ -17,7 +17,7 @@ _LEVELS = {operator: level for level, operators in enumerate(_LOOSEST_FIRST) for
 _ARITHMETIC, _ATOM = _LEVELS["+"], len(_LOOSEST_FIRST)
 
 
-class Expr:
+class PythonExpression:
     """Expression. ``str`` returns its text."""
 
     __slots__ = ()
@@ -45,7 +45,7 @@ class Expr:
 
 
 @dataclass(frozen=True, slots=True)
-class Atom(Expr):
+class Atom(PythonExpression):
     """Name, number, call, subscript or attribute."""
 
     text: str
@@ -55,8 +55,8 @@ class Atom(Expr):
 
 
 @dataclass(frozen=True, slots=True)
-class Negative(Expr):
-    value: Expr
+class Negative(PythonExpression):
+    value: PythonExpression
 
     @property
     def level(self) -> int:
@@ -67,8 +67,8 @@ class Negative(Expr):
 
 
 @dataclass(frozen=True, slots=True)
-class Not(Expr):
-    value: Expr
+class Not(PythonExpression):
+    value: PythonExpression
 
     @property
     def level(self) -> int:
@@ -79,12 +79,12 @@ class Not(Expr):
 
 
 @dataclass(frozen=True, slots=True)
-class Operation(Expr):
+class Operation(PythonExpression):
     """Binary operation."""
 
-    left: Expr
+    left: PythonExpression
     operator: str
-    right: Expr
+    right: PythonExpression
 
     @property
     def level(self) -> int:
@@ -97,15 +97,15 @@ class Operation(Expr):
         return f"{left} {self.operator} {right}"
 
 
-def call(function: str, *arguments: Expr | str) -> Expr:
+def call(function: str, *arguments: PythonExpression | str) -> PythonExpression:
     return Atom(f"{function}({', '.join(map(str, arguments))})")
 
 
-def number(value: int) -> Expr:
+def number(value: int) -> PythonExpression:
     return Atom(grouped(value))
 
 
-def mask(value: int) -> Expr:
+def mask(value: int) -> PythonExpression:
     """Return a hexadecimal number."""
     return Atom(f"0x{value:X}")
 
@@ -120,16 +120,16 @@ def coded(value: int) -> str:
     return str(value) if value < 10 else f"0x{value:X}"
 
 
-def join_operands(operator: str, operands: Iterable[Expr]) -> Expr:
+def join_operands(operator: str, operands: Iterable[PythonExpression]) -> PythonExpression:
     """Return one or more operands, joined by an operator."""
     return reduce(lambda left, right: Operation(left, operator, right), operands)
 
 
-def multiply(value: Expr, factor: int) -> Expr:
+def multiply(value: PythonExpression, factor: int) -> PythonExpression:
     return value if factor == 1 else Operation(value, "*", number(factor))
 
 
-def shift_value(value: Expr, operator: str, by: Expr) -> Expr:
+def shift_value(value: PythonExpression, operator: str, by: PythonExpression) -> PythonExpression:
     """Return ``value`` with a shift, or unchanged if the distance is 0."""
     return value if by == Atom("0") else Operation(value, operator, by)
 
@@ -144,7 +144,7 @@ class Scope:
 
     names: Mapping[str, str]
 
-    def expression_of(self, expression: Expression) -> Expr:
+    def expression_of(self, expression: Expression) -> PythonExpression:
         """Return a number that depends on parameters, such as ``variant.position_bits + 8``."""
         if expression.is_constant:
             return number(expression.constant)
@@ -160,26 +160,26 @@ class Scope:
             index = 0 if is_first else len(signs_and_summands)
             signs_and_summands.insert(index, sign_and_constant)
         (first_sign, first_summand), *further_summands = signs_and_summands
-        total: Expr = first_summand if first_sign > 0 else Negative(first_summand)
+        total: PythonExpression = first_summand if first_sign > 0 else Negative(first_summand)
         for sign, summand in further_summands:
             total = Operation(total, "+" if sign > 0 else "-", summand)
         return total
 
-    def ones(self, width: Expression) -> Expr:
+    def ones(self, width: Expression) -> PythonExpression:
         """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
             return mask((1 << width.constant) - 1)
         return Operation(self.power(width), "-", number(1))
 
-    def power(self, width: Expression) -> Expr:
+    def power(self, width: Expression) -> PythonExpression:
         return Operation(number(1), "<<", self.expression_of(width))
 
-    def _product_of_factors(self, term: Term) -> Expr:
+    def _product_of_factors(self, term: Term) -> PythonExpression:
         """Return the product of a term without its sign, such as ``2 * variant.turns``."""
         multiple = [number(abs(term.multiple))] if abs(term.multiple) != 1 else []
         return join_operands("*", [*multiple, *map(self._factor_expression, term.factors)])
 
-    def _factor_expression(self, factor: Factor) -> Expr:
+    def _factor_expression(self, factor: Factor) -> PythonExpression:
         parameter = Atom(self.names[factor.parameter])
         return Operation(number(1), "<<", parameter) if factor.power else parameter
 

@@ -18,7 +18,7 @@ from .channel_examples import ChannelExample, channel_example
 from .codec import Coder
 from .docstrings import Block, Lines, docstring
 from .frame_kinds import FrameKind
-from .literals import Call, Expr
+from .literals import Call, PythonExpression
 from .names import (
     LOCAL_NAMES,
     Context,
@@ -77,7 +77,7 @@ class Dispatcher:
         return "reply" if self.plan.sender == "encoder" else "request"
 
     @property
-    def value(self) -> Expr:
+    def value(self) -> PythonExpression:
         return from_pieces(self.plan.bits.pieces)
 
     @property

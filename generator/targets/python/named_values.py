@@ -8,7 +8,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.codec import LayoutPlan
 from ...plan.operations import IsBetween, NotAbove
-from .literals import Atom, Expr, Scope
+from .literals import Atom, PythonExpression, Scope
 from .names import ClassNames
 
 
@@ -27,14 +27,14 @@ class NamedValues(Scope):
     preferred: dict[tuple[str, str], str] = dataclass_field(default_factory=dict)
     comments: dict[str, str] = dataclass_field(default_factory=dict)
 
-    def expression_of(self, expression: Expression) -> Expr:
+    def expression_of(self, expression: Expression) -> PythonExpression:
         return self._use_name("size", expression, super().expression_of(expression))
 
-    def ones(self, width: Expression) -> Expr:
+    def ones(self, width: Expression) -> PythonExpression:
         mask_of_parameters = Scope(self.names).ones(width)
         return self._use_name("ones", width, mask_of_parameters)
 
-    def _use_name(self, kind: str, value: Expression, expression: Expr) -> Expr:
+    def _use_name(self, kind: str, value: Expression, expression: PythonExpression) -> PythonExpression:
         """Return the name of a value that depends on the order code, and otherwise ``expression``.
 
         A value with the code of an earlier value has its name. A new value has its preferred name, or a name such as

@@ -28,7 +28,7 @@ from .codec import Coder
 from .decode import digit_values
 from .docstrings import Block
 from .limits import limit_expressions, limits_depend
-from .literals import Atom, Expr, shift_value
+from .literals import Atom, PythonExpression, shift_value
 from .names import PROCEDURE_NAMES, Context, attribute, encoder_name, interface_name, meaning_limits
 
 
@@ -150,13 +150,13 @@ class Steps:
 
     # -- numbers
 
-    def mask(self, field: Field) -> Expr:
+    def mask(self, field: Field) -> PythonExpression:
         """Return the mask of a field at its position in the register."""
         if field.is_fixed:
             return Atom(f"0x{field.mask_in_place:02X}")
         return shift_value(self.scope.ones(field.width), "<<", self.scope.expression_of(field.low))
 
-    def verified_mask(self, op: VerifyWrite) -> Expr:
+    def verified_mask(self, op: VerifyWrite) -> PythonExpression:
         """Return the mask of the register bits that are read back.
 
         It is the mask of a field, or has two digits for each byte of the register.
@@ -167,13 +167,13 @@ class Steps:
         number_of_digits = 2 * op.register.length
         return Atom(f"0x{mask_of_pieces:0{number_of_digits}X}")
 
-    def shifted_to_field(self, value: int | str, field: Field) -> Expr:
+    def shifted_to_field(self, value: int | str, field: Field) -> PythonExpression:
         """Return a number or an argument, shifted to the position of the field."""
         if isinstance(value, int) and field.low.is_constant:
             return Atom(f"0x{value << field.low.constant:02X}")
         return shift_value(Atom(str(value)), "<<", self.scope.expression_of(field.low))
 
-    def members(self, member_value: AsMember, register: Register) -> list[tuple[str, Expr]]:
+    def members(self, member_value: AsMember, register: Register) -> list[tuple[str, PythonExpression]]:
         """Return attributes and values of the register for an argument that sets a field or join of it.
 
         Only runs of decimal digits are several attributes.

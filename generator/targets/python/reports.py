@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...plan.codec import LayoutPlan
 from ...plan.operations import FieldToDecode, Reserved
 from ...plan.verdicts import CodeCondition, MatchingValues, ReportCause, ReportsAndVerdict, VerdictCause
-from .literals import Atom, Expr, Not, Operation, Scope, coded, join_operands, mask
+from .literals import Atom, Not, Operation, PythonExpression, Scope, coded, join_operands, mask
 from .names import ClassNames
 
 
@@ -140,12 +140,12 @@ class FrameReports:
             conditions.append(Not(join_operands("or", combined_flags)))
         return str(conditions[0]) if len(conditions) == 1 else f"({join_operands('and', conditions)})"
 
-    def _has_values(self, match: MatchingValues) -> list[Expr]:
+    def _has_values(self, match: MatchingValues) -> list[PythonExpression]:
         """Return a condition for each value of a match, such as ``self.mode == 3``, or ``not self.ready`` for a flag.
 
         The value of a flag is 1 while it is active.
         """
-        conditions: list[Expr] = []
+        conditions: list[PythonExpression] = []
         for part, value in match.conditions:
             attribute = self._read_attribute(part)
             if not isinstance(part.field.kind, Flag):
@@ -156,7 +156,7 @@ class FrameReports:
                 conditions.append(Not(attribute))
         return conditions
 
-    def _differs_in(self, reserved: Sequence[Reserved]) -> Expr:
+    def _differs_in(self, reserved: Sequence[Reserved]) -> PythonExpression:
         """Return the condition that any of these unused bits differs from the manual, such as ``self.unused & 0xC``.
 
         If these are all unused bits of the frame, the condition is ``self.unused``.
@@ -169,7 +169,7 @@ class FrameReports:
         are_all = mask_of_these == mask_of_all
         return differing_bits if are_all else Operation(differing_bits, "&", mask(mask_of_these))
 
-    def _read_attribute(self, part: FieldToDecode) -> Expr:
+    def _read_attribute(self, part: FieldToDecode) -> PythonExpression:
         return Atom(self._attribute_of(self._names.attribute(part.field.name)))
 
 
@@ -186,6 +186,6 @@ def _meaning_while_active(cause: VerdictCause) -> str:
     return f"{flag.name}: {meaning_on_one_line.rstrip('.')}."
 
 
-def condition_on_parameter(parameter_condition: CodeCondition, parameter: str) -> Expr:
+def condition_on_parameter(parameter_condition: CodeCondition, parameter: str) -> PythonExpression:
     """Return the condition that an order code is among ``parameter_condition``: ``parameter`` or ``not parameter``."""
     return Atom(parameter) if parameter_condition.holds else Not(Atom(parameter))

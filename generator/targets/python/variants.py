@@ -24,7 +24,7 @@ from ...say.order_code import initial
 from . import docstrings
 from .codec import Coder
 from .frame_kinds import ChannelCode, FrameKind, channel_code
-from .literals import Atom, Call, Code, Expr, Literal, Operation, join_operands, number, of_number, record
+from .literals import Atom, Call, Code, Literal, Operation, PythonExpression, join_operands, number, of_number, record
 from .names import (
     FUNCTIONS,
     ClassNames,
@@ -118,7 +118,7 @@ class Variants:
         return docstrings.of_variant(self.device, self.context.parameters)
 
     @property
-    def derived_parameters(self) -> list[tuple[str, str, Expr]]:
+    def derived_parameters(self) -> list[tuple[str, str, PythonExpression]]:
         """Name, meaning and value of each parameter that is derived from other parameters.
 
         Parameters that always equal a quantity of the measurement are left out, since the class already has that
@@ -147,39 +147,41 @@ class Variants:
     def _measurement_of(self, interface: Interface) -> Measurement | None:
         return self.device.measurement_of(interface.name)
 
-    def _code_of(self, value: Expression | None) -> Expr | None:
+    def _code_of(self, value: Expression | None) -> PythonExpression | None:
         """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if it is not in the spec."""
         return self._scope.expression_of(value) if value is not None else None
 
-    def _cases_by_interface(self, quantity_of: Callable[[Measurement], Expr | None]) -> ByInterface[Expr]:
+    def _cases_by_interface(
+        self, quantity_of: Callable[[Measurement], PythonExpression | None]
+    ) -> ByInterface[PythonExpression]:
         """Return a quantity of the measurement, such as ``1 << self.bits``, with the interfaces to which it applies.
 
         ``quantity_of`` returns it for a measurement, or None if the measurement lacks it.
         """
 
-        def quantity_over(interface: Interface) -> Expr | None:
+        def quantity_over(interface: Interface) -> PythonExpression | None:
             measurement = self._measurement_of(interface)
             return quantity_of(measurement) if measurement is not None else None
 
         return by_interface(self.device, quantity_over)
 
     @cached_property
-    def counts_per_turn(self) -> ByInterface[Expr]:
+    def counts_per_turn(self) -> ByInterface[PythonExpression]:
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.counts_per_turn))
 
     @cached_property
-    def step_um(self) -> ByInterface[Expr]:
+    def step_um(self) -> ByInterface[PythonExpression]:
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_um))
 
     @cached_property
-    def step_nm(self) -> ByInterface[Expr]:
+    def step_nm(self) -> ByInterface[PythonExpression]:
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_nm))
 
     @cached_property
-    def per_counts(self) -> ByInterface[Expr]:
+    def per_counts(self) -> ByInterface[PythonExpression]:
         """Number of counts to which ``step_nm`` applies. There are no cases if it is 1 everywhere."""
 
-        def counts_of(measurement: Measurement) -> Expr | None:
+        def counts_of(measurement: Measurement) -> PythonExpression | None:
             if measurement.step_nm is None:
                 return None
             return self._code_of(measurement.per_counts or Expression(1))
@@ -189,11 +191,11 @@ class Variants:
         return replace(cases, cases=()) if is_one_everywhere else cases
 
     @cached_property
-    def modulus(self) -> ByInterface[Expr]:
+    def modulus(self) -> ByInterface[PythonExpression]:
         """Number of counts after which the position wraps around."""
         return by_interface(self.device, self.modulus_of)
 
-    def _modulus_expression(self, measurement: Measurement) -> Expr | None:
+    def _modulus_expression(self, measurement: Measurement) -> PythonExpression | None:
         """Return the number of counts after which a position wraps around, or None if the spec does not give it."""
         factors = [*map(self._scope.expression_of, count_factors(measurement))]
         return join_operands("*", factors) if factors else None
@@ -230,7 +232,7 @@ class Variants:
             reasons.append("it depends on the frame, see range_of()")
         return ", or ".join(reasons)
 
-    def modulus_of(self, interface: Interface) -> Expr | None:
+    def modulus_of(self, interface: Interface) -> PythonExpression | None:
         """Return the number of counts after which all positions over an interface wrap around.
 
         Return None if the spec does not state it or if it depends on the frame.
@@ -238,21 +240,21 @@ class Variants:
         only_range = self._only_range(interface)
         return self._modulus_expression(only_range.measurement) if only_range is not None else None
 
-    def ranges_over(self, interface: Interface) -> list[tuple[str, Sequence[Expr | None]]]:
+    def ranges_over(self, interface: Interface) -> list[tuple[str, Sequence[PythonExpression | None]]]:
         """Return each frame with its lowest and highest position and modulus, if the frames differ.
 
         Frames in which the distance between two positions is unknown are left out.
         """
         if interface.name not in self.interfaces_with_frame_ranges:
             return []
-        ranges: list[tuple[str, Sequence[Expr | None]]] = []
+        ranges: list[tuple[str, Sequence[PythonExpression | None]]] = []
         for position_range in position_ranges(self.device, interface):
             if position_range.has_difference:
                 layouts = position_range.layouts
                 ranges += [(layout.name, self._range_values(position_range, layout)) for layout in layouts]
         return ranges
 
-    def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[Expr | None, ...]:
+    def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[PythonExpression | None, ...]:
         """Return the lowest and the highest position in a frame, and the modulus, or None if there is none.
 
         An unsigned position without a highest value in the spec ends at ``modulus - 1``, or without a modulus at the
@@ -280,13 +282,13 @@ class Variants:
         # The lowest number in two's complement is -highest - 1.
         return Operation(number(-1), "-", highest), highest, modulus
 
-    def _power_of_two(self, exponent: Expression) -> Expr:
+    def _power_of_two(self, exponent: Expression) -> PythonExpression:
         """Return two to the power of ``exponent``."""
         if exponent.is_constant:
             return number(1 << exponent.constant)
         return Operation(number(1), "<<", self._scope.expression_of(exponent))
 
-    def _highest_signed(self, position_range: PositionRange) -> Expr:
+    def _highest_signed(self, position_range: PositionRange) -> PythonExpression:
         """Return the highest signed position: the spec's position, or else the highest that fits in the field."""
         field = position_range.signed_field
         assert field is not None
@@ -298,10 +300,10 @@ class Variants:
         return Operation(self._power_of_two(field.width - Expression(1)), "-", number(1))
 
     @cached_property
-    def lowest(self) -> ByInterface[Expr] | None:
+    def lowest(self) -> ByInterface[PythonExpression] | None:
         """Lowest position by interface, or None if it is 0 everywhere."""
 
-        def lowest_of(position_range: PositionRange) -> Expr | None:
+        def lowest_of(position_range: PositionRange) -> PythonExpression | None:
             if position_range.signed_field is None:
                 return None
             if position_range.measurement.highest is None:
@@ -312,10 +314,10 @@ class Variants:
         return self._ends_by_interface(lowest_of, number(0))
 
     @cached_property
-    def highest(self) -> ByInterface[Expr] | None:
+    def highest(self) -> ByInterface[PythonExpression] | None:
         """Highest position by interface, or None if it is ``modulus - 1`` everywhere."""
 
-        def highest_of(position_range: PositionRange) -> Expr | None:
+        def highest_of(position_range: PositionRange) -> PythonExpression | None:
             if position_range.signed_field is not None:
                 return self._highest_signed(position_range)
             return self._code_of(position_range.measurement.highest)
@@ -336,8 +338,8 @@ class Variants:
         return False
 
     def _ends_by_interface(
-        self, end_of: Callable[[PositionRange], Expr | None], usual: Expr
-    ) -> ByInterface[Expr] | None:
+        self, end_of: Callable[[PositionRange], PythonExpression | None], usual: PythonExpression
+    ) -> ByInterface[PythonExpression] | None:
         """Return the lowest or the highest position by interface.
 
         ``end_of`` returns it for a range, or None where it is ``usual``: 0 for the lowest position, and
@@ -345,7 +347,7 @@ class Variants:
         the frames of no interface differ.
         """
 
-        def end_over(interface: Interface) -> Expr | None:
+        def end_over(interface: Interface) -> PythonExpression | None:
             only_range = self._only_range(interface)
             if only_range is None:
                 return None
@@ -367,7 +369,7 @@ class Variants:
         return [name for name, applies in applies_by_class.items() if applies] or ["Encoder"]
 
     @cached_property
-    def frame_bits(self) -> ByInterface[Expr]:
+    def frame_bits(self) -> ByInterface[PythonExpression]:
         """Number of bits in the encoder's frame by interface, if it is a string of bits of known length."""
         bits_by_interface: dict[str, Expression] = {}
         for kind in self.frame_kinds:
