@@ -24,8 +24,8 @@ from ...say.plain_text import plain
 from .literals import (
     Atom,
     Not,
-    Operation,
     PythonExpression,
+    PythonOperation,
     Scope,
     call,
     join_operands,
@@ -63,7 +63,7 @@ class BitsEncoder:
                 return call("zero_for", quoted_name, attribute, str(stands_for), width)
             case TwosComplement():
                 number = call("check_signed", quoted_name, attribute, width)
-                return Operation(number, "&", self.scope.ones(field.width))
+                return PythonOperation(number, "&", self.scope.ones(field.width))
             case ActiveFlag(low) if field.width.is_constant:
                 return Not(attribute) if low else call("bool", attribute)
             case ActiveFlag():
@@ -116,7 +116,7 @@ class BitsEncoder:
             bits = shift_value(joined_number, ">>", self.scope.expression_of(low))
             # No bits are above the highest field, so it needs no mask.
             if field is not highest_field:
-                bits = Operation(bits, "&", self.scope.ones(field.width))
+                bits = PythonOperation(bits, "&", self.scope.ones(field.width))
             fields_and_bits.insert(0, (field, bits))
         return fields_and_bits
 
@@ -169,7 +169,7 @@ class Reader:
         shifted = shift_value(Atom(self.source), ">>", self.scope.expression_of(bits.low))
         # Bits at the top of the word need no mask.
         is_at_top = bits.low + bits.width == self.codec.layout.bits
-        return shifted if is_at_top else Operation(shifted, "&", self.scope.ones(bits.width))
+        return shifted if is_at_top else PythonOperation(shifted, "&", self.scope.ones(bits.width))
 
     def place(self, bits: FieldBits) -> str:
         """Return the position of these bits, for a comment, such as ``bits 7:4``.
@@ -191,9 +191,9 @@ class Reader:
         if not counted and are_at_fixed_places:
             # The fields have no bit in common, so that the sum of their masks has the bits of all.
             mask_of_fields = sum(mask_in_place(bits) for bits in parts)
-            return Operation(Atom(self.source), "&", mask(mask_of_fields))
+            return PythonOperation(Atom(self.source), "&", mask(mask_of_fields))
         xor_of_fields = join_operands("^", [self.bits(bits) for bits in parts])
-        return Operation(xor_of_fields, "&", mask(counted)) if counted else xor_of_fields
+        return PythonOperation(xor_of_fields, "&", mask(counted)) if counted else xor_of_fields
 
     def number_from_pieces(self, pieces: Sequence[BitSlice]) -> PythonExpression:
         """Return the number that pieces of the bytes form."""
@@ -210,8 +210,8 @@ class Reader:
             source = self._byte_variable(piece.byte)
             low = Expression(piece.low_in_byte)
         if low.is_constant:
-            return Operation(source, "&", Atom(f"0x{1 << low.constant:02X}"))
-        return Operation(shift_value(source, ">>", self.scope.expression_of(low)), "&", number(1))
+            return PythonOperation(source, "&", Atom(f"0x{1 << low.constant:02X}"))
+        return PythonOperation(shift_value(source, ">>", self.scope.expression_of(low)), "&", number(1))
 
     def _byte_variable(self, byte: int) -> Atom:
         return Atom(self._byte.format(byte))
@@ -240,7 +240,7 @@ class Reader:
             all_bits = f'int.from_bytes(data, "{byte_order(self.codec.layout)}")'
         else:
             all_bits = "data[0]"
-        return Operation(Atom(all_bits), "&", mask_without_field(self.scope, self.codec))
+        return PythonOperation(Atom(all_bits), "&", mask_without_field(self.scope, self.codec))
 
     def _unused_at_fixed_place(self, bits: ShiftedBits) -> PythonExpression:
         """Return the differing bits among the bits of the word, or of a byte, that are shifted by the same distance.
@@ -257,9 +257,9 @@ class Reader:
         expression = shift_value(source, ">>", number(right_shift))
         is_whole_byte = bits.byte is not None and mask_in_source == 0xFF
         if not is_whole_byte:
-            expression = Operation(expression, "&", mask(mask_in_source))
+            expression = PythonOperation(expression, "&", mask(mask_in_source))
         if bits.value:
-            expression = Operation(expression, "^", mask(value_in_source))
+            expression = PythonOperation(expression, "^", mask(value_in_source))
         return shift_value(expression, "<<", number(left_shift))
 
     def _unused_at_moving_place(self, reserved: Reserved) -> PythonExpression:
@@ -267,8 +267,8 @@ class Reader:
         bits = shift_value(Atom(self.source), ">>", self.scope.expression_of(reserved.bits.low))
         # The value in the manual. XOR with it leaves a 1 in each bit that differs.
         if reserved.value:
-            bits = Operation(bits, "^", mask(reserved.value))
-        differing_bits = Operation(bits, "&", self.scope.ones(reserved.bits.width))
+            bits = PythonOperation(bits, "^", mask(reserved.value))
+        differing_bits = PythonOperation(bits, "&", self.scope.ones(reserved.bits.width))
         # The position of the field in ``unused``.
         return shift_value(differing_bits, "<<", number(reserved.place))
 
@@ -338,7 +338,7 @@ def mask_without_field(scope: Scope, codec: LayoutPlan) -> PythonExpression:
     if not masks_of_moving_fields:
         return mask(bits_without_fixed_field)
     moving_bits = join_operands("|", masks_of_moving_fields)
-    return Operation(mask(bits_without_fixed_field), "&", Atom(f"~({moving_bits})"))
+    return PythonOperation(mask(bits_without_fixed_field), "&", Atom(f"~({moving_bits})"))
 
 
 def _is_whole_byte(piece: BitSlice) -> bool:
@@ -383,5 +383,5 @@ def _from_piece(piece: BitSlice, byte: str) -> PythonExpression:
     # The mask of the piece covers its bits after the shift. Without bits above them, they need none.
     reaches_top_of_byte = piece.mask == 0xFF >> piece.low_in_byte
     if not reaches_top_of_byte:
-        bits = Operation(bits, "&", mask(piece.mask))
+        bits = PythonOperation(bits, "&", mask(piece.mask))
     return shift_value(bits, "<<", number(piece.low_in_number))

@@ -21,7 +21,7 @@ from ...plan.values import (
 )
 from .bits import Reader
 from .first_byte import FirstByte
-from .literals import Atom, Operation, PythonExpression, Scope, call, grouped, mask, number
+from .literals import Atom, PythonExpression, PythonOperation, Scope, call, grouped, mask, number
 from .named_values import NamedValues, prefer_names_of_fields
 from .names import ClassNames
 
@@ -383,10 +383,10 @@ def digit_values(number_of_runs: PythonExpression, runs: Sequence[Digits]) -> It
     for run in runs:
         run_value = number_of_runs
         if run.divisor != 1:
-            run_value = Operation(run_value, "//", number(run.divisor))
+            run_value = PythonOperation(run_value, "//", number(run.divisor))
         # No digits are before the first run.
         if run is not runs[0]:
-            run_value = Operation(run_value, "%", number(run.modulus))
+            run_value = PythonOperation(run_value, "%", number(run.modulus))
         yield run, run_value
 
 

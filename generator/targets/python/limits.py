@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.limits import NumberLimits
-from .literals import Negative, Operation, PythonExpression, Scope, number
+from .literals import Negative, PythonExpression, PythonOperation, Scope, number
 
 
 @dataclass(frozen=True)
@@ -36,10 +36,10 @@ def _limits_of_width(scope: Scope, limits: NumberLimits) -> tuple[PythonExpressi
     """
     if limits.signed:
         half_of_range = scope.power(limits.width - Expression(1))
-        return Negative(half_of_range), Operation(half_of_range, "-", number(1))
+        return Negative(half_of_range), PythonOperation(half_of_range, "-", number(1))
     if limits.stands_for:
         return number(1), number(limits.stands_for)
-    return number(0), Operation(scope.power(limits.width), "-", number(1))
+    return number(0), PythonOperation(scope.power(limits.width), "-", number(1))
 
 
 def limits_depend(limits: NumberLimits) -> bool:

@@ -79,7 +79,7 @@ class Not(PythonExpression):
 
 
 @dataclass(frozen=True, slots=True)
-class Operation(PythonExpression):
+class PythonOperation(PythonExpression):
     """Binary operation."""
 
     left: PythonExpression
@@ -122,16 +122,16 @@ def coded(value: int) -> str:
 
 def join_operands(operator: str, operands: Iterable[PythonExpression]) -> PythonExpression:
     """Return one or more operands, joined by an operator."""
-    return reduce(lambda left, right: Operation(left, operator, right), operands)
+    return reduce(lambda left, right: PythonOperation(left, operator, right), operands)
 
 
 def multiply(value: PythonExpression, factor: int) -> PythonExpression:
-    return value if factor == 1 else Operation(value, "*", number(factor))
+    return value if factor == 1 else PythonOperation(value, "*", number(factor))
 
 
 def shift_value(value: PythonExpression, operator: str, by: PythonExpression) -> PythonExpression:
     """Return ``value`` with a shift, or unchanged if the distance is 0."""
-    return value if by == Atom("0") else Operation(value, operator, by)
+    return value if by == Atom("0") else PythonOperation(value, operator, by)
 
 
 def _sign_of(value: int) -> int:
@@ -162,17 +162,17 @@ class Scope:
         (first_sign, first_summand), *further_summands = signs_and_summands
         total: PythonExpression = first_summand if first_sign > 0 else Negative(first_summand)
         for sign, summand in further_summands:
-            total = Operation(total, "+" if sign > 0 else "-", summand)
+            total = PythonOperation(total, "+" if sign > 0 else "-", summand)
         return total
 
     def ones(self, width: Expression) -> PythonExpression:
         """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
             return mask((1 << width.constant) - 1)
-        return Operation(self.power(width), "-", number(1))
+        return PythonOperation(self.power(width), "-", number(1))
 
     def power(self, width: Expression) -> PythonExpression:
-        return Operation(number(1), "<<", self.expression_of(width))
+        return PythonOperation(number(1), "<<", self.expression_of(width))
 
     def _product_of_factors(self, term: Term) -> PythonExpression:
         """Return the product of a term without its sign, such as ``2 * variant.turns``."""
@@ -181,7 +181,7 @@ class Scope:
 
     def _factor_expression(self, factor: Factor) -> PythonExpression:
         parameter = Atom(self.names[factor.parameter])
-        return Operation(number(1), "<<", parameter) if factor.power else parameter
+        return PythonOperation(number(1), "<<", parameter) if factor.power else parameter
 
 
 def _collect_terms(expression: Expression) -> list[Term]:

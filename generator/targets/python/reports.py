@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...plan.codec import LayoutPlan
 from ...plan.operations import FieldToDecode, Reserved
 from ...plan.verdicts import CodeCondition, MatchingValues, ReportCause, ReportsAndVerdict, VerdictCause
-from .literals import Atom, Not, Operation, PythonExpression, Scope, coded, join_operands, mask
+from .literals import Atom, Not, PythonExpression, PythonOperation, Scope, coded, join_operands, mask
 from .names import ClassNames
 
 
@@ -167,7 +167,7 @@ class FrameReports:
         mask_of_all = sum(bits.mask for bits in self._reserved)
         mask_of_these = sum(bits.mask for bits in reserved)
         are_all = mask_of_these == mask_of_all
-        return differing_bits if are_all else Operation(differing_bits, "&", mask(mask_of_these))
+        return differing_bits if are_all else PythonOperation(differing_bits, "&", mask(mask_of_these))
 
     def _read_attribute(self, part: FieldToDecode) -> PythonExpression:
         return Atom(self._attribute_of(self._names.attribute(part.field.name)))

@@ -24,7 +24,18 @@ from ...say.order_code import initial
 from . import docstrings
 from .codec import Coder
 from .frame_kinds import ChannelCode, FrameKind, channel_code
-from .literals import Atom, Call, Code, Literal, Operation, PythonExpression, join_operands, number, of_number, record
+from .literals import (
+    Atom,
+    Call,
+    Code,
+    Literal,
+    PythonExpression,
+    PythonOperation,
+    join_operands,
+    number,
+    of_number,
+    record,
+)
 from .names import (
     FUNCTIONS,
     ClassNames,
@@ -269,24 +280,24 @@ class Variants:
                 position_fields = [layout.field(name) for name in layout.names_in(measurement.of)]
                 width = sum((field.width for field in position_fields), Expression(0))
                 number_of_values = modulus if modulus is not None else self._power_of_two(width)
-                highest = Operation(number_of_values, "-", number(1))
+                highest = PythonOperation(number_of_values, "-", number(1))
             return number(0), highest, modulus
         highest = self._highest_signed(position_range)
         if measurement.highest is not None and modulus is not None:
             # From lowest to highest there are ``modulus`` positions.
-            lowest = Operation(Operation(highest, "-", modulus), "+", number(1))
+            lowest = PythonOperation(PythonOperation(highest, "-", modulus), "+", number(1))
             return lowest, highest, modulus
         width = position_range.signed_field.width
         if width.is_constant:
             return number(-1 << (width.constant - 1)), highest, modulus
         # The lowest number in two's complement is -highest - 1.
-        return Operation(number(-1), "-", highest), highest, modulus
+        return PythonOperation(number(-1), "-", highest), highest, modulus
 
     def _power_of_two(self, exponent: Expression) -> PythonExpression:
         """Return two to the power of ``exponent``."""
         if exponent.is_constant:
             return number(1 << exponent.constant)
-        return Operation(number(1), "<<", self._scope.expression_of(exponent))
+        return PythonOperation(number(1), "<<", self._scope.expression_of(exponent))
 
     def _highest_signed(self, position_range: PositionRange) -> PythonExpression:
         """Return the highest signed position: the spec's position, or else the highest that fits in the field."""
@@ -297,7 +308,7 @@ class Variants:
             return self._scope.expression_of(stated_highest)
         if field.width.is_constant:
             return number((1 << (field.widest - 1)) - 1)
-        return Operation(self._power_of_two(field.width - Expression(1)), "-", number(1))
+        return PythonOperation(self._power_of_two(field.width - Expression(1)), "-", number(1))
 
     @cached_property
     def lowest(self) -> ByInterface[PythonExpression] | None:
@@ -322,7 +333,7 @@ class Variants:
                 return self._highest_signed(position_range)
             return self._code_of(position_range.measurement.highest)
 
-        return self._ends_by_interface(highest_of, Operation(Atom("self.modulus"), "-", number(1)))
+        return self._ends_by_interface(highest_of, PythonOperation(Atom("self.modulus"), "-", number(1)))
 
     @property
     def is_shifted(self) -> bool:
