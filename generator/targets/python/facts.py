@@ -29,7 +29,7 @@ from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
 from ...say.plain_text import plain
 from ...say.report import alarm_of, meaning, remedy, source, states
-from .literals import Call, Code, Literal, Member, literal_call, of_facts, quoted, record
+from .literals import CallLiteral, Code, Literal, Member, literal_call, of_facts, quoted, record
 from .records import record_of, records_of
 
 
@@ -40,7 +40,7 @@ class Table:
     comment: str
     name: str
     kind: str
-    rows: Sequence[Call] = ()
+    rows: Sequence[CallLiteral] = ()
 
     @property
     def section(self) -> str:
@@ -80,7 +80,7 @@ _ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA
 # -- the device
 
 
-def family(device: Device) -> Call:
+def family(device: Device) -> CallLiteral:
     """Return the record ``Family`` of a device."""
     return literal_call(
         "Family",
@@ -91,7 +91,7 @@ def family(device: Device) -> Call:
     )
 
 
-def order_code(code: OrderCode) -> Call:
+def order_code(code: OrderCode) -> CallLiteral:
     """Return the record ``OrderCode`` with the parts and their values."""
     part_records = []
     for part in code.parts:
@@ -100,7 +100,7 @@ def order_code(code: OrderCode) -> Call:
     return record_of("OrderCode", code, parts=tuple(part_records))
 
 
-def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
+def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> CallLiteral | None:
     """Return the values of other parts with which a part can be combined.
 
     An example is ``ReadOnly({"interface": ("BiSS", "SSI",)})``. None means all values.
@@ -112,7 +112,7 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None
         quoted_values = ", ".join(map(quoted, values))
         # The comma makes a tuple of a single value.
         dict_items.append(f"{quoted(part_name)}: ({quoted_values},)")
-    return Call("ReadOnly", (("", Code(f"{{{', '.join(dict_items)}}}")),))
+    return CallLiteral("ReadOnly", (("", Code(f"{{{', '.join(dict_items)}}}")),))
 
 
 def tables(device: Device) -> list[Table]:
@@ -125,12 +125,12 @@ def _with_register_rows(table: Table, device: Device) -> Table:
     return replace(table, rows=records_of(table.kind, getattr(device, table.section)))
 
 
-def reports(device: Device) -> list[Call]:
+def reports(device: Device) -> list[CallLiteral]:
     """Return the reports of the encoder in frames of the family."""
     return [_report_record(report.name, report.field, alarm_of(device, report.field)) for report in reports_of(device)]
 
 
-def _report_record(name: str, field: Field, alarm: Alarm | None) -> Call:
+def _report_record(name: str, field: Field, alarm: Alarm | None) -> CallLiteral:
     """Return the record ``Report``, with the meaning and the remedy of its alarm if the field has one."""
     verdict = verdict_of(field)
     return record(
@@ -145,7 +145,7 @@ def _report_record(name: str, field: Field, alarm: Alarm | None) -> Call:
 # -- interfaces
 
 
-def interface(interface: Interface) -> Call:
+def interface(interface: Interface) -> CallLiteral:
     """Return the record with the facts of an interface, such as ``SsiFacts``."""
     match interface:
         case Ssi():
@@ -182,7 +182,7 @@ def _clock_members(interface: Clocked) -> Mapping[str, Literal]:
 # -- fields and registers
 
 
-def _field_record(codec: LayoutPlan, field: Field) -> Call:
+def _field_record(codec: LayoutPlan, field: Field) -> CallLiteral:
     """Return the record ``FieldFacts`` of a field.
 
     ``constant`` and ``unused`` are the manual's values for a constant or for unused bits.
@@ -201,7 +201,7 @@ def _field_record(codec: LayoutPlan, field: Field) -> Call:
     )
 
 
-def _field_records(codec: LayoutPlan) -> tuple[Call, ...]:
+def _field_records(codec: LayoutPlan) -> tuple[CallLiteral, ...]:
     """Return the facts of each field."""
     return tuple(_field_record(codec, field) for field in codec.layout.fields)
 
@@ -215,16 +215,16 @@ def _is_one_number(layout: Layout) -> bool:
     return has_name_of_register and only_field.carries_data and is_number(meaning_of(only_field))
 
 
-def frame_rows(device: Device) -> dict[str, tuple[Call, ...]]:
+def frame_rows(device: Device) -> dict[str, tuple[CallLiteral, ...]]:
     """Return the facts of the fields of frames, by the name of the frame."""
     return {layout.name: _field_records(codec_of(device, layout)) for _, layout in device.layouts()}
 
 
-def register_rows(device: Device) -> dict[str, Call]:
+def register_rows(device: Device) -> dict[str, CallLiteral]:
     return {register.name: _register_record(device, register) for register in device.registers}
 
 
-def _register_record(device: Device, register: Register) -> Call:
+def _register_record(device: Device, register: Register) -> CallLiteral:
     """Return the record ``Register``. A register that is a single number has no fields."""
     return record_of(
         "Register",

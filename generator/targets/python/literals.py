@@ -230,7 +230,7 @@ class Hex:
 
 
 @dataclass(frozen=True)
-class Call:
+class CallLiteral:
     """Call. An argument without a name is positional."""
 
     function: str
@@ -250,7 +250,7 @@ class Call:
 class ConditionalItem:
     """Item of a tuple that is present if the expression ``condition`` is true."""
 
-    call: Call
+    call: CallLiteral
     condition: str
 
 
@@ -264,21 +264,21 @@ Literal = (
     | Code
     | Member
     | Hex
-    | Call
+    | CallLiteral
     | ConditionalItem
     | Sequence["Literal"]
     | Mapping[str, str]
 )
 
 
-def literal_call(function: str, *positional: Literal, **optional: Literal) -> Call:
+def literal_call(function: str, *positional: Literal, **optional: Literal) -> CallLiteral:
     """Return a call with positional arguments, and with the optional arguments that are not empty."""
-    return Call(function, (*(("", value) for value in positional), *_named_arguments(optional)))
+    return CallLiteral(function, (*(("", value) for value in positional), *_named_arguments(optional)))
 
 
-def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> Call:
+def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> CallLiteral:
     """Return a call with only named arguments: all that are needed, and the optional ones that are not empty."""
-    return Call(function, (*needed.items(), *_named_arguments(optional)))
+    return CallLiteral(function, (*needed.items(), *_named_arguments(optional)))
 
 
 def _named_arguments(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
@@ -290,12 +290,12 @@ def is_empty(value: Literal) -> bool:
     return value in (None, "", ()) or (isinstance(value, Mapping) and not value)
 
 
-def constant(name: str, value: Call) -> str:
+def constant(name: str, value: CallLiteral) -> str:
     """Return the statement that assigns a value to ``name``."""
     return break_lines(f"{name}: Final = {value.flat}")
 
 
-def table_statement(name: str, kind: str, rows: Sequence[Call]) -> str:
+def table_statement(name: str, kind: str, rows: Sequence[CallLiteral]) -> str:
     """Return the statement that assigns a tuple of records to ``name``, one per line."""
     start = f"{name}: Final[tuple[{kind}, ...]] = "
     if not rows:
@@ -318,14 +318,14 @@ def literal(value: Literal) -> str:
         case Mapping():
             items = [f"{quoted(key)}: {quoted(text)}" for key, text in value.items()]
             return f"ReadOnly({{{', '.join(items)}}})"
-        case Code() | Hex() | Member() | Call() | ConditionalItem():
+        case Code() | Hex() | Member() | CallLiteral() | ConditionalItem():
             return _source_code(value)
     elements = ", ".join(map(literal, value))
     # A tuple of one element needs a comma.
     return f"({elements},)" if len(value) == 1 else f"({elements})"
 
 
-def _source_code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
+def _source_code(value: Code | Hex | Member | CallLiteral | ConditionalItem) -> str:
     """Return source code, such as ``0x0F``, ``Access.READ``, ``Led("P1")`` or ``*([Led("P1")] if has_led else [])``."""
     match value:
         case Code():
@@ -334,7 +334,7 @@ def _source_code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
             return f"0x{value.number:02X}"
         case Member():
             return f"{value.kind}.{value.value.upper()}"
-        case Call():
+        case CallLiteral():
             return value.flat
         case ConditionalItem():
             return f"*([{value.call.flat}] if {value.condition} else [])"

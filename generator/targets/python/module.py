@@ -18,7 +18,7 @@ from .channel_examples import ChannelExample, channel_example
 from .codec import Coder
 from .docstrings import Block, Lines, docstring
 from .frame_kinds import FrameKind
-from .literals import Call, PythonExpression
+from .literals import CallLiteral, PythonExpression
 from .names import (
     LOCAL_NAMES,
     Context,
@@ -109,7 +109,7 @@ class Section:
     """Interface of a device."""
 
     interface: Interface
-    facts: Call
+    facts: CallLiteral
     notes: Sequence[Sequence[str]]
     coders: tuple[Coder, ...]
     dispatchers: tuple[Dispatcher, ...]
@@ -151,15 +151,15 @@ class Module:
         return facts.tables(self.device)
 
     @cached_property
-    def reports(self) -> list[Call]:
+    def reports(self) -> list[CallLiteral]:
         return facts.reports(self.device)
 
     @cached_property
-    def register_rows(self) -> dict[str, Call]:
+    def register_rows(self) -> dict[str, CallLiteral]:
         return facts.register_rows(self.device)
 
     @cached_property
-    def frame_rows(self) -> dict[str, tuple[Call, ...]]:
+    def frame_rows(self) -> dict[str, tuple[CallLiteral, ...]]:
         return facts.frame_rows(self.device)
 
     # -- docstring and contents

@@ -16,7 +16,7 @@ from ...model.expressions import Expression
 from ...model.members import PARTS_BY_CLASS
 from ...model.record import dataclass
 from ..registry import our_runtime
-from .literals import Call, Hex, Literal, Member, is_empty
+from .literals import CallLiteral, Hex, Literal, Member, is_empty
 
 #: Sources with classes of records and enumerations.
 _RUNTIME = our_runtime("python") / "codewheel_runtime"
@@ -94,7 +94,7 @@ def _record_members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
         )
 
 
-def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call:
+def record_of(class_name: str, model_part: object, **overrides: Literal) -> CallLiteral:
     """Return the record of a part of the model.
 
     It contains all required members, and the others unless they are empty or equal to their default.
@@ -113,10 +113,10 @@ def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call
             arguments.append(("" if is_positional else member.name, value))
         elif value != member.default and not is_empty(value):
             arguments.append((member.name, value))
-    return Call(class_name, tuple(arguments))
+    return CallLiteral(class_name, tuple(arguments))
 
 
-def records_of(class_name: str, model_parts: Sequence[object]) -> tuple[Call, ...]:
+def records_of(class_name: str, model_parts: Sequence[object]) -> tuple[CallLiteral, ...]:
     """Return a record for each part of the model."""
     return tuple(record_of(class_name, model_part) for model_part in model_parts)
 

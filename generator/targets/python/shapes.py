@@ -17,7 +17,18 @@ from ...plan.values import is_named, meaning_of, position_ranges
 from ...plan.verdicts import CodeCondition, ReportsAndVerdict
 from .bits import mask_without_field
 from .codec import Coder
-from .literals import Call, Code, ConditionalItem, Hex, Literal, Member, join_operands, literal, literal_call, record
+from .literals import (
+    CallLiteral,
+    Code,
+    ConditionalItem,
+    Hex,
+    Literal,
+    Member,
+    join_operands,
+    literal,
+    literal_call,
+    record,
+)
 from .names import byte_order
 from .reports import condition_on_parameter
 
@@ -75,7 +86,7 @@ class Shape:
         yield "default_verdict", self._default_verdict()
         yield "frame", self._frame_with_special_range()
 
-    def _value_columns(self) -> tuple[Call, ...]:
+    def _value_columns(self) -> tuple[CallLiteral, ...]:
         """Return a column for each field with a value."""
         names_with_value = {part.field.name for part in self.plan.parts}
         return tuple(
@@ -143,7 +154,7 @@ class Shape:
         is_special = len(ranges) > 1 or any(position_range.never_wraps for position_range in ranges)
         return coder.layout.name if is_special else ""
 
-    def _column_call(self, column: Column) -> Call:
+    def _column_call(self, column: Column) -> CallLiteral:
         """Return a column, with the name of the field in messages and the values that are valid.
 
         The name is given only if the attribute has another name. ``values`` are the values of a selector, or the Enum
@@ -177,7 +188,7 @@ class Shape:
             crcs_of_encoder.append(ConditionalItem(self._crc_call(crc), width))
         return literal_call("next", literal_call("iter", tuple(crcs_of_encoder)), Code("None"))
 
-    def _crc_call(self, frame_crc: FrameCrc) -> Call:
+    def _crc_call(self, frame_crc: FrameCrc) -> CallLiteral:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
         crc = frame_crc.crc
         coder = self.coder
@@ -193,7 +204,7 @@ class Shape:
             members["differs"] = Code(f"compare_bits({coder.crc_name(frame_crc)}, {place_arguments})")
             if frame_crc.steps:
                 members |= {"xorout": crc.xorout, "steps": _fold_steps(frame_crc)}
-        return Call("CrcOf", tuple(members.items()))
+        return CallLiteral("CrcOf", tuple(members.items()))
 
     # -- any value of the description
 
@@ -235,7 +246,7 @@ class Shape:
     def _read_parameter(self, parameter: str) -> str:
         return f"variant.{self.coder.context.parameters[parameter]}"
 
-    def _call_of(self, description_part: Any) -> Call:
+    def _call_of(self, description_part: Any) -> CallLiteral:
         """Return the call of the class in the runtime, with the members that differ from their defaults.
 
         Conditions are left out. A cause that consists of a mask or a combination of values has no ``flag``.
@@ -254,10 +265,10 @@ class Shape:
                 # An argument with an empty name is positional.
                 name = "" if is_positional else _RUNTIME_NAMES.get(member.name, member.name)
                 arguments.append((name, self._literal_of(value)))
-        return Call(class_name, tuple(arguments))
+        return CallLiteral(class_name, tuple(arguments))
 
 
-def _fold_steps(frame_crc: FrameCrc) -> tuple[Call, ...]:
+def _fold_steps(frame_crc: FrameCrc) -> tuple[CallLiteral, ...]:
     """Return the steps that compute a CRC without a table, such as ``Fold(shift=8, mask=0x3F, back=2)``."""
     steps = frame_crc.steps
     return tuple(record("Fold", {"shift": step.shift, "mask": Hex(step.mask), "back": step.back}) for step in steps)

@@ -26,7 +26,7 @@ from .codec import Coder
 from .frame_kinds import ChannelCode, FrameKind, channel_code
 from .literals import (
     Atom,
-    Call,
+    CallLiteral,
     Code,
     Literal,
     PythonExpression,
@@ -70,13 +70,13 @@ class Variants:
         self._scope = context.scope_of("self")
         self.rows = [self._build_row(variant) for variant in self.device.variants]
 
-    def _build_row(self, variant: Variant) -> Call:
+    def _build_row(self, variant: Variant) -> CallLiteral:
         """Return the object of an order code, such as ``SsiEncoder("X-13", ("X", "13"), bits=13)``."""
         texts_of_parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
         arguments: list[tuple[str, Literal]] = [("", variant.code), ("", texts_of_parts)]
         for parameter in self.device.set_parameters:
             arguments.append((self.context.parameters[parameter.name], variant.parameters[parameter.name]))
-        return Call(encoder_name(variant.interface), tuple(arguments))
+        return CallLiteral(encoder_name(variant.interface), tuple(arguments))
 
     # -- the class of the variants
 
@@ -417,9 +417,9 @@ class Variants:
     # -- parameters in registers
 
     @cached_property
-    def held_records(self) -> list[tuple[str, Call]]:
+    def held_records(self) -> list[tuple[str, CallLiteral]]:
         """Parameters that registers hold at run time: the attribute of the variant, and its record."""
-        records: list[tuple[str, Call]] = []
+        records: list[tuple[str, CallLiteral]] = []
         # A group consists of a register and the parameters that it holds.
         for group in held_parameters(self.device):
             for held_parameter in group.parameters:
@@ -438,7 +438,7 @@ class Variants:
         registers = (group.register for group in held_parameters(self.device))
         return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
 
-    def _held_record(self, register: Register, held_parameter: HeldParameter) -> Call:
+    def _held_record(self, register: Register, held_parameter: HeldParameter) -> CallLiteral:
         """Return the record of a parameter in a register: its place, its default, its limits or its codes.
 
         A register without a default contains zeros, and ``by_order_code`` marks it.
