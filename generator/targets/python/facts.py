@@ -29,7 +29,7 @@ from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
 from ...say.plain_text import plain
 from ...say.report import alarm_of, meaning, remedy, source, states
-from .literals import CallLiteral, Code, Literal, Member, literal_call, of_facts, quoted, record
+from .literals import CallLiteral, Literal, Member, SourceText, literal_call, of_facts, quoted, record
 from .records import record_of, records_of
 
 
@@ -112,7 +112,7 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> CallLiteral
         quoted_values = ", ".join(map(quoted, values))
         # The comma makes a tuple of a single value.
         dict_items.append(f"{quoted(part_name)}: ({quoted_values},)")
-    return CallLiteral("ReadOnly", (("", Code(f"{{{', '.join(dict_items)}}}")),))
+    return CallLiteral("ReadOnly", (("", SourceText(f"{{{', '.join(dict_items)}}}")),))
 
 
 def tables(device: Device) -> list[Table]:

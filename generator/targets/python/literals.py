@@ -208,7 +208,7 @@ def quoted(text: str | bytes) -> str:
 
 
 @dataclass(frozen=True)
-class Code:
+class SourceText:
     """Source code that is printed unchanged."""
 
     text: str
@@ -261,7 +261,7 @@ Literal = (
     | float
     | str
     | bytes
-    | Code
+    | SourceText
     | Member
     | Hex
     | CallLiteral
@@ -318,17 +318,17 @@ def literal(value: Literal) -> str:
         case Mapping():
             items = [f"{quoted(key)}: {quoted(text)}" for key, text in value.items()]
             return f"ReadOnly({{{', '.join(items)}}})"
-        case Code() | Hex() | Member() | CallLiteral() | ConditionalItem():
+        case SourceText() | Hex() | Member() | CallLiteral() | ConditionalItem():
             return _source_code(value)
     elements = ", ".join(map(literal, value))
     # A tuple of one element needs a comma.
     return f"({elements},)" if len(value) == 1 else f"({elements})"
 
 
-def _source_code(value: Code | Hex | Member | CallLiteral | ConditionalItem) -> str:
+def _source_code(value: SourceText | Hex | Member | CallLiteral | ConditionalItem) -> str:
     """Return source code, such as ``0x0F``, ``Access.READ``, ``Led("P1")`` or ``*([Led("P1")] if has_led else [])``."""
     match value:
-        case Code():
+        case SourceText():
             return value.text
         case Hex():
             return f"0x{value.number:02X}"

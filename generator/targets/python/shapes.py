@@ -19,11 +19,11 @@ from .bits import mask_without_field
 from .codec import Coder
 from .literals import (
     CallLiteral,
-    Code,
     ConditionalItem,
     Hex,
     Literal,
     Member,
+    SourceText,
     join_operands,
     literal,
     literal_call,
@@ -80,7 +80,7 @@ class Shape:
         yield "fixed", self._constant_bits()
         yield "position", coder.position_attribute
         if self.plan.keeps_others:
-            yield "kept_mask", Code(str(mask_without_field(coder.context.scope, self.plan)))
+            yield "kept_mask", SourceText(str(mask_without_field(coder.context.scope, self.plan)))
         if coder.register is not None and coder.limited_attribute:
             yield "limited", (coder.register.limits_of, coder.limited_attribute)
         yield "default_verdict", self._default_verdict()
@@ -114,18 +114,18 @@ class Shape:
         # Only some order codes send Gray code.
         if self.coder.gray_when:
             low_and_width += f" if variant.{self.coder.gray_when} else None"
-        yield "gray", Code(low_and_width)
+        yield "gray", SourceText(low_and_width)
         yield "excess", self._literal_of(gray.excess)
 
-    def _constant_bits(self) -> Code | None:
+    def _constant_bits(self) -> SourceText | None:
         """Return the constants at their places, such as ``(0x3 << 4) | (0x1 << 20)``, or None without any."""
         constants = self._description.fixed
         terms = [f"{value:#x} << {self.coder.number(bits.low)}" for bits, value in constants]
         if not terms:
             return None
         if len(terms) == 1:
-            return Code(terms[0])
-        return Code(" | ".join(f"({term})" for term in terms))
+            return SourceText(terms[0])
+        return SourceText(" | ".join(f"({term})" for term in terms))
 
     def _default_verdict(self) -> Literal:
         """Return the verdict if no condition applies.
@@ -139,7 +139,7 @@ class Shape:
             return verdict
         judging_bits = self.coder.number(self._description.judging_bits)
         unknown = self._literal_of(Verdict.UNKNOWN)
-        return Code(f"{literal(verdict)} if {judging_bits} else {literal(unknown)}")
+        return SourceText(f"{literal(verdict)} if {judging_bits} else {literal(unknown)}")
 
     def _frame_with_special_range(self) -> str:
         """Return the name of a frame with a position if frames of its interface differ in range.
@@ -167,7 +167,7 @@ class Shape:
         if coder.selects(field):
             valid_values = allowed_values(coder.layout, field)
         elif is_named(meaning_of(field)):
-            valid_values = Code(coder.enum(field))
+            valid_values = SourceText(coder.enum(field))
         arguments = dict(self._call_of(column).arguments)
         return record("Column", arguments, field=name_in_messages, values=valid_values)
 
@@ -186,7 +186,7 @@ class Shape:
         for crc in crcs:
             width = str(self.coder.number(crc.field.width))
             crcs_of_encoder.append(ConditionalItem(self._crc_call(crc), width))
-        return literal_call("next", literal_call("iter", tuple(crcs_of_encoder)), Code("None"))
+        return literal_call("next", literal_call("iter", tuple(crcs_of_encoder)), SourceText("None"))
 
     def _crc_call(self, frame_crc: FrameCrc) -> CallLiteral:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
@@ -195,13 +195,13 @@ class Shape:
         members: dict[str, Literal] = {"low": self._literal_of(frame_crc.bits.low), "width": crc.width}
         if coder.layout.crc_covers_bytes:
             place_arguments = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(coder.layout)}"'
-            members["differs"] = Code(f"compare_bytes({coder.crc_name(frame_crc)}, {place_arguments})")
+            members["differs"] = SourceText(f"compare_bytes({coder.crc_name(frame_crc)}, {place_arguments})")
             if crc.is_xor:
                 members |= {"xorout": crc.xorout, "is_xor": True}
         else:
             gap = f", gap={frame_crc.gap}" if frame_crc.gap else ""
             place_arguments = f"covered={coder.number(frame_crc.covered)}, width={crc.width}{gap}"
-            members["differs"] = Code(f"compare_bits({coder.crc_name(frame_crc)}, {place_arguments})")
+            members["differs"] = SourceText(f"compare_bits({coder.crc_name(frame_crc)}, {place_arguments})")
             if frame_crc.steps:
                 members |= {"xorout": crc.xorout, "steps": _fold_steps(frame_crc)}
         return CallLiteral("CrcOf", tuple(members.items()))
@@ -212,7 +212,7 @@ class Shape:
         """Return any value of the description as a literal. A value of any other kind is a part with members."""
         match value:
             case Expression():
-                return Code(str(self.coder.number(value)))
+                return SourceText(str(self.coder.number(value)))
             case Name():
                 return self.coder.names.attribute(value)
             case Enum():
@@ -226,7 +226,7 @@ class Shape:
             case None | bool() | int() | str():
                 return value
             case Answered(parameter, verdict):
-                return Code(f"Verdict.{verdict.name} if {self._read_parameter(parameter)} else None")
+                return SourceText(f"Verdict.{verdict.name} if {self._read_parameter(parameter)} else None")
         return self._record_of(value)
 
     def _record_of(self, description_part: Any) -> Literal:

@@ -27,10 +27,10 @@ from .frame_kinds import ChannelCode, FrameKind, channel_code
 from .literals import (
     Atom,
     CallLiteral,
-    Code,
     Literal,
     PythonExpression,
     PythonOperation,
+    SourceText,
     join_operands,
     number,
     of_number,
@@ -446,8 +446,8 @@ class Variants:
         parameter = held_parameter.parameter
         record_members: dict[str, Literal] = {
             "parameter": self.context.parameters[parameter.name],
-            "interface": Code(f"Interface.{register.interface.upper()}"),
-            "address": Code(f"Address.{register.name.upper()}"),
+            "interface": SourceText(f"Interface.{register.interface.upper()}"),
+            "address": SourceText(f"Address.{register.name.upper()}"),
             "default": register.default_bytes() or bytes(register.length),
             "order": byte_order(register),
             "low": held_parameter.field.low.constant,
