@@ -29,7 +29,7 @@ from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
 from ...say.plain_text import plain
 from ...say.report import alarm_of, meaning, remedy, source, states
-from .literals import CallLiteral, Literal, Member, SourceText, literal_call, of_facts, quoted, record
+from .literals import CallLiteral, EnumMember, Literal, SourceText, literal_call, of_facts, quoted, record
 from .records import record_of, records_of
 
 
@@ -86,7 +86,7 @@ def family(device: Device) -> CallLiteral:
         "Family",
         device.name,
         plain(device.title),
-        Member("Movement", device.movement),
+        EnumMember("Movement", device.movement),
         plain(device.manufacturer.title),
     )
 
@@ -137,7 +137,7 @@ def _report_record(name: str, field: Field, alarm: Alarm | None) -> CallLiteral:
         "Report",
         {"name": name, "printed_name": field.printed_name, "meaning": meaning(field, alarm)},
         remedy=remedy(field, alarm),
-        makes_position=Member("Verdict", verdict.name) if verdict is not None else None,
+        makes_position=EnumMember("Verdict", verdict.name) if verdict is not None else None,
         source=cite(source(field, alarm)),
     )
 
@@ -154,7 +154,7 @@ def interface(interface: Interface) -> CallLiteral:
                 "SsiFacts",
                 interface,
                 **_clock_members(interface),
-                alignment=Member("Alignment", interface.alignment.end),
+                alignment=EnumMember("Alignment", interface.alignment.end),
                 output_code=output_code.code if output_code is not None else "",
                 alignment_source=cite(interface.alignment.source),
                 output_code_source=cite(output_code.source) if output_code is not None else "",

@@ -215,7 +215,7 @@ class SourceText:
 
 
 @dataclass(frozen=True)
-class Member:
+class EnumMember:
     """Member of an enumeration, given by its value in the spec."""
 
     kind: str
@@ -262,7 +262,7 @@ Literal = (
     | str
     | bytes
     | SourceText
-    | Member
+    | EnumMember
     | Hex
     | CallLiteral
     | ConditionalItem
@@ -318,21 +318,21 @@ def literal(value: Literal) -> str:
         case Mapping():
             items = [f"{quoted(key)}: {quoted(text)}" for key, text in value.items()]
             return f"ReadOnly({{{', '.join(items)}}})"
-        case SourceText() | Hex() | Member() | CallLiteral() | ConditionalItem():
+        case SourceText() | Hex() | EnumMember() | CallLiteral() | ConditionalItem():
             return _source_code(value)
     elements = ", ".join(map(literal, value))
     # A tuple of one element needs a comma.
     return f"({elements},)" if len(value) == 1 else f"({elements})"
 
 
-def _source_code(value: SourceText | Hex | Member | CallLiteral | ConditionalItem) -> str:
+def _source_code(value: SourceText | Hex | EnumMember | CallLiteral | ConditionalItem) -> str:
     """Return source code, such as ``0x0F``, ``Access.READ``, ``Led("P1")`` or ``*([Led("P1")] if has_led else [])``."""
     match value:
         case SourceText():
             return value.text
         case Hex():
             return f"0x{value.number:02X}"
-        case Member():
+        case EnumMember():
             return f"{value.kind}.{value.value.upper()}"
         case CallLiteral():
             return value.flat

@@ -16,7 +16,7 @@ from ...model.expressions import Expression
 from ...model.members import PARTS_BY_CLASS
 from ...model.record import dataclass
 from ..registry import our_runtime
-from .literals import CallLiteral, Hex, Literal, Member, is_empty
+from .literals import CallLiteral, EnumMember, Hex, Literal, is_empty
 
 #: Sources with classes of records and enumerations.
 _RUNTIME = our_runtime("python") / "codewheel_runtime"
@@ -148,8 +148,8 @@ def _member_literal(model_part: object, member: RecordMember) -> Literal:
     if enumerations:
         (enumeration,) = enumerations  # A type names at most one enumeration.
         if isinstance(value, tuple):
-            return tuple(Member(enumeration, name) for name in value)
-        return Member(enumeration, value) if value else None
+            return tuple(EnumMember(enumeration, name) for name in value)
+        return EnumMember(enumeration, value) if value else None
     if isinstance(value, Expression):
         return value.render()
     if isinstance(value, int) and _is_hexadecimal(model_part, member.name):

@@ -20,9 +20,9 @@ from .codec import Coder
 from .literals import (
     CallLiteral,
     ConditionalItem,
+    EnumMember,
     Hex,
     Literal,
-    Member,
     SourceText,
     join_operands,
     literal,
@@ -217,7 +217,7 @@ class Shape:
                 return self.coder.names.attribute(value)
             case Enum():
                 enumeration = "ErrorKind" if isinstance(value, Fault) else type(value).__name__
-                return Member(enumeration, value.name)
+                return EnumMember(enumeration, value.name)
             case Scale(numerator, denominator, offset, unit):
                 # Without the class, whose name a register may have.
                 return (numerator, denominator, offset, unit)
