@@ -24,9 +24,9 @@ from ...say.plain_text import plain
 from .literals import (
     Atom,
     Not,
+    ParameterExpressions,
     PythonExpression,
     PythonOperation,
-    Scope,
     call,
     join_operands,
     mask,
@@ -43,7 +43,7 @@ _LONG_COMMENT = 60
 class BitsEncoder:
     """Expressions of joined numbers. They use the attributes of a class."""
 
-    def __init__(self, scope: Scope, codec: LayoutPlan, class_names: ClassNames) -> None:
+    def __init__(self, scope: ParameterExpressions, codec: LayoutPlan, class_names: ClassNames) -> None:
         self.scope = scope
         self.codec = codec
         self.names = class_names
@@ -89,7 +89,7 @@ class BitsEncoder:
         return [(self.names.attribute(field.name), self._checked_bits(field)) for field in joined_number.fields]
 
     def join_numbers(
-        self, joined_number: JoinedNumber, scope: Scope, expression_of: Callable[[str], str]
+        self, joined_number: JoinedNumber, scope: ParameterExpressions, expression_of: Callable[[str], str]
     ) -> PythonExpression:
         """Return a joined number of attributes that are unsigned numbers, without checks of their values.
 
@@ -150,7 +150,7 @@ def _has_width_check(field: Field) -> bool:
 class Reader:
     """Expressions for bits in ``decode``, read from ``number`` or ``word``, or from single bytes of ``data``."""
 
-    def __init__(self, scope: Scope, codec: LayoutPlan, byte: str = "data[{}]") -> None:
+    def __init__(self, scope: ParameterExpressions, codec: LayoutPlan, byte: str = "data[{}]") -> None:
         self.scope = scope
         self.codec = codec
         self._byte = byte
@@ -322,7 +322,7 @@ def bit_numbers(low: int, width: int) -> str:
     return f"bit {low}" if width == 1 else f"bits {low + width - 1}:{low}"
 
 
-def mask_without_field(scope: Scope, codec: LayoutPlan) -> PythonExpression:
+def mask_without_field(scope: ParameterExpressions, codec: LayoutPlan) -> PythonExpression:
     """Return a mask of the bits without a field, such as ``0xF0 & ~(variant.mask << 4)``.
 
     Fields whose place is fixed are cleared in the first mask, and the others are masked at run time.

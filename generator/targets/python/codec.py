@@ -30,7 +30,7 @@ from . import docstrings
 from .bits import BitsEncoder
 from .decode import Decoder, attribute_values
 from .limits import LimitsFunction, limit_expressions, limits_depend
-from .literals import Atom, PythonExpression, Scope, coded, quoted
+from .literals import Atom, ParameterExpressions, PythonExpression, coded, quoted
 from .named_values import NamedValues
 from .names import ClassNames, Context, OpenQuestion, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports
@@ -315,13 +315,13 @@ class Coder:
                 return str(self.encoding.join_numbers(whole, scope, self.by_index))
         return self.by_index(self.position_attribute)
 
-    def _scope_of_attributes(self, read: Callable[[str], str]) -> Scope:
+    def _scope_of_attributes(self, read: Callable[[str], str]) -> ParameterExpressions:
         """Return the scope in which ``read`` returns the expression for ``variant`` or for an answer by its name."""
         code_of_parameter = dict(self.context.scope_of(read("variant")).names)
         for question in self.questions:
             for parameter, member in question.members:
                 code_of_parameter[parameter] = f"{read(question.name)}.{member}"
-        return Scope(code_of_parameter)
+        return ParameterExpressions(code_of_parameter)
 
     @property
     def not_usable_conditions(self) -> list[str]:

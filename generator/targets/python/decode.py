@@ -21,7 +21,7 @@ from ...plan.values import (
 )
 from .bits import Reader
 from .first_byte import FirstByte
-from .literals import Atom, PythonExpression, PythonOperation, Scope, call, grouped, mask, number
+from .literals import Atom, ParameterExpressions, PythonExpression, PythonOperation, call, grouped, mask, number
 from .named_values import NamedValues, prefer_names_of_fields
 from .names import ClassNames
 
@@ -37,7 +37,9 @@ class Decoder:
     A frame has one decoder for each encoder, which computes the values in a NamedValues scope only once.
     """
 
-    def __init__(self, scope: Scope, codec: LayoutPlan, class_names: ClassNames, enum: Callable[[Field], str]) -> None:
+    def __init__(
+        self, scope: ParameterExpressions, codec: LayoutPlan, class_names: ClassNames, enum: Callable[[Field], str]
+    ) -> None:
         self.scope = scope
         self.codec = codec
         self.names = class_names
@@ -136,7 +138,7 @@ class Decoder:
         answered = self.scope.answered_parameters if isinstance(self.scope, NamedValues) else frozenset()
         if not answered.isdisjoint(frame_crc.covered.parameters):
             return None
-        return Scope(self.scope.names).expression_of(frame_crc.covered)
+        return ParameterExpressions(self.scope.names).expression_of(frame_crc.covered)
 
     @property
     def tables(self) -> int:
@@ -354,7 +356,7 @@ class DecodedValues:
 
 
 def attribute_values(
-    scope: Scope, class_names: ClassNames, enum: str, field: Field, bits: PythonExpression
+    scope: ParameterExpressions, class_names: ClassNames, enum: str, field: Field, bits: PythonExpression
 ) -> Iterator[tuple[str, PythonExpression]]:
     """Yield the attributes of a field of a joined number, with their values. ``enum`` is the name of its IntEnum."""
     attribute = class_names.attribute(field.name)

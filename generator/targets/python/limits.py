@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.limits import NumberLimits
-from .literals import Negative, PythonExpression, PythonOperation, Scope, number
+from .literals import Negative, ParameterExpressions, PythonExpression, PythonOperation, number
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class LimitsFunction:
     takes_variant: bool
 
 
-def limit_expressions(scope: Scope, limits: NumberLimits) -> tuple[PythonExpression, PythonExpression]:
+def limit_expressions(scope: ParameterExpressions, limits: NumberLimits) -> tuple[PythonExpression, PythonExpression]:
     """Return the lowest and the highest value. A missing limit follows from the width."""
     low, high = _limits_of_width(scope, limits)
     if limits.low is not None:
@@ -29,7 +29,7 @@ def limit_expressions(scope: Scope, limits: NumberLimits) -> tuple[PythonExpress
     return low, high
 
 
-def _limits_of_width(scope: Scope, limits: NumberLimits) -> tuple[PythonExpression, PythonExpression]:
+def _limits_of_width(scope: ParameterExpressions, limits: NumberLimits) -> tuple[PythonExpression, PythonExpression]:
     """Return the lowest and the highest value that the width allows.
 
     If 0 stands for a number above all other values, the values are 1 to this number.

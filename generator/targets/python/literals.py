@@ -139,7 +139,7 @@ def _sign_of(value: int) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class Scope:
+class ParameterExpressions:
     """Maps the names of parameters to expressions."""
 
     names: Mapping[str, str]

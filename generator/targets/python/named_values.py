@@ -8,12 +8,12 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.codec import LayoutPlan
 from ...plan.operations import IsBetween, NotAbove
-from .literals import Atom, PythonExpression, Scope
+from .literals import Atom, ParameterExpressions, PythonExpression
 from .names import ClassNames
 
 
 @dataclass(frozen=True)
-class NamedValues(Scope):
+class NamedValues(ParameterExpressions):
     """Scope that assigns a name to each value that depends on the order code, and records its expression.
 
     ``values_by_name`` contains the code of each value by its name, such as ``{"position_mask": "(1 <<
@@ -31,7 +31,7 @@ class NamedValues(Scope):
         return self._use_name("size", expression, super().expression_of(expression))
 
     def ones(self, width: Expression) -> PythonExpression:
-        mask_of_parameters = Scope(self.names).ones(width)
+        mask_of_parameters = ParameterExpressions(self.names).ones(width)
         return self._use_name("ones", width, mask_of_parameters)
 
     def _use_name(self, kind: str, value: Expression, expression: PythonExpression) -> PythonExpression:
@@ -56,7 +56,7 @@ class NamedValues(Scope):
         if value.is_constant:
             return
         # A plain scope returns the expression itself, not the name of a value.
-        scope = Scope(self.names)
+        scope = ParameterExpressions(self.names)
         expression = scope.expression_of(value) if kind == "size" else scope.ones(value)
         preferred_name = self.preferred.setdefault((kind, str(expression)), name)
         # The comment belongs to the first value with this expression.

@@ -13,7 +13,7 @@ from ...plan.crcs import CoveredData, CrcFunction, carriers, crc_functions
 from ...plan.values import is_named, meaning_of
 from ...plan.verdicts import ReportsAndVerdict, reportings
 from ...say.text import sentence
-from .literals import Scope, coded
+from .literals import ParameterExpressions, coded
 
 #: Names that can be imported, by the module that has them: ``{"enum": ("Enum", "IntEnum")}``.
 Sources = Mapping[str, Sequence[str]]
@@ -306,12 +306,12 @@ class Context:
             if not question.alternative.default:
                 code_of_parameter |= {name: f"{question.name}.{member}" for name, member in question.members}
         #: Expressions for parameters: attributes of the variant, or of an answer that the caller must supply.
-        self.scope = Scope(code_of_parameter)
+        self.scope = ParameterExpressions(code_of_parameter)
         self._enums = {values: names.take(camel(field.name), suffix="Value") for values, field in self.choices.items()}
 
-    def scope_of(self, owner: str) -> Scope:
+    def scope_of(self, owner: str) -> ParameterExpressions:
         """Return the parameters as attributes of ``owner``."""
-        return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
+        return ParameterExpressions({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
     def _open_question(self, alternative: Alternative, names: Names) -> OpenQuestion:
         """Return a question as an argument. Its name differs from all attributes of the frames that depend on it."""

@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...plan.codec import LayoutPlan
 from ...plan.operations import FieldToDecode, Reserved
 from ...plan.verdicts import CodeCondition, MatchingValues, ReportCause, ReportsAndVerdict, VerdictCause
-from .literals import Atom, Not, PythonExpression, PythonOperation, Scope, coded, join_operands, mask
+from .literals import Atom, Not, ParameterExpressions, PythonExpression, PythonOperation, coded, join_operands, mask
 from .names import ClassNames
 
 
@@ -95,7 +95,7 @@ class FrameReports:
         """
         attributes = self._variant_attributes.items()
         code_of_parameter = {parameter: f"{self._variant}.{attribute}" for parameter, attribute in attributes}
-        return f"{Scope(code_of_parameter).expression_of(judging_bits).operand} == 0"
+        return f"{ParameterExpressions(code_of_parameter).expression_of(judging_bits).operand} == 0"
 
     # -- reports
 
