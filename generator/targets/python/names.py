@@ -206,7 +206,7 @@ class ClassNames:
         return attribute(name, self._names_of_locals)
 
 
-class Names:
+class ModuleNames:
     """Names in a module. Each is assigned only once."""
 
     def __init__(self, reserved: Iterable[str]) -> None:
@@ -288,7 +288,7 @@ class Context:
         self.module = attribute(device.name, (*SHARED, *FOLDERS, BISS))
         #: Attributes of the variant, by parameter.
         self.parameters = {parameter.name: attribute(parameter.name, VARIANT_NAMES) for parameter in device.parameters}
-        names = Names([*MODULE_NAMES, *IMPORTED])
+        names = ModuleNames([*MODULE_NAMES, *IMPORTED])
         #: Names of functions and classes, by the name of the part of the spec.
         self.crcs = {crc.name: names.take(f"crc_{crc.name}", suffix="_") for crc in device.crcs}
         self.frames: dict[str, str] = {}
@@ -313,7 +313,7 @@ class Context:
         """Return the parameters as attributes of ``owner``."""
         return ParameterExpressions({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
-    def _open_question(self, alternative: Alternative, names: Names) -> OpenQuestion:
+    def _open_question(self, alternative: Alternative, names: ModuleNames) -> OpenQuestion:
         """Return a question as an argument. Its name differs from all attributes of the frames that depend on it."""
         names_in_frames: set[str] = set()
         for layout in self.coded_layouts():
