@@ -39,7 +39,7 @@ from codewheel.reference.codec import DecodedFrame, EncodeError, decode, decode_
 from codewheel.reference.findings import findings
 from codewheel.reference.registers import register_writes
 from codewheel.targets import Library
-from codewheel.targets.python.names import CLASS_NAMES, Context, attribute
+from codewheel.targets.python.names import CLASS_NAMES, ModuleContext, attribute
 from exhaustive import mostly_exhaustive
 
 pytestmark = pytest.mark.slow
@@ -88,8 +88,8 @@ class Family:
     module: Any
 
     @cached_property
-    def names(self) -> Context:
-        return Context(self.device)
+    def names(self) -> ModuleContext:
+        return ModuleContext(self.device)
 
     def view(self, layout: Layout, register: Register | None) -> Any:
         name = self.names.frames[layout.name] if register is None else self.names.registers[register.name]

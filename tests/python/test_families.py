@@ -29,7 +29,7 @@ from codewheel.model import (
     Variant,
 )
 from codewheel.order_codes.labels import UnknownOrderCode, find_code
-from codewheel.targets.python.names import CLASS_NAMES, Context, attribute
+from codewheel.targets.python.names import CLASS_NAMES, ModuleContext, attribute
 
 _Kind = TypeVar("_Kind", bound=Example)
 ERRORS = {"length": "LengthError", "crc": "CrcError", "constant": "ConstantError", "range": "RangeError"}
@@ -42,11 +42,11 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
 
 def examples(
     lika: Any, devices: Mapping[str, Device], kind: type[_Kind]
-) -> Iterator[tuple[Device, Any, Context, _Kind]]:
+) -> Iterator[tuple[Device, Any, ModuleContext, _Kind]]:
     """Return the worked examples of a kind in all families, each with the family, its module and the names in it."""
     has_examples = False
     for device in devices.values():
-        names = Context(device)
+        names = ModuleContext(device)
         for example in device.examples:
             if isinstance(example, kind):
                 has_examples = True
@@ -536,7 +536,7 @@ def test_registers_encode_what_they_decoded(lika: Any, devices: Mapping[str, Dev
         lika.amm5.ManufacturerId("\u0100x").encode()
     source, tried = random.Random(7), 0
     for device in devices.values():
-        module, names = getattr(lika, device.name), Context(device).registers
+        module, names = getattr(lika, device.name), ModuleContext(device).registers
         for register in device.registers:
             if register.name not in names:
                 continue
@@ -622,7 +622,7 @@ def test_facts_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device])
 
 def test_bit_fields_are_those_of_the_model(lika: Any, devices: Mapping[str, Device]) -> None:
     for device in devices.values():
-        module, names = getattr(lika, device.name), Context(device)
+        module, names = getattr(lika, device.name), ModuleContext(device)
         for variant in device.variants:
             frames = device.interface(variant.interface).layouts
             views = [(frame, names.frames[frame.name]) for frame in frames]

@@ -27,7 +27,7 @@ from codewheel.reference import codec as reference
 from codewheel.reference.codec import UNUSED
 from codewheel.reference.findings import findings
 from codewheel.targets.c.names import c_name
-from codewheel.targets.python.names import Context
+from codewheel.targets.python.names import ModuleContext
 from frames import chunks, input_of, wires
 from test_c_reports import report_key
 from tools import tool
@@ -48,7 +48,7 @@ class Peer:
     """The Python class of a layout: it decodes, lists its members in the order of the struct, and encodes."""
 
     def __init__(self, batch: Batch, codec: Codec, module: ModuleType) -> None:
-        self.names = names = Context(batch.device)
+        self.names = names = ModuleContext(batch.device)
         self.module = module
         self.kind = getattr(module, names.frames.get(codec.name) or names.registers[codec.name.removeprefix("reg_")])
         self.takes_variant = "variant" in inspect.signature(self.kind.decode).parameters

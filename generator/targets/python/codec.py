@@ -32,7 +32,7 @@ from .decode import Decoder, attribute_values
 from .limits import LimitsFunction, limit_expressions, limits_depend
 from .literals import Atom, ParameterExpressions, PythonExpression, coded, quoted
 from .named_values import NamedValues
-from .names import ClassNames, Context, OpenQuestion, encoder_name, interface_name, meaning_limits
+from .names import ClassNames, ModuleContext, OpenQuestion, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports
 
 
@@ -49,7 +49,9 @@ class Attribute:
 class Coder:
     """Class for one layout, as used by its template."""
 
-    def __init__(self, context: Context, interface: str, layout: Layout, register: Register | None = None) -> None:
+    def __init__(
+        self, context: ModuleContext, interface: str, layout: Layout, register: Register | None = None
+    ) -> None:
         self.context, self.layout, self.register = context, layout, register
         self.plan = codec_of(context.device, layout)
         self.name = context.frames[layout.name] if register is None else context.registers[register.name]

@@ -9,7 +9,7 @@ from ...model.record import dataclass
 from ...plan.description import describe
 from .codec import Coder
 from .literals import ParameterExpressions, PythonExpression
-from .names import ClassNames, Context, OpenQuestion, decoder_maker
+from .names import ClassNames, ModuleContext, OpenQuestion, decoder_maker
 
 
 def _column_names(coder: Coder) -> list[str]:
@@ -119,7 +119,7 @@ class ChannelCode:
     tolerance: int
 
 
-def channel_code(context: Context, interface: Interface, scope: ParameterExpressions) -> ChannelCode | None:
+def channel_code(context: ModuleContext, interface: Interface, scope: ParameterExpressions) -> ChannelCode | None:
     """Return the code for the frame with all data channels of an interface, or None if it has no such frame.
 
     ``scope`` contains the expressions of the parameters, such as ``self.bits``, in which widths are written.

@@ -21,7 +21,7 @@ from .frame_kinds import FrameKind
 from .literals import CallLiteral, PythonExpression
 from .names import (
     LOCAL_NAMES,
-    Context,
+    ModuleContext,
     OpenQuestion,
     attribute,
     camel,
@@ -120,7 +120,7 @@ class Module:
 
     def __init__(self, device: Device) -> None:
         self.device = device
-        self.context = Context(device)
+        self.context = ModuleContext(device)
         self.name = self.context.module
         self.sections = [self._interface_section(interface) for interface in device.interfaces]
         self.registers = [self._register_class(register) for register in device.registers]

@@ -280,7 +280,7 @@ class OpenQuestion:
         return f"{sentence(self.alternative.meaning)} Required only for frames that depend on it."
 
 
-class Context:
+class ModuleContext:
     """Device with the names in its module, in the order in which they are assigned."""
 
     def __init__(self, device: Device) -> None:

@@ -29,7 +29,7 @@ from .decode import digit_values
 from .docstrings import Block
 from .limits import limit_expressions, limits_depend
 from .literals import Atom, PythonExpression, shift_value
-from .names import PROCEDURE_NAMES, Context, attribute, encoder_name, interface_name, meaning_limits
+from .names import PROCEDURE_NAMES, ModuleContext, attribute, encoder_name, interface_name, meaning_limits
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Segment:
 class Steps:
     """Function for one procedure. ``coders`` are the classes of the registers that have a class."""
 
-    def __init__(self, context: Context, coders: Mapping[str, Coder], procedure: Procedure) -> None:
+    def __init__(self, context: ModuleContext, coders: Mapping[str, Coder], procedure: Procedure) -> None:
         self.context = context
         self.coders = coders
         self.procedure = procedure

@@ -27,7 +27,7 @@ from ...say.report import alarm_of, meaning
 from .codec import Coder
 from .frame_kinds import FrameKind
 from .literals import grouped
-from .names import Context, OpenQuestion
+from .names import ModuleContext, OpenQuestion
 from .procedures import Steps
 
 #: Number of registers and number of procedures that are shown.
@@ -124,7 +124,7 @@ class Readme:
 
     def __init__(
         self,
-        context: Context,
+        context: ModuleContext,
         kinds: Sequence[FrameKind],
         coders: Mapping[str, Coder],
         procedures: Mapping[str, Steps],

@@ -39,7 +39,7 @@ from .literals import (
 from .names import (
     FUNCTIONS,
     ClassNames,
-    Context,
+    ModuleContext,
     OpenQuestion,
     attribute,
     byte_order,
@@ -60,7 +60,7 @@ class ListedCodes:
 class Variants:
     """Order codes of one module, as used by the template."""
 
-    def __init__(self, context: Context, frame_kinds: tuple[FrameKind, ...], coders: tuple[Coder, ...]) -> None:
+    def __init__(self, context: ModuleContext, frame_kinds: tuple[FrameKind, ...], coders: tuple[Coder, ...]) -> None:
         self.context = context
         self.device = context.device
         self.frame_kinds = frame_kinds
