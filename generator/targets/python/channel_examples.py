@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model import ChannelFrame, Device, Interface, Sample, channel_frame
 from ...model.record import dataclass
-from .codec import Coder
+from .codec import LayoutClass
 from .names import ModuleContext
 from .readme import numbers_by_name
 
@@ -31,7 +31,9 @@ class ChannelExample:
     result: str
 
 
-def channel_example(context: ModuleContext, interface: Interface, coders: Sequence[Coder]) -> ChannelExample | None:
+def channel_example(
+    context: ModuleContext, interface: Interface, coders: Sequence[LayoutClass]
+) -> ChannelExample | None:
     """Return an example made of the samples of all channels, or None if they do not form a usable frame.
 
     ``coders`` are the classes of the frames of the interface.
@@ -69,7 +71,9 @@ def _samples_of_channels(device: Device, frame: ChannelFrame) -> list[Sample]:
     return samples if is_complete else []
 
 
-def _printed_numbers(context: ModuleContext, channels: Sequence[tuple[Coder, Sample]]) -> Iterator[tuple[str, str]]:
+def _printed_numbers(
+    context: ModuleContext, channels: Sequence[tuple[LayoutClass, Sample]]
+) -> Iterator[tuple[str, str]]:
     """Yield the expression and the value of the position, and of the first number in each other channel."""
     for coder, sample in channels:
         numbers = {coder.names.attribute(name): number for name, number in numbers_by_name(coder, sample).items()}

@@ -46,7 +46,7 @@ class Attribute:
     default: str = ""
 
 
-class Coder:
+class LayoutClass:
     """Class for one layout, as used by its template."""
 
     def __init__(

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from ...model import Interface, channel_frame, first_of
 from ...model.record import dataclass
 from ...plan.description import describe
-from .codec import Coder
+from .codec import LayoutClass
 from .literals import ParameterExpressions, PythonExpression
 from .names import ClassNames, ModuleContext, OpenQuestion, decoder_maker
 
 
-def _column_names(coder: Coder) -> list[str]:
+def _column_names(coder: LayoutClass) -> list[str]:
     """Return the names of the columns of a table of frames, as type checkers know them.
 
     They are the attributes of fields, runs of digits and joins, quantities such as ``position (µm)``, and ``unused``,
@@ -45,11 +45,11 @@ class FrameKind:
     """Frames that the encoder sends over an interface. If there are several kinds, ``dispatch`` decodes them."""
 
     interface: str
-    coder: Coder
+    coder: LayoutClass
     dispatch: str
     union: str
     questions: Sequence[OpenQuestion] = ()
-    members: tuple[Coder, ...] = ()
+    members: tuple[LayoutClass, ...] = ()
 
     @property
     def decoder(self) -> str:

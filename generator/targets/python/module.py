@@ -15,7 +15,7 @@ from ...say.plain_text import plain
 from . import docstrings, facts
 from .bits import from_pieces
 from .channel_examples import ChannelExample, channel_example
-from .codec import Coder
+from .codec import LayoutClass
 from .docstrings import Block, Lines, docstring
 from .frame_kinds import FrameKind
 from .literals import CallLiteral, PythonExpression
@@ -56,11 +56,11 @@ class Dispatcher:
     union: str
     interface: str
     encoder: str
-    coders: tuple[Coder, ...]
-    fallback: Coder | None
+    coders: tuple[LayoutClass, ...]
+    fallback: LayoutClass | None
 
     @property
-    def members(self) -> tuple[Coder, ...]:
+    def members(self) -> tuple[LayoutClass, ...]:
         return self.coders if self.fallback is None else (*self.coders, self.fallback)
 
     @property
@@ -111,7 +111,7 @@ class Section:
     interface: Interface
     facts: CallLiteral
     notes: Sequence[Sequence[str]]
-    coders: tuple[Coder, ...]
+    coders: tuple[LayoutClass, ...]
     dispatchers: tuple[Dispatcher, ...]
 
 
@@ -124,7 +124,9 @@ class Module:
         self.name = self.context.module
         self.sections = [self._interface_section(interface) for interface in device.interfaces]
         self.registers = [self._register_class(register) for register in device.registers]
-        coders = {coder.register.name: coder for coder in self.registers if isinstance(coder, Coder) and coder.register}
+        coders = {
+            coder.register.name: coder for coder in self.registers if isinstance(coder, LayoutClass) and coder.register
+        }
         self.by_register = coders
         self.procedures = [Steps(self.context, coders, procedure) for procedure in device.procedures]
         frames = tuple(coder for section in self.sections for coder in section.coders)
@@ -294,7 +296,7 @@ class Module:
 
     def _interface_section(self, interface: Interface) -> Section:
         """Return an interface with its frames and the functions that decode any of them."""
-        coders = tuple(Coder(self.context, interface.name, layout) for layout in interface.layouts)
+        coders = tuple(LayoutClass(self.context, interface.name, layout) for layout in interface.layouts)
         dispatchers = [
             self._sender_dispatcher(interface, dispatch, coders) for dispatch in dispatches(interface.layouts)
         ]
@@ -309,7 +311,9 @@ class Module:
             dispatchers=tuple(dispatchers),
         )
 
-    def _sender_dispatcher(self, interface: Interface, plan: FrameDispatch, coders: Sequence[Coder]) -> Dispatcher:
+    def _sender_dispatcher(
+        self, interface: Interface, plan: FrameDispatch, coders: Sequence[LayoutClass]
+    ) -> Dispatcher:
         """Return the function that decodes all frames of a sender, such as ``decode_reply``.
 
         With a selector over several interfaces, it is ``decode_spi_reply``. ``coders`` are the frames of the interface.
@@ -334,10 +338,10 @@ class Module:
             coder.passed_arguments = dispatcher.questions
         return dispatcher
 
-    def _register_class(self, register: Register) -> Coder | Enumeration:
+    def _register_class(self, register: Register) -> LayoutClass | Enumeration:
         """Return the class of a register, or its enumeration if it is one choice among named values."""
         if not is_one_choice(register):
-            return Coder(self.context, register.interface, register.layout, register)
+            return LayoutClass(self.context, register.interface, register.layout, register)
         summary, blocks = docstrings.of_register(self.device, register)
         name = self.context.registers[register.name]
         doc = docstring(summary, *blocks, indent=4)
@@ -350,7 +354,7 @@ class Module:
             if replies:
                 yield self._frame_kind(section, replies)
 
-    def _frame_kind(self, section: Section, replies: Sequence[Coder]) -> FrameKind:
+    def _frame_kind(self, section: Section, replies: Sequence[LayoutClass]) -> FrameKind:
         """Return the frames that the encoder sends over an interface. ``replies`` are their classes, at least one.
 
         If a selector in the frame distinguishes them, ``dispatch`` is ``decode_reply``, which decodes any of them.

@@ -24,7 +24,7 @@ from ...plan.steps import (
 )
 from ...plan.values import DecimalDigits, UnsignedNumber, meaning_of
 from . import docstrings
-from .codec import Coder
+from .codec import LayoutClass
 from .decode import digit_values
 from .docstrings import Block
 from .limits import limit_expressions, limits_depend
@@ -47,7 +47,7 @@ class Segment:
 class Steps:
     """Function for one procedure. ``coders`` are the classes of the registers that have a class."""
 
-    def __init__(self, context: ModuleContext, coders: Mapping[str, Coder], procedure: Procedure) -> None:
+    def __init__(self, context: ModuleContext, coders: Mapping[str, LayoutClass], procedure: Procedure) -> None:
         self.context = context
         self.coders = coders
         self.procedure = procedure

@@ -24,7 +24,7 @@ from ...model.order_codes import facts_for_code
 from ...model.record import dataclass
 from ...plan.values import count_factors, is_number, meaning_of
 from ...say.report import alarm_of, meaning
-from .codec import Coder
+from .codec import LayoutClass
 from .frame_kinds import FrameKind
 from .literals import grouped
 from .names import ModuleContext, OpenQuestion
@@ -126,7 +126,7 @@ class Readme:
         self,
         context: ModuleContext,
         kinds: Sequence[FrameKind],
-        coders: Mapping[str, Coder],
+        coders: Mapping[str, LayoutClass],
         procedures: Mapping[str, Steps],
     ) -> None:
         self.context = context
@@ -147,7 +147,7 @@ class Readme:
         # Users copy the first example, so it shows a frame that can report an error, if there is one.
         return sorted(examples, key=lambda example: not example.spoilt)
 
-    def _frame_example(self, coder: Coder) -> ReadmeExample | None:
+    def _frame_example(self, coder: LayoutClass) -> ReadmeExample | None:
         """Return an example of a frame, or None without a sample of it for a listed order code."""
         sample = self.device.sample_of(coder.layout)
         if sample is None:
@@ -158,7 +158,7 @@ class Readme:
                 return self._with_error(example, coder, variant, sample) if example.has_verdict else example
         return None
 
-    def _valid_frame(self, coder: Coder, variant: Variant, sample: Sample) -> ReadmeExample:
+    def _valid_frame(self, coder: LayoutClass, variant: Variant, sample: Sample) -> ReadmeExample:
         """Return the call that decodes the sample frame, and its numbers.
 
         ``digits`` are the digits of a frame of bits.
@@ -181,7 +181,9 @@ class Readme:
             is_position_only=self._is_position_only(coder, variant.interface),
         )
 
-    def _with_error(self, example: ReadmeExample, coder: Coder, variant: Variant, sample: Sample) -> ReadmeExample:
+    def _with_error(
+        self, example: ReadmeExample, coder: LayoutClass, variant: Variant, sample: Sample
+    ) -> ReadmeExample:
         """Return the example with the same frame in which a flag makes the position unusable, if there is one.
 
         ``tried`` is filled only for a frame of bits with a CRC and with the whole position.
@@ -206,7 +208,7 @@ class Readme:
         invalid_frame = f"invalid frame of {variant.code}: {_damaged_crc(crc_field, sample.frame)}"
         return replace(example, tried=(position, flag_meaning, invalid_frame))
 
-    def _is_position_only(self, coder: Coder, interface: str) -> bool:
+    def _is_position_only(self, coder: LayoutClass, interface: str) -> bool:
         """Return whether all attributes of a frame, except Booleans, are its position or parts of it."""
         position_names = map(coder.names.attribute, self.device.position_names(interface))
         attributes_with_value = {attribute.name for attribute in coder.attributes if attribute.type != "bool"}
@@ -388,7 +390,7 @@ class Readme:
         return [ReadmeExample(code=order_codes[0], text=", ".join(contents), shown="", result="True")]
 
 
-def _is_number_of(coder: Coder, name: str) -> bool:
+def _is_number_of(coder: LayoutClass, name: str) -> bool:
     """Return whether a name belongs to a join or to a number in the frame, other than its selector."""
     layout = coder.layout
     if any(join.name == name for join in layout.joins):
@@ -404,7 +406,7 @@ def _damaged_crc(crc_field: PlacedField, number: int) -> str:
     return f"expected CRC {expected:#04x}, got {received:#04x}"
 
 
-def numbers_by_name(coder: Coder, sample: Sample) -> dict[str, object]:
+def numbers_by_name(coder: LayoutClass, sample: Sample) -> dict[str, object]:
     """Return the numbers in a frame by the names of their fields, without the selector."""
     return {name: value for name, value in sample.values.items() if _is_number_of(coder, name)}
 
@@ -420,7 +422,7 @@ def _bytes_literal(data: bytes) -> str:
     return f'bytes.fromhex("{data.hex(" ").upper()}")'
 
 
-def _register_example(example: RegisterExample, coder: Coder) -> ReadmeExample:
+def _register_example(example: RegisterExample, coder: LayoutClass) -> ReadmeExample:
     """Return the call that decodes a register, and its attributes with their values as printed.
 
     If the attribute has another type, a text is the lowercase name of an Enum member.

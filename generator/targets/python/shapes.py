@@ -16,7 +16,7 @@ from ...plan.operations import FrameCrc
 from ...plan.values import is_named, meaning_of, position_ranges
 from ...plan.verdicts import CodeCondition, ReportsAndVerdict
 from .bits import mask_without_field
-from .codec import Coder
+from .codec import LayoutClass
 from .literals import (
     CallLiteral,
     ConditionalItem,
@@ -54,7 +54,7 @@ class Shape:
     #: Members whose items are on separate lines.
     rows = ("columns", *(_RUNTIME_NAMES.get(name, name) for name in _PLANNED_ROWS))
 
-    def __init__(self, coder: Coder, reporting: ReportsAndVerdict | None) -> None:
+    def __init__(self, coder: LayoutClass, reporting: ReportsAndVerdict | None) -> None:
         self.coder = coder
         self.plan = coder.plan
         self._description = describe(coder.plan, reporting)

@@ -22,7 +22,7 @@ from ...plan.values import (
 )
 from ...say.order_code import initial
 from . import docstrings
-from .codec import Coder
+from .codec import LayoutClass
 from .frame_kinds import ChannelCode, FrameKind, channel_code
 from .literals import (
     Atom,
@@ -60,7 +60,9 @@ class ListedCodes:
 class Variants:
     """Order codes of one module, as used by the template."""
 
-    def __init__(self, context: ModuleContext, frame_kinds: tuple[FrameKind, ...], coders: tuple[Coder, ...]) -> None:
+    def __init__(
+        self, context: ModuleContext, frame_kinds: tuple[FrameKind, ...], coders: tuple[LayoutClass, ...]
+    ) -> None:
         self.context = context
         self.device = context.device
         self.frame_kinds = frame_kinds
