@@ -105,7 +105,7 @@ class Dispatcher:
 
 
 @dataclass(frozen=True)
-class Section:
+class InterfaceSection:
     """Interface of a device."""
 
     interface: Interface
@@ -294,7 +294,7 @@ class Module:
         fields = self.context.choices.values()
         return [Enumeration(self.context.enum(field), _enumeration_doc(field), field.values) for field in fields]
 
-    def _interface_section(self, interface: Interface) -> Section:
+    def _interface_section(self, interface: Interface) -> InterfaceSection:
         """Return an interface with its frames and the functions that decode any of them."""
         coders = tuple(LayoutClass(self.context, interface.name, layout) for layout in interface.layouts)
         dispatchers = [
@@ -303,7 +303,7 @@ class Module:
         # Frames sent by the master come first.
         dispatchers.sort(key=lambda dispatcher: dispatcher.plan.sender == "encoder")
         notes = docstrings.notes(self.device, interface)
-        return Section(
+        return InterfaceSection(
             interface=interface,
             facts=facts.interface(interface),
             notes=notes,
@@ -354,7 +354,7 @@ class Module:
             if replies:
                 yield self._frame_kind(section, replies)
 
-    def _frame_kind(self, section: Section, replies: Sequence[LayoutClass]) -> FrameKind:
+    def _frame_kind(self, section: InterfaceSection, replies: Sequence[LayoutClass]) -> FrameKind:
         """Return the frames that the encoder sends over an interface. ``replies`` are their classes, at least one.
 
         If a selector in the frame distinguishes them, ``dispatch`` is ``decode_reply``, which decodes any of them.
