@@ -48,7 +48,7 @@ class Enumeration:
 
 
 @dataclass(frozen=True)
-class Dispatcher:
+class FrameDispatcher:
     """Function that decodes any frame from one sender."""
 
     plan: FrameDispatch
@@ -112,7 +112,7 @@ class InterfaceSection:
     facts: CallLiteral
     notes: Sequence[Sequence[str]]
     coders: tuple[LayoutClass, ...]
-    dispatchers: tuple[Dispatcher, ...]
+    dispatchers: tuple[FrameDispatcher, ...]
 
 
 class Module:
@@ -313,7 +313,7 @@ class Module:
 
     def _sender_dispatcher(
         self, interface: Interface, plan: FrameDispatch, coders: Sequence[LayoutClass]
-    ) -> Dispatcher:
+    ) -> FrameDispatcher:
         """Return the function that decodes all frames of a sender, such as ``decode_reply``.
 
         With a selector over several interfaces, it is ``decode_spi_reply``. ``coders`` are the frames of the interface.
@@ -324,7 +324,7 @@ class Module:
         if len(interfaces_with_dispatcher) > 1:
             kind = f"{interface.name}_{kind}"
         coders_by_frame = {coder.layout.name: coder for coder in coders}
-        dispatcher = Dispatcher(
+        dispatcher = FrameDispatcher(
             plan=plan,
             name=f"decode_{kind}",
             union=camel(kind),
