@@ -33,7 +33,7 @@ from .names import (
 from .procedures import Steps
 from .readme import Readme, ReadmeExample
 from .records import record_of, records_of
-from .shapes import Shape
+from .shapes import ShapeLiteral
 from .variants import Variants
 
 
@@ -267,21 +267,21 @@ class Module:
         return [encoder_name(identity.interface) for identity in self.identities]
 
     @cached_property
-    def shapes(self) -> list[Shape]:
+    def shapes(self) -> list[ShapeLiteral]:
         """Descriptions of all frames, for ``decode_many``."""
         frames = (coder for section in self.sections for coder in section.coders)
         reportings = self.context.reportings
-        return [Shape(coder, reportings.get(coder.layout.name)) for coder in frames]
+        return [ShapeLiteral(coder, reportings.get(coder.layout.name)) for coder in frames]
 
     @property
-    def register_shapes(self) -> list[Shape]:
+    def register_shapes(self) -> list[ShapeLiteral]:
         """Descriptions of the registers that have a class."""
-        return [Shape(coder, None) for coder in self.by_register.values()]
+        return [ShapeLiteral(coder, None) for coder in self.by_register.values()]
 
     @property
-    def shapes_by_sender(self) -> dict[tuple[str, str], list[Shape]]:
+    def shapes_by_sender(self) -> dict[tuple[str, str], list[ShapeLiteral]]:
         """The same descriptions by interface and sender, such as ``("rs485", "encoder")``."""
-        shapes_by_sender: dict[tuple[str, str], list[Shape]] = {}
+        shapes_by_sender: dict[tuple[str, str], list[ShapeLiteral]] = {}
         for shape in self.shapes:
             key = (shape.coder.layout_interface, shape.coder.layout.sender)
             shapes_by_sender.setdefault(key, []).append(shape)

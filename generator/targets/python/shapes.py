@@ -48,7 +48,7 @@ _PLANNED_ROWS = ("joins", "unused", "checks", "parities", "verdict_causes", "rep
 _CONDITIONS = ("only", "chosen")
 
 
-class Shape:
+class ShapeLiteral:
     """Description of one frame or register, as used by its template. ``reporting`` is None without a verdict."""
 
     #: Members whose items are on separate lines.
