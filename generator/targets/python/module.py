@@ -30,7 +30,7 @@ from .names import (
     interface_name,
     is_one_choice,
 )
-from .procedures import Steps
+from .procedures import ProcedureFunction
 from .readme import Readme, ReadmeExample
 from .records import record_of, records_of
 from .shapes import ShapeLiteral
@@ -128,7 +128,7 @@ class Module:
             coder.register.name: coder for coder in self.registers if isinstance(coder, LayoutClass) and coder.register
         }
         self.by_register = coders
-        self.procedures = [Steps(self.context, coders, procedure) for procedure in device.procedures]
+        self.procedures = [ProcedureFunction(self.context, coders, procedure) for procedure in device.procedures]
         frames = tuple(coder for section in self.sections for coder in section.coders)
         self.coders = (*frames, *coders.values())
         kinds = tuple(self._frame_kinds())

@@ -44,7 +44,7 @@ class Segment:
     limiting_write: WriteRegister | None
 
 
-class Steps:
+class ProcedureFunction:
     """Function for one procedure. ``coders`` are the classes of the registers that have a class."""
 
     def __init__(self, context: ModuleContext, coders: Mapping[str, LayoutClass], procedure: Procedure) -> None:

@@ -28,7 +28,7 @@ from .codec import LayoutClass
 from .frame_kinds import FrameKind
 from .literals import grouped
 from .names import ModuleContext, OpenQuestion
-from .procedures import Steps
+from .procedures import ProcedureFunction
 
 #: Number of registers and number of procedures that are shown.
 _REGISTERS, _PROCEDURES = 2, 2
@@ -127,7 +127,7 @@ class Readme:
         context: ModuleContext,
         kinds: Sequence[FrameKind],
         coders: Mapping[str, LayoutClass],
-        procedures: Mapping[str, Steps],
+        procedures: Mapping[str, ProcedureFunction],
     ) -> None:
         self.context = context
         self.device = context.device
@@ -251,7 +251,7 @@ class Readme:
         ]
         return [self._procedure_example(example) for example in only_writing[:_PROCEDURES]]
 
-    def _only_writes_bytes(self, steps: Steps) -> bool:
+    def _only_writes_bytes(self, steps: ProcedureFunction) -> bool:
         """Return whether a procedure writes single bytes.
 
         The procedure must neither modify nor poll a register, and use only registers with an address for each byte.
@@ -306,7 +306,7 @@ class Readme:
         alarms_by_procedure: Counter[str] = Counter()
         for alarm in facts_for_code(self.device.alarms, variant.code):
             alarms_by_procedure.update(alarm.cleared_by)
-        resets: list[Steps] = []
+        resets: list[ProcedureFunction] = []
         for steps in self._procedures.values():
             is_over_interface = steps.procedure.interface == variant.interface
             if is_over_interface and steps.procedure.name in alarms_by_procedure and not steps.arguments:
