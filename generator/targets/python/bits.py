@@ -147,7 +147,7 @@ def _has_width_check(field: Field) -> bool:
             assert_never(meaning)
 
 
-class Reader:
+class BitReader:
     """Expressions for bits in ``decode``, read from ``number`` or ``word``, or from single bytes of ``data``."""
 
     def __init__(self, scope: ParameterExpressions, codec: LayoutPlan, byte: str = "data[{}]") -> None:
@@ -156,9 +156,9 @@ class Reader:
         self._byte = byte
         self.source = "number" if codec.in_bytes else "word"
 
-    def as_sent(self) -> Reader:
+    def as_sent(self) -> BitReader:
         """Return the reader of the bits before any Gray code is converted. Such bits are in ``sent``."""
-        reader = Reader(self.scope, self.codec, self._byte)
+        reader = BitReader(self.scope, self.codec, self._byte)
         reader.source = "sent" if self.codec.parity_covers_gray else self.source
         return reader
 

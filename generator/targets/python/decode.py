@@ -19,7 +19,7 @@ from ...plan.values import (
     ZeroMeans,
     meaning_of,
 )
-from .bits import Reader
+from .bits import BitReader
 from .first_byte import FirstByte
 from .literals import Atom, ParameterExpressions, PythonExpression, PythonOperation, call, grouped, mask, number
 from .named_values import NamedValues, prefer_names_of_fields
@@ -49,7 +49,7 @@ class Decoder:
         #: True if each byte of the frame has a variable, ``b0`` and so on.
         self.is_unpacked = is_short_frame and codec.in_bytes and not codec.by_word
         self.byte = "b{}" if self.is_unpacked else "data[{}]"
-        self.read = Reader(scope, codec, self.byte)
+        self.read = BitReader(scope, codec, self.byte)
         #: Fields whose bits have a variable at this point of the function.
         self.assigned: set[str] = set()
         self._first_byte = FirstByte(codec, enum)
