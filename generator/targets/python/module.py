@@ -34,7 +34,7 @@ from .procedures import ProcedureFunction
 from .readme import Readme, ReadmeExample
 from .records import record_of, records_of
 from .shapes import ShapeLiteral
-from .variants import Variants
+from .variants import VariantTable
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class Module:
         frames = tuple(coder for section in self.sections for coder in section.coders)
         self.coders = (*frames, *coders.values())
         kinds = tuple(self._frame_kinds())
-        self.codes = Variants(self.context, kinds, frames)
+        self.codes = VariantTable(self.context, kinds, frames)
         procedures_by_interface: dict[str, tuple[str, ...]] = {}
         for steps in self.procedures:
             names = procedures_by_interface.get(steps.interface, ())

@@ -57,7 +57,7 @@ class ListedCodes:
     codes: tuple[str, ...]
 
 
-class Variants:
+class VariantTable:
     """Order codes of one module, as used by the template."""
 
     def __init__(
