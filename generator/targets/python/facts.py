@@ -34,7 +34,7 @@ from .records import record_of, records_of
 
 
 @dataclass(frozen=True)
-class Table:
+class FactTable:
     """Table in a module: its comment, its name, the class of its rows, and its rows."""
 
     comment: str
@@ -50,28 +50,28 @@ class Table:
 
 #: Tables at the end of a module, without their rows.
 _TABLES = (
-    Table(
+    FactTable(
         comment="Errors and warnings: their meaning, whether they are latched, and the procedures that clear them.",
         name="ALARMS",
         kind="Alarm",
     ),
-    Table(comment="Timings of the encoder as a whole.", name="TIMINGS", kind="Timing"),
-    Table(comment="Connectors and cables, contact by contact.", name="CONNECTORS", kind="Connector"),
-    Table(comment="LEDs and the meaning of their states.", name="LEDS", kind="Led"),
-    Table(comment="Hardware inputs.", name="INPUTS", kind="Input"),
-    Table(comment="Tables of the manual.", name="TABLES", kind="Table"),
-    Table(comment="Further facts of the manual, as text.", name="CHARACTERISTICS", kind="Characteristic"),
-    Table(
+    FactTable(comment="Timings of the encoder as a whole.", name="TIMINGS", kind="Timing"),
+    FactTable(comment="Connectors and cables, contact by contact.", name="CONNECTORS", kind="Connector"),
+    FactTable(comment="LEDs and the meaning of their states.", name="LEDS", kind="Led"),
+    FactTable(comment="Hardware inputs.", name="INPUTS", kind="Input"),
+    FactTable(comment="Tables of the manual.", name="TABLES", kind="Table"),
+    FactTable(comment="Further facts of the manual, as text.", name="CHARACTERISTICS", kind="Characteristic"),
+    FactTable(
         comment="Content of figures that is missing from the text of the manual.",
         name="LOST_FIGURES",
         kind="LostFigure",
     ),
-    Table(
+    FactTable(
         comment="Errors and ambiguities in the manual, with the text that is used instead.",
         name="ERRATA",
         kind="Erratum",
     ),
-    Table(comment="Documents that sources cite by key.", name="DOCUMENTS", kind="Document"),
+    FactTable(comment="Documents that sources cite by key.", name="DOCUMENTS", kind="Document"),
 )
 #: Tables that every module has, even empty.
 _ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
@@ -115,13 +115,13 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> CallLiteral
     return CallLiteral("ReadOnly", (("", SourceText(f"{{{', '.join(dict_items)}}}")),))
 
 
-def tables(device: Device) -> list[Table]:
+def tables(device: Device) -> list[FactTable]:
     """Return the tables at the end of a module: tables with rows, and tables that every module has."""
     filled_tables = [_with_register_rows(table, device) for table in _TABLES]
     return [table for table in filled_tables if table.rows or table.name in _ALWAYS]
 
 
-def _with_register_rows(table: Table, device: Device) -> Table:
+def _with_register_rows(table: FactTable, device: Device) -> FactTable:
     return replace(table, rows=records_of(table.kind, getattr(device, table.section)))
 
 

@@ -149,7 +149,7 @@ class Module:
     # -- facts, which the files of the whole package do not need
 
     @cached_property
-    def tables(self) -> list[facts.Table]:
+    def tables(self) -> list[facts.FactTable]:
         return facts.tables(self.device)
 
     @cached_property
