@@ -37,7 +37,7 @@ class Trace(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class SignalPart:
     """Part of a line: a level, clock pulses, or a box of data with its colour class ``fill``."""
 
     trace: Trace
@@ -63,7 +63,7 @@ class TimingDiagram:
     """
 
     title: str
-    lines: tuple[tuple[str, tuple[Part, ...]], ...]
+    lines: tuple[tuple[str, tuple[SignalPart, ...]], ...]
     spans: tuple[Span, ...]
     text: str
     further_source: str = ""
@@ -97,21 +97,21 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
     up, down = Trace.UP, Trace.DOWN
     first_bits = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
     clock_line = (
-        Part(up, width=40),
-        Part(Trace.CLOCK, width=3 * _PERIOD),
-        Part(Trace.GAP, width=40),
-        Part(Trace.CLOCK, width=3 * _PERIOD),
-        Part(up, width=150),
-        Part(Trace.CLOCK, width=2 * _PERIOD),
+        SignalPart(up, width=40),
+        SignalPart(Trace.CLOCK, width=3 * _PERIOD),
+        SignalPart(Trace.GAP, width=40),
+        SignalPart(Trace.CLOCK, width=3 * _PERIOD),
+        SignalPart(up, width=150),
+        SignalPart(Trace.CLOCK, width=2 * _PERIOD),
     )
     # Data is sent from the first rising edge to the last.
     data_line = (
-        Part(up, width=52),
-        Part(Trace.EITHER, width=64, label="first bit", fill="data"),
-        Part(Trace.EITHER, width=32, label="…", fill="data"),
-        Part(Trace.EITHER, width=64, label="last bit", fill="data"),
-        Part(down, width=60),
-        Part(up, width=150),
+        SignalPart(up, width=52),
+        SignalPart(Trace.EITHER, width=64, label="first bit", fill="data"),
+        SignalPart(Trace.EITHER, width=32, label="…", fill="data"),
+        SignalPart(Trace.EITHER, width=64, label="last bit", fill="data"),
+        SignalPart(down, width=60),
+        SignalPart(up, width=150),
     )
     # The word ends at 212 pixels, data is low until 272, and the next word begins at 374.
     monoflop = _symbol_with_times(interface, "Tm")
@@ -134,16 +134,22 @@ def _spi_diagram(interface: Spi) -> TimingDiagram:
     replies = ("reply 1", "reply 2")
     if has_requests and interface.reply == "next_word":
         replies = ("reply to the request before", "reply to request 1")
-    select = (Part(up, width=40), Part(down, width=180), Part(up, width=40), Part(down, width=180), Part(up, width=40))
+    select = (
+        SignalPart(up, width=40),
+        SignalPart(down, width=180),
+        SignalPart(up, width=40),
+        SignalPart(down, width=180),
+        SignalPart(up, width=40),
+    )
     clock = (
-        Part(down, width=56),
-        Part(Trace.CLOCK, width=6 * _PERIOD),
-        Part(down, width=76),
-        Part(Trace.CLOCK, width=6 * _PERIOD),
-        Part(down, width=60),
+        SignalPart(down, width=56),
+        SignalPart(Trace.CLOCK, width=6 * _PERIOD),
+        SignalPart(down, width=76),
+        SignalPart(Trace.CLOCK, width=6 * _PERIOD),
+        SignalPart(down, width=60),
     )
 
-    lines: list[tuple[str, tuple[Part, ...]]] = [("CS", select), ("Clock", clock), ("MISO", _spi_words(*replies))]
+    lines: list[tuple[str, tuple[SignalPart, ...]]] = [("CS", select), ("Clock", clock), ("MISO", _spi_words(*replies))]
     behaviour = "The encoder ignores the words that the master sends."
     if has_requests:
         lines.insert(2, ("MOSI", _spi_words("request 1", "request 2")))
@@ -157,14 +163,14 @@ def _spi_diagram(interface: Spi) -> TimingDiagram:
     )
 
 
-def _spi_words(first: str, second: str) -> tuple[Part, ...]:
+def _spi_words(first: str, second: str) -> tuple[SignalPart, ...]:
     """Return the data line with two words of these labels."""
     return (
-        Part(Trace.DOWN, width=44),
-        Part(Trace.EITHER, width=172, label=first, fill="data"),
-        Part(Trace.DOWN, width=48),
-        Part(Trace.EITHER, width=172, label=second, fill="data"),
-        Part(Trace.DOWN, width=44),
+        SignalPart(Trace.DOWN, width=44),
+        SignalPart(Trace.EITHER, width=172, label=first, fill="data"),
+        SignalPart(Trace.DOWN, width=48),
+        SignalPart(Trace.EITHER, width=172, label=second, fill="data"),
+        SignalPart(Trace.DOWN, width=44),
     )
 
 
@@ -172,29 +178,29 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
     """Return a frame: acknowledge, start bit, CDS, the fields of the single cycle data, time-out."""
     names_and_fills = list(_data_boxes(codec_of(device, interface.layouts[0]), device.position_names(interface.name)))
     boxes = [
-        Part(Trace.EITHER, width=max(34.0, text_width(name, 11) + 10), label=name, fill=fill)
+        SignalPart(Trace.EITHER, width=max(34.0, text_width(name, 11) + 10), label=name, fill=fill)
         for name, fill in names_and_fills
     ]
     data_line = (
-        Part(Trace.UP, width=76),  # up to the second rising edge of MA
-        Part(Trace.DOWN, width=60, label="Ack"),
-        Part(Trace.UP, width=36, label="Start"),
-        Part(Trace.EITHER, width=36, label="CDS", fill="choice"),
+        SignalPart(Trace.UP, width=76),  # up to the second rising edge of MA
+        SignalPart(Trace.DOWN, width=60, label="Ack"),
+        SignalPart(Trace.UP, width=36, label="Start"),
+        SignalPart(Trace.EITHER, width=36, label="CDS", fill="choice"),
         *boxes,
-        Part(Trace.DOWN, width=90, label="stop"),
-        Part(Trace.UP, width=46),
+        SignalPart(Trace.DOWN, width=90, label="stop"),
+        SignalPart(Trace.UP, width=46),
     )
     # The last two parts, the time-out and the idle level, are 136 pixels wide.
     timeout_start = sum(part.width for part in data_line) - 136
     # Whole pulses, after 136 pixels with the first ones and a gap of at least 40.
     clocks_width = (timeout_start - 176) // _PERIOD * _PERIOD
     clock_line = (
-        Part(Trace.UP, width=40),
-        Part(Trace.CLOCK, width=4 * _PERIOD),
-        Part(Trace.GAP, width=timeout_start - 136 - clocks_width),
-        Part(Trace.CLOCK, width=clocks_width),
-        Part(Trace.EITHER, width=90, label="not CDM", fill="choice"),
-        Part(Trace.UP, width=46),
+        SignalPart(Trace.UP, width=40),
+        SignalPart(Trace.CLOCK, width=4 * _PERIOD),
+        SignalPart(Trace.GAP, width=timeout_start - 136 - clocks_width),
+        SignalPart(Trace.CLOCK, width=clocks_width),
+        SignalPart(Trace.EITHER, width=90, label="not CDM", fill="choice"),
+        SignalPart(Trace.UP, width=46),
     )
     timeout = timeouts_with_codes(interface.timeouts) or _words_without_timeout(device, interface)
     labels = ", ".join(name for name, _ in names_and_fills)
@@ -243,12 +249,12 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
     reply_size = f"{up_to}{counted(reply_lengths[-1], 'byte')}"
     request_label = f"request, {request_size}"
     master = [
-        Part(Trace.UP, width=40),
-        Part(Trace.EITHER, width=text_width(request_label, 11) + 12, label=request_label, fill="choice"),
+        SignalPart(Trace.UP, width=40),
+        SignalPart(Trace.EITHER, width=text_width(request_label, 11) + 12, label=request_label, fill="choice"),
     ]
     request_end = sum(part.width for part in master)
-    reply = Part(Trace.EITHER, width=170, label=f"reply, {reply_size}", fill="data")
-    encoder = [Part(Trace.UP, width=request_end + 40), reply, Part(Trace.UP, width=40)]
+    reply = SignalPart(Trace.EITHER, width=170, label=f"reply, {reply_size}", fill="data")
+    encoder = [SignalPart(Trace.UP, width=request_end + 40), reply, SignalPart(Trace.UP, width=40)]
     description = f"The master sends a request of {request_size}. The encoder answers with {reply_size}."
     spans: tuple[Span, ...] = ()
     pause_us = _pause_between_requests(device, interface)
@@ -257,12 +263,12 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
         first_repetition_end = request_end + 270 + repetition_width
         pause = f"between repeated requests: at least {microseconds(pause_us)}"
         first, second = (
-            Part(Trace.EITHER, width=repetition_width, label=name, fill="choice") for name in ("1st", "2nd")
+            SignalPart(Trace.EITHER, width=repetition_width, label=name, fill="choice") for name in ("1st", "2nd")
         )
         # Both lines end 490 pixels after the request.
-        pause_part = Part(Trace.UP, width=repetition_width)
-        master += [Part(Trace.UP, width=270), first, pause_part, second, Part(Trace.GAP, width=40)]
-        encoder.append(Part(Trace.UP, width=240))
+        pause_part = SignalPart(Trace.UP, width=repetition_width)
+        master += [SignalPart(Trace.UP, width=270), first, pause_part, second, SignalPart(Trace.GAP, width=40)]
+        encoder.append(SignalPart(Trace.UP, width=240))
         spans = (Span(start=first_repetition_end, end=first_repetition_end + repetition_width, label=pause),)
         description += f" {pause.capitalize()}."
     return TimingDiagram(
@@ -314,7 +320,7 @@ def _span_elements(span: Span, left: float, middle: float, right_end: float) -> 
     yield draw_text(x, middle + 4, span.label, size=11, anchor=anchor)
 
 
-def _line_elements(parts: Sequence[Part], left: float, top: float) -> Iterator[str]:
+def _line_elements(parts: Sequence[SignalPart], left: float, top: float) -> Iterator[str]:
     """Yield the boxes and labels of a line, then its path. The path is interrupted by boxes and gaps."""
     path: list[str] = []
     part_start = left
@@ -346,7 +352,7 @@ def _line_elements(parts: Sequence[Part], left: float, top: float) -> Iterator[s
     yield f'<path d="{"".join(path)}" class="wave"/>'
 
 
-def _pulse_path(pulses_start: float, top: float, part: Part, *, starts: bool) -> Iterator[str]:
+def _pulse_path(pulses_start: float, top: float, part: SignalPart, *, starts: bool) -> Iterator[str]:
     """Yield the path of adjacent pulses. Each pulse is first low and then high."""
     number_of_pulses = round(part.width / _PERIOD)
     half_period = part.width / number_of_pulses / 2
