@@ -67,7 +67,7 @@ class Incomplete:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class LineMistakes:
     """Mistakes with the bits around a frame on one kind of line, in the order in which they are tried.
 
     ``slips`` are the offsets by one or two bits.
@@ -123,7 +123,7 @@ _BISS_SLIPS = (
     FrameOffset("last_bits_missing", text="the last two bits are missing", lost=2),
 )
 
-_BISS = Line(
+_BISS = LineMistakes(
     slips=_BISS_SLIPS,
     recordings=(
         # The rule of the C receiver: the start bit is the first 1 after a 0.
@@ -208,18 +208,18 @@ def _one_clock_offsets(cause: str) -> tuple[FrameOffset, ...]:
 
 
 #: Lines by name: an interface and, for SSI, the alignment of the word.
-LINES: Mapping[str, Line] = MappingProxyType(
+LINES: Mapping[str, LineMistakes] = MappingProxyType(
     {
         "biss": _BISS,
-        "ssi_msb_left": Line(
+        "ssi_msb_left": LineMistakes(
             _one_clock_offsets(""),
             (_WORD_TWICE, _WORD_FIRST, _BIT_IN_FRONT, _OTHERS_BEHIND, _BITS_AROUND),
             (_TOO_SHORT,),
         ),
-        "ssi_lsb_right": Line(
+        "ssi_lsb_right": LineMistakes(
             _one_clock_offsets(""), (_WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_IN_FRONT), (_TOO_SHORT,)
         ),
-        "spi": Line(
+        "spi": LineMistakes(
             _one_clock_offsets(", as with the other clock edge"),
             (_WORD_FIRST, _BIT_IN_FRONT, _WORD_LAST, _OTHERS_BEHIND, _OTHERS_IN_FRONT),
             (_TOO_SHORT,),
@@ -255,7 +255,7 @@ def recorded_bits(typed_frame: TypedFrame, frame_length: int) -> str:
 
 
 def recording_hypotheses(
-    line: Line, placed_layout: PlacedLayout, crc: Crc | None, received_bits: str
+    line: LineMistakes, placed_layout: PlacedLayout, crc: Crc | None, received_bits: str
 ) -> Iterator[Hypothesis]:
     """Yield a hypothesis with the frame that each recording rule of the line finds in the received bits.
 
@@ -305,7 +305,7 @@ def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str)
         )
 
 
-def missing_part(line: Line, frame_length: int, received_bits: str) -> str:
+def missing_part(line: LineMistakes, frame_length: int, received_bits: str) -> str:
     """Return what a recording without a complete frame lacks, or "" if no pattern of the line matches.
 
     The group ``frame`` has those bits of the frame that were received. A pattern with a complete frame does not count.

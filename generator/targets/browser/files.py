@@ -56,7 +56,7 @@ from ...why.exchanges import (
 from ...why.hypotheses import ACTIVE, IDLE, INVERTED_WITHOUT_PAIR, LEAST_EQUAL_BITS, MISTAKES
 from ...why.in_bytes import MOST_ECHOED_BYTES
 from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
-from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
+from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, LineMistakes, line_name
 from ...why.texts import START_BITS, TEXTS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..palette import palette_css
@@ -349,7 +349,7 @@ def script_table(library: Library) -> Data:
     }
 
 
-def _line_data(line: Line) -> Data:
+def _line_data(line: LineMistakes) -> Data:
     """Return the mistakes with the bits around a frame, each as a list, with patterns in the notation of JavaScript."""
     return {
         "slips": [[slip.kind, slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in line.slips],
