@@ -18,7 +18,7 @@ from .hypotheses import Hypothesis, TypedFrame, frame_hypothesis
 
 
 @dataclass(frozen=True, slots=True)
-class Recording:
+class BitPattern:
     """Bits around a frame, as a regular expression over the bits in the order received.
 
     Each group is a part of the recording, and ``#`` in the pattern is the number of bits of the frame. The bits in the
@@ -74,7 +74,7 @@ class LineMistakes:
     """
 
     slips: tuple[FrameOffset, ...]
-    recordings: tuple[Recording, ...]
+    recordings: tuple[BitPattern, ...]
     incomplete: tuple[Incomplete, ...]
 
 
@@ -127,25 +127,25 @@ _BISS = LineMistakes(
     slips=_BISS_SLIPS,
     recordings=(
         # The rule of the C receiver: the start bit is the first 1 after a 0.
-        Recording(
+        BitPattern(
             "raw_buffer",
             "a raw buffer: acknowledge, start bit and CDS are in front of the frame",
             f"^(?P<idle>1*)(?P<acknowledge>0+)(?P<start>1)(?P<CDS>[01]){_FRAME}(?P<stop>0?){_TAIL}",
             proof=("stop",),
         ),
-        Recording(
+        BitPattern(
             "bits_around",
             "start bit and CDS are in front of the frame, and stop bit and time-out follow",
             f"^(?P<start>1)(?P<CDS>[01]){_FRAME}(?P<stop>0){_TAIL}",
             proof=("start", "stop"),
         ),
-        Recording(
+        BitPattern(
             "bits_around",
             "CDS is in front of the frame, and stop bit and time-out follow",
             f"^(?P<CDS>[01]){_FRAME}(?P<stop>0){_TAIL}",
             proof=("stop",),
         ),
-        Recording(
+        BitPattern(
             "bits_around",
             "stop bit and time-out follow the frame",
             f"^{_FRAME}(?P<stop>0){_TAIL}",
@@ -163,34 +163,36 @@ _BISS = LineMistakes(
     ),
 )
 
-_WORD_FIRST = Recording(
+_WORD_FIRST = BitPattern(
     "zeros_behind", "the word comes first, and the other clocks read 0", f"^{_FRAME}(?P<zeros>0+)$", proof=("zeros",)
 )
-_WORD_TWICE = Recording(
+_WORD_TWICE = BitPattern(
     "word_twice",
     "the word is repeated after its last bit",
     # Fewer repeated bits prove too little. The position is the same as with any other bits behind the word.
     f"^{_FRAME}(?P<gap>0?)(?P<again>[01]{{4,}})$",
     proof=("gap", "again"),
 )
-_BIT_IN_FRONT = Recording(
+_BIT_IN_FRONT = BitPattern(
     "bits_in_front",
     "the first clock carries no data, and the word follows",
     f"^(?P<front>[01]){_FRAME}(?P<zeros>0*)$",
     proof=("zeros",),
 )
-_BITS_AROUND = Recording(
+_BITS_AROUND = BitPattern(
     "bits_around",
     "the first clock carries no data, and other bits follow the word",
     # Before the first bit, the line is idle, which is high.
     f"^(?P<front>1){_FRAME}(?P<other>[01]+)$",
     proof=("front",),
 )
-_WORD_LAST = Recording(
+_WORD_LAST = BitPattern(
     "zeros_in_front", "zeros come first, and then the word", f"^(?P<zeros>0+){_FRAME}$", proof=("zeros",)
 )
-_OTHERS_BEHIND = Recording("bits_behind", "the word comes first, and other bits follow", f"^{_FRAME}(?P<other>[01]+)$")
-_OTHERS_IN_FRONT = Recording("bits_in_front", "other bits come first, and then the word", f"^(?P<other>[01]+){_FRAME}$")
+_OTHERS_BEHIND = BitPattern("bits_behind", "the word comes first, and other bits follow", f"^{_FRAME}(?P<other>[01]+)$")
+_OTHERS_IN_FRONT = BitPattern(
+    "bits_in_front", "other bits come first, and then the word", f"^(?P<other>[01]+){_FRAME}$"
+)
 _TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks still needed: {2}", "^(?P<frame>[01]*)$")
 
 
