@@ -23,7 +23,7 @@ PATIENCE_S = 1.0
 _MOST_BYTES_READ = 4096
 
 
-class Line(Protocol):
+class ByteLine(Protocol):
     """Line as bytes."""
 
     def receive(self, data: bytes) -> None: ...
@@ -41,9 +41,9 @@ class _Port(NamedTuple):
     close: Callable[[], object]
 
 
-def line_of(encoder: VirtualEncoder) -> Line:
+def line_of(encoder: VirtualEncoder) -> ByteLine:
     """Return the line of an encoder, for its interface."""
-    lines: dict[str, Callable[[VirtualEncoder], Line]] = {
+    lines: dict[str, Callable[[VirtualEncoder], ByteLine]] = {
         "rs485": Rs485Line,
         "biss": BissLine,
         "ssi": SsiLine,
@@ -160,7 +160,7 @@ def listener(server: socket.socket, name: str) -> _Port:
     return _Port(name=name, handle=clients.handle, read=clients.read, write=clients.write, close=clients.close)
 
 
-def serve(encoder: VirtualEncoder, line: Line, port: _Port, stop: Event | None = None) -> None:
+def serve(encoder: VirtualEncoder, line: ByteLine, port: _Port, stop: Event | None = None) -> None:
     """Serve a line until ``stop`` is set. Without ``stop``, serve forever.
 
     It waits for requests, but no longer than until the next reply is due.
@@ -179,7 +179,7 @@ def serve(encoder: VirtualEncoder, line: Line, port: _Port, stop: Event | None =
 
 
 @contextmanager
-def serving(encoder: VirtualEncoder, line: Line | None = None, *, tcp: bool = False) -> Iterator[str]:
+def serving(encoder: VirtualEncoder, line: ByteLine | None = None, *, tcp: bool = False) -> Iterator[str]:
     """Serve an encoder in a thread during a ``with`` statement.
 
     Args:

@@ -15,7 +15,7 @@ from c_harness import devices_of
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
 from codewheel.virtual import BissLine, Rs485Line, VirtualEncoder
-from codewheel.virtual.serve import Line, listener, serve
+from codewheel.virtual.serve import ByteLine, listener, serve
 from machines import _BARE, Machine
 from tools import tool
 
@@ -223,7 +223,7 @@ class Waiting(BissLine):
 
 
 @contextmanager
-def on_socket(folder: Path, encoder: VirtualEncoder, line: Line) -> Iterator[Path]:
+def on_socket(folder: Path, encoder: VirtualEncoder, line: ByteLine) -> Iterator[Path]:
     """Serve a line on a Unix socket."""
     path, stop = folder / "line", Event()
     with socket.socket(socket.AF_UNIX) as server:

@@ -37,7 +37,7 @@ class Counting:
 
 
 @contextmanager
-def served(port: serve._Port, line: serve.Line) -> Iterator[None]:
+def served(port: serve._Port, line: serve.ByteLine) -> Iterator[None]:
     stop = Event()
     arguments = (VirtualEncoder("AMM5A23/65KJP1"), line, port, stop)
     thread = Thread(target=serve.serve, args=arguments, daemon=True)
