@@ -10,7 +10,7 @@ from ..loading.editions import UnknownEdition, revision_for
 from ..loading.library import in_edition, load_families
 from ..loading.overlays import Family
 from ..model import Device
-from ..order_codes.labels import Match, UnknownOrderCode, edition_by_label, find_code
+from ..order_codes.labels import LabelMatch, UnknownOrderCode, edition_by_label, find_code
 from ..reference.findings import edition_by_registers, without_tests
 from .terminal import CommandError, problems
 
@@ -21,11 +21,11 @@ BY_LABEL, BY_REGISTERS = "label", "registers"
 def in_requested_edition(
     specs: Sequence[Path],
     device: Device,
-    code_match: Match | None,
+    code_match: LabelMatch | None,
     wanted_edition: str,
     text: str,
     register_bytes: Mapping[int, int],
-) -> tuple[Device, Match | None, dict[int, int]]:
+) -> tuple[Device, LabelMatch | None, dict[int, int]]:
     """Return a family in the requested edition, the order code ``text`` in it, and the registers still to apply.
 
     Registers that served to infer the edition are omitted.
@@ -56,7 +56,7 @@ def in_requested_edition(
 
 
 def _find_revision(
-    device: Device, code_match: Match | None, wanted_edition: str, register_bytes: Mapping[int, int]
+    device: Device, code_match: LabelMatch | None, wanted_edition: str, register_bytes: Mapping[int, int]
 ) -> str:
     """Return the revision of the requested edition: inferred from registers or the label, or found by name or date.
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from ..language.problems import ProblemReport
     from ..model import Device
-    from ..order_codes.labels import Match
+    from ..order_codes.labels import LabelMatch
     from .read_specs import Specs
 
 
@@ -30,7 +30,7 @@ _MOST_FILES = 8
 Located = tuple["Device", "Match | None", Sequence[Path]]
 
 
-def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Match, Sequence[Path]]:
+def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, LabelMatch, Sequence[Path]]:
     """Return the family of an order code, its match with the variant, and the specs among which it was found.
 
     The user's specs come first. If their text does not show which families are possible, all of them are loaded. Specs
@@ -45,7 +45,9 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Matc
     return device, match, paths
 
 
-def find_requested(arguments: argparse.Namespace, specs: Specs, cache: Cache) -> tuple[Device, Match, dict[int, int]]:
+def find_requested(
+    arguments: argparse.Namespace, specs: Specs, cache: Cache
+) -> tuple[Device, LabelMatch, dict[int, int]]:
     """Return the family and match of ``ORDER-CODE`` in ``--edition``, and the bytes of ``--register`` by address.
 
     Registers that served to infer the edition are omitted.
@@ -114,7 +116,7 @@ def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, *, a
 
 def _find_in_group(
     paths: Sequence[Path], text: str, cache: Cache, *, accepts_family: bool
-) -> tuple[tuple[Device, Match | None] | None, ProblemReport | None]:
+) -> tuple[tuple[Device, LabelMatch | None] | None, ProblemReport | None]:
     """Return a family with its match, or None, and the report if all specs were read and some have problems.
 
     The match is None if the text is the name of the family. The report is None if only the possible families were read,
@@ -135,19 +137,23 @@ def _find_in_group(
     return _best_match(devices, text, accepts_family=accepts_family), report or None
 
 
-def _best_match(devices: Sequence[Device], text: str, *, accepts_family: bool) -> tuple[Device, Match | None] | None:
+def _best_match(
+    devices: Sequence[Device], text: str, *, accepts_family: bool
+) -> tuple[Device, LabelMatch | None] | None:
     """Return the family with this name, else the order code that matches most of the text, else None."""
     matches = _all_matches(devices, text, accepts_family=accepts_family)
     return min(matches, key=_tail_length, default=None)
 
 
-def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
+def _tail_length(family_and_code: tuple[Device, LabelMatch | None]) -> int:
     """Return the number of characters after the order code, or 0 for the name of a family."""
     _, match = family_and_code
     return len(match.tail) if match is not None else 0
 
 
-def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) -> list[tuple[Device, Match | None]]:
+def _all_matches(
+    devices: Sequence[Device], text: str, *, accepts_family: bool
+) -> list[tuple[Device, LabelMatch | None]]:
     """Return each family that has the order code ``text``, with its match.
 
     If ``accepts_family`` allows names and a family has this name, return only this family, with None instead of a
@@ -160,7 +166,7 @@ def _all_matches(devices: Sequence[Device], text: str, *, accepts_family: bool) 
         family = _family_named(devices, text)
         if family is not None:
             return [(family, None)]
-    matches: list[tuple[Device, Match | None]] = []
+    matches: list[tuple[Device, LabelMatch | None]] = []
     for device in _candidate_families(devices, text):
         with suppress(UnknownOrderCode):
             matches.append((device, match_of(device, text)))
@@ -206,7 +212,7 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: b
     return CommandError(f"{reason}; the packaged specs have it, so leave out the names of specs", reason.code)
 
 
-def find_among(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
+def find_among(devices: Sequence[Device], text: str) -> tuple[Device, LabelMatch]:
     """Return the family and match of an order code among ``devices``: the match with the shortest tail.
 
     Raises:

@@ -14,13 +14,13 @@ from .terminal import CommandError
 
 if TYPE_CHECKING:
     from ..model import Device
-    from ..order_codes.labels import Match
+    from ..order_codes.labels import LabelMatch
 
 #: End of the help of an order code.
 OR_A_LINE = ", or the encoder in one line, such as biss:position=32,error,warning,crc=6:0x43"
 
 
-def encoder_in_line(text: str) -> tuple[Device, Match]:
+def encoder_in_line(text: str) -> tuple[Device, LabelMatch]:
     """Return the device that a line describes, and the line as its order code.
 
     Raises:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..masters.record import EncoderFacts
     from ..masters.sheet import Master, SettingsSheet
     from ..model import Device
-    from ..order_codes.labels import Match
+    from ..order_codes.labels import LabelMatch
 
 EXAMPLES = ("codewheel master", "codewheel master MY-ENCODER-13-SC")
 #: Longest cable that ``--cable`` accepts, in metres. Every real cable is shorter.
@@ -134,7 +134,7 @@ def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
         raise CommandError(f"there is no master '{name}'{hint}", 2)
 
 
-def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, EncoderFacts]:
+def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch, EncoderFacts]:
     """Return the family and match of the order code, and the record of the settings that masters need for it.
 
     Raises:

@@ -46,7 +46,7 @@ from ..model import (
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, ModelMember
 from ..model.record import dataclass
-from ..order_codes.labels import Match
+from ..order_codes.labels import LabelMatch
 from ..order_codes.reduction import for_interface, reduced_to_codes
 from ..order_codes.sent_layouts import with_sent_layouts
 from .schema import fill_members
@@ -63,7 +63,7 @@ def device_dump(device: Device) -> Item:
     return _Dump(device, variant=None).whole(device.variants, parameters=_NO_PARAMETERS, label=None)
 
 
-def variant_dump(device: Device, code_match: Match) -> Item:
+def variant_dump(device: Device, code_match: LabelMatch) -> Item:
     """Return one order code as plain data, with expressions resolved and without the other interfaces.
 
     Only facts that apply to the order code are left. ``code_match`` also says how the label differs from it.

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..language.problems import listed
 from ..model import INTERFACES, Biss, Device
-from ..order_codes.labels import Match
+from ..order_codes.labels import LabelMatch
 from ..say.evidence import Topic, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
 from ..say.plain_text import WIDTH, two_columns, wrapped
@@ -234,7 +234,7 @@ def _setting_text(setting: Setting) -> str:
     return f"{bound_in_words(setting)}{setting.text}{standing_mark(setting)}"
 
 
-def sheet_text(device: Device, code_match: Match, record: EncoderFacts, sheets: Sequence[SettingsSheet]) -> str:
+def sheet_text(device: Device, code_match: LabelMatch, record: EncoderFacts, sheets: Sequence[SettingsSheet]) -> str:
     """Return the record and each master's settings or refusals as text, at most 80 columns wide.
 
     With a single master, places and documents follow. If no master can take the position, only the record is returned.
@@ -266,7 +266,7 @@ def sheet_text(device: Device, code_match: Match, record: EncoderFacts, sheets: 
     return "\n".join(lines)
 
 
-def _record_lines(device: Device, code_match: Match, record: EncoderFacts) -> list[str]:
+def _record_lines(device: Device, code_match: LabelMatch, record: EncoderFacts) -> list[str]:
     """Return the order code, notes about how its label is written, and the record."""
     lines = [wrapped(f"{code_match.variant.code}: {device.title}", WIDTH, prefix="  ", first="")]
     if code_match.written_as_in:
@@ -363,7 +363,7 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
 
 
 def sheet_data(
-    device: Device, code_match: Match, record: EncoderFacts, sheets: Sequence[SettingsSheet]
+    device: Device, code_match: LabelMatch, record: EncoderFacts, sheets: Sequence[SettingsSheet]
 ) -> dict[str, Any]:
     """Return the record and the settings as plain data, in the shape of ``language/master_settings.schema.json``."""
     return {

@@ -8,7 +8,7 @@ from ..language.problems import Problem, ProblemReport
 from ..language.read import document_of_text
 from ..loading.library import families_of
 from ..model import Device
-from ..order_codes.labels import Match
+from ..order_codes.labels import LabelMatch
 from .line import EncoderLine, LineError, LineProblem
 from .parse import parse_line
 from .spec import spec_text
@@ -18,7 +18,7 @@ _FAMILY, _MANUFACTURER = "one_line", "example"
 _MANUFACTURER_TEXT = f"codewheel: 1\nmanufacturer: {_MANUFACTURER}\ntitle: manufacturer not stated\nsource: line\n"
 
 
-def device_of_line(text: str) -> tuple[Device, Match]:
+def device_of_line(text: str) -> tuple[Device, LabelMatch]:
     """Return the device that a line describes, and its order code, which is the line itself.
 
     Raises:
@@ -36,7 +36,7 @@ def device_of_line(text: str) -> tuple[Device, Match]:
     # Only the written spec marks what the line does not state. Here, the outputs say so themselves.
     evidence = replace(device.evidence, placeholders=())
     device = replace(device, variants=(variant,), evidence=evidence, title="Encoder described in one line")
-    return device, Match(variant, unlisted=(), tail="", special=False)
+    return device, LabelMatch(variant, unlisted=(), tail="", special=False)
 
 
 def _problems_in_line(line: EncoderLine, report: ProblemReport) -> list[LineProblem]:

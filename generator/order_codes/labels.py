@@ -80,7 +80,7 @@ class UnknownOrderCode(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Match:
+class LabelMatch:
     """An order code as read from a label.
 
     ``variant`` is the matching listed code. If a part has a value that the manual does not list, the code has this
@@ -133,7 +133,7 @@ def fill_pattern(pattern: str, texts: Mapping[str, str]) -> str:
     return _BRACES.sub(lambda brace: texts[brace[1]], pattern)
 
 
-def find_code(device: Device, text: str) -> Match:
+def find_code(device: Device, text: str) -> LabelMatch:
     """Parse the label ``text`` for this family. Text after ``-`` and ``/Sxxx`` are accepted, and spaces are ignored.
 
     Raises:
@@ -157,7 +157,7 @@ def find_code(device: Device, text: str) -> Match:
             part_text = label_match[part.name]
             value_by_part[part.name] = value_by_spelling.get((part.name, part_text), part_text)
         variant, unlisted_parts = _variant_with_parts(device, value_by_part, label)
-        return Match(
+        return LabelMatch(
             variant=variant,
             unlisted=unlisted_parts,
             tail=label_match["tail_"] or "",
@@ -427,7 +427,7 @@ def edition_before(device: Device, revision: str) -> str:
     return revisions[revisions.index(revision) - 1]
 
 
-def edition_by_label(device: Device, match: Match) -> str:
+def edition_by_label(device: Device, match: LabelMatch) -> str:
     """Return the revision whose labels are written like this label, or an empty string if none is certain."""
     spellings = device.order_code.also_written
     patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}

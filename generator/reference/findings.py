@@ -26,7 +26,7 @@ from ..model import (
 )
 from ..model.order_codes import fits
 from ..model.record import dataclass
-from ..order_codes.labels import Match, edition_before, tests_of
+from ..order_codes.labels import LabelMatch, edition_before, tests_of
 from ..say import report
 from ..say.report import alarm_of, meaning, of_older_edition, remedy, source
 from .codec import DecodedField, DecodedFrame, number_of_text
@@ -324,7 +324,7 @@ def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDiffe
             yield ValueDifference(test.run, actual=raw, documented=bounds, message=message, is_register=True)
 
 
-def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping[int, int]) -> str:
+def edition_by_registers(device: Device, match: LabelMatch, bytes_by_address: Mapping[int, int]) -> str:
     """Return the revision of the latest edition with which the registers of an encoder are compatible.
 
     This is the revision before the first edition with a test that the registers fail, or the spec's revision if they

@@ -11,7 +11,7 @@ from ..loading.library import Family, in_edition, load_families, sound_families
 from ..model import Device
 from ..one_line.encoder import device_of_line
 from ..one_line.parse import is_line
-from ..order_codes.labels import Match, UnknownOrderCode, find_code
+from ..order_codes.labels import LabelMatch, UnknownOrderCode, find_code
 
 
 @cache
@@ -33,7 +33,7 @@ def _has_special_code(device: Device, text: str) -> bool:
     return any(overlay.special and overlay.special in text for overlay in device.overlays)
 
 
-def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Match]:
+def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, LabelMatch]:
     """Return the family and the variant of an order code, or of an encoder in one line.
 
     Families of the special model in the text come first. Others with a ``base`` are left out, since they share the

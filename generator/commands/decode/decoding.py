@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TextIO
 
 from ...model import Device, Flag, PlacedLayout, Verdict
-from ...order_codes.labels import Match
+from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
 from ...reference.findings import Findings, ValueDifference, findings, strange_values
@@ -51,7 +51,7 @@ class DecodeRequest:
     """Options for decoding the value of ``register`` if that is set, else a frame."""
 
     device: Device
-    match: Match
+    match: LabelMatch
     sender: str
     layout: str | None
     register: str | None

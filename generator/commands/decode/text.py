@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ...model import Alternative, Crc, Device, Fault, Measurement, PlacedLayout, Variant, Verdict
 from ...model.expressions import Expression
-from ...order_codes.labels import Match
+from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import parameters_of
 from ...reference import codec
 from ...reference.findings import Findings, FrameReport
@@ -34,7 +34,7 @@ _NO_FINDINGS = Findings()
 
 def explain(
     device: Device,
-    code_match: Match,
+    code_match: LabelMatch,
     sender: str,
     decoded: codec.DecodedFrame,
     findings: Findings = _NO_FINDINGS,
@@ -140,7 +140,7 @@ def heading(device: Device, variant: Variant, sender: str, placed_layout: Placed
     return text if is_register else f"{text}, from the {sender}"
 
 
-def label_lines(device: Device, code_match: Match) -> Iterator[str]:
+def label_lines(device: Device, code_match: LabelMatch) -> Iterator[str]:
     """Yield the parameters read from registers, how the label differs from the manual, and where the spec is from."""
     variant = code_match.variant
     names_read = [parameter.name for parameter in parameters_of(device, variant.interface) if parameter.read_from]
@@ -153,7 +153,7 @@ def label_lines(device: Device, code_match: Match) -> Iterator[str]:
         yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ")
 
 
-def label_differences(device: Device, code_match: Match) -> Iterator[str]:
+def label_differences(device: Device, code_match: LabelMatch) -> Iterator[str]:
     """Yield how a label differs from the codes in the manual: made up, other spelling, unlisted, tail, or special."""
     for statement in not_on_label(device):
         yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ")

@@ -23,7 +23,7 @@ from ...model import (
     cite,
 )
 from ...model.expressions import Expression
-from ...order_codes.labels import Match
+from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths
 from ...order_codes.reduction import for_interface, reduced_to_codes, with_output_code
 from ...order_codes.sent_layouts import with_sent_layouts
@@ -67,7 +67,7 @@ def device_text(device: Device) -> str:
     return "\n".join(lines)
 
 
-def variant_text(device: Device, code_match: Match) -> str:
+def variant_text(device: Device, code_match: LabelMatch) -> str:
     """Return the text about an order code: its parameters, interface, frames, registers, procedures and errata."""
     variant = code_match.variant
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])

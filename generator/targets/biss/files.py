@@ -15,7 +15,7 @@ from typing import Annotated, TypedDict
 from ...dump.plain import device_dump, variant_dump
 from ...dump.xml import XSD_NAME, schema_text, to_xml
 from ...model import Alternative, Answer, Biss, Device, Manufacturer, Variant, choices
-from ...order_codes.labels import Match
+from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import run_time_widths
 from ...render import Templates, our_templates
 from .. import NO_OPTIONS, Library, Option, Options, Target
@@ -94,7 +94,7 @@ def _files_of_order_codes(folder: str, device: Device) -> Iterator[tuple[str, Ca
 
 
 def _order_code_xml(device: Device, variant: Variant) -> str:
-    return to_xml(variant_dump(device, Match(variant, (), "", special=False)))
+    return to_xml(variant_dump(device, LabelMatch(variant, (), "", special=False)))
 
 
 def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
