@@ -15,7 +15,7 @@ from ..codec import PositionRange
 from ..encoder import Encoder
 from ..link import LinkError, open_encoder
 from ..reports import Interface
-from .common import USAGE, Failed, find_encoder, show_progress
+from .common import USAGE, CommandFailed, find_encoder, show_progress
 from .record import Reading, Recorder, open_recorder
 
 #: Number of updates of the screen per second.
@@ -52,7 +52,7 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
         is_spi = encoder.interface is Interface.SPI
         how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
         problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
-        raise Failed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
+        raise CommandFailed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
     # On a terminal, readings are shown. In a pipe, they are written as a table.
     target = chosen.output if chosen.output or sys.stdout.isatty() else "-"
     out = sys.stderr if target == "-" else sys.stdout
@@ -74,10 +74,10 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
                 is_shown=target != "-",
             )
     except LinkError as error:
-        raise Failed(error) from None
+        raise CommandFailed(error) from None
     if 100 * readings.failures > chosen.max_errors * readings.total:
         failures_text = f"{readings.failures} of {readings.total} readings failed"
-        raise Failed(f"{failures_text}; --max-errors is {chosen.max_errors:g}")
+        raise CommandFailed(f"{failures_text}; --max-errors is {chosen.max_errors:g}")
 
 
 def watch(
