@@ -18,7 +18,7 @@ from ..bulk.shape import Shape
 from ..bulk.table import Table
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
-from ..files.inputs import Part, Source
+from ..files.inputs import FrameBatch, Source
 from ..files.layouts import find_layout, find_shape, list_layouts
 from ..files.sinks import SINKS, TargetKind
 from ..files.stream import (
@@ -572,11 +572,11 @@ def _list_paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
     return [os.fspath(path) for path in source]
 
 
-def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[Part, None, None]:
+def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[FrameBatch, None, None]:
     """Yield the frames with the column of their times, and add each stretch to the log."""
     for stretch in opened.stretches:
         log.add(stretch)
-        yield Part(stretch.frames, stretch.done, {opened.time_column: _round_times(stretch.times)})
+        yield FrameBatch(stretch.frames, stretch.done, {opened.time_column: _round_times(stretch.times)})
 
 
 def _round_times(seconds: Any) -> Any:

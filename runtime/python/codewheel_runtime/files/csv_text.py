@@ -16,7 +16,7 @@ from ..bulk.words import DigitKind, listed, short
 from ..errors import InputError
 from . import inputs
 from .fast_csv import Block, JoinedBlocks, ends_with_row, has_a_row_per_line, make_block_reader, split_into_blocks
-from .inputs import FIRST, Part, Share, Source, Stored, check_form, find_usual_column, select_columns
+from .inputs import FIRST, FrameBatch, Share, Source, Stored, check_form, find_usual_column, select_columns
 
 #: Limit for the length of a line. A longer one means that the file is not CSV.
 _LONGEST: Final = 1 << 20
@@ -75,7 +75,7 @@ def _open_text(blocks: Iterable[bytes]) -> io.TextIOWrapper:
     return io.TextIOWrapper(io.BufferedReader(JoinedBlocks(blocks)), "utf-8-sig", "replace", newline="")
 
 
-def _yield_no_parts() -> Generator[Part, None, None]:
+def _yield_no_parts() -> Generator[FrameBatch, None, None]:
     """Yield no frames."""
     yield from ()
 
@@ -165,7 +165,7 @@ def _read_parts(
     lines: int,
     done: int,
     csv_file: _CsvFile,
-) -> Generator[Part, None, None]:
+) -> Generator[FrameBatch, None, None]:
     """Yield the frames of blocks. ``lines`` and ``done`` are the numbers of lines and bytes before the first block.
 
     ``read_fast`` reads a block, or is None without pyarrow. It returns None for blocks with unusual content.
@@ -186,7 +186,7 @@ def _read_parts(
                 is_first = False
             # The next block can end with an incomplete row, which is compared with this cell.
             slow_reader.remember_last_cell(fast_block.last)
-            yield Part(fast_block.frames, done, fast_block.other_columns)
+            yield FrameBatch(fast_block.frames, done, fast_block.other_columns)
             continue
         # After a quote, a row can continue in the next block.
         ends_here = can_be_fast and ends_with_row(block, slow_reader.delimiter)
@@ -197,7 +197,7 @@ def _read_parts(
             if is_first:
                 _check_first_cells(cells, batch.cells[:FIRST], csv_file)
                 is_first = False
-            yield Part(frames, slow_reader.lines.read, batch.other_columns)
+            yield FrameBatch(frames, slow_reader.lines.read, batch.other_columns)
         # If the slow reader has read all blocks, this was the last one.
         lines += block.count(b"\n")
         done += len(block)

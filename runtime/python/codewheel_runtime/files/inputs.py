@@ -55,7 +55,7 @@ class Stored(NamedTuple):
         return not self.wanted or name in self.wanted
 
 
-class Part(NamedTuple):
+class FrameBatch(NamedTuple):
     """Frames in the form that ``decode_many`` expects, the other columns of the same rows, and the progress.
 
     ``done`` is the amount of the source that has been read, in bytes or rows. A column is a list of strings or an Arrow
@@ -73,7 +73,7 @@ class Source(NamedTuple):
     ``names`` lists all other columns. ``empty_columns`` contains an empty column for each that is read.
     """
 
-    parts: Generator[Part, None, None]
+    parts: Generator[FrameBatch, None, None]
     total: int | None
     names: tuple[str, ...] = ()
     empty_columns: Mapping[str, Any] = MappingProxyType({})
