@@ -17,7 +17,7 @@ from ..captures.any_biss import BissLayout, biss_layout
 from ..captures.capture import Captures, CaptureSummary, Lost
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
-from ..files.inputs import Stored, read_seconds
+from ..files.inputs import StorageFormat, read_seconds
 from ..files.layouts import find_shape
 from ..files.sources import find_kind, open_source
 from .common import USAGE, CommandFailed, find_encoder, missing_package_error, show_progress
@@ -97,7 +97,7 @@ def _read_frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> T
     frames: list[Any] = []
     times: list[Any] = []
     # Nothing checks the first frames here, so the function for their valid fraction does not matter.
-    with open_source(path, Stored(digits=chosen.digits, wanted=("time",)), shape, lambda frames: 1.0) as read:
+    with open_source(path, StorageFormat(digits=chosen.digits, wanted=("time",)), shape, lambda frames: 1.0) as read:
         if "time" not in read.empty_columns:
             raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
         for part in read.parts:

@@ -16,13 +16,15 @@ from ..bulk.words import DigitKind, listed, short
 from ..errors import InputError
 from . import inputs
 from .fast_csv import Block, JoinedBlocks, ends_with_row, has_a_row_per_line, make_block_reader, split_into_blocks
-from .inputs import FIRST, FrameBatch, Share, Source, Stored, check_form, find_usual_column, select_columns
+from .inputs import FIRST, FrameBatch, Share, Source, StorageFormat, check_form, find_usual_column, select_columns
 
 #: Limit for the length of a line. A longer one means that the file is not CSV.
 _LONGEST: Final = 1 << 20
 
 
-def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
+def read_csv_rows(
+    file: BinaryIO, name: str, size: int | None, stored: StorageFormat, shape: Shape, share: Share
+) -> Source:
     """Read the first rows of a CSV file, and return a source that reads the frames and the other columns later.
 
     ``name`` and ``size`` in bytes describe the file. ``share`` returns the fraction of valid frames.
@@ -153,7 +155,7 @@ class _CsvFile(NamedTuple):
     """Name of the file for errors, storage format, description of the frames, and fraction of valid frames."""
 
     name: str
-    stored: Stored
+    stored: StorageFormat
     shape: Shape
     share: Share
 
@@ -292,7 +294,7 @@ class _FrameColumn(NamedTuple):
     has_header: bool
 
 
-def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: Shape) -> _FrameColumn:
+def _find_frame_column(first_row: list[str], name: str, stored: StorageFormat, shape: Shape) -> _FrameColumn:
     """Return the column of frames.
 
     The column is the requested one (by name, or by number from 1), the only column, or a column named ``frame`` or

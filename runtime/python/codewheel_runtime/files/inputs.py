@@ -29,7 +29,7 @@ Share = Callable[[Any], float]
 _NAMES: Final = ("frame", "word")
 
 
-class Stored(NamedTuple):
+class StorageFormat(NamedTuple):
     """Storage format of the frames in a file.
 
     Attributes:
@@ -79,7 +79,9 @@ class Source(NamedTuple):
     empty_columns: Mapping[str, Any] = MappingProxyType({})
 
 
-def select_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
+def select_columns(
+    names: Iterable[str], stored: StorageFormat, empty: Callable[[str], Any], file: str
+) -> dict[str, Any]:
     """Return an empty column, made by ``empty``, for each of the other columns to keep, by name.
 
     ``names`` are the names of all columns except the column of frames. ``file`` is the name of the file, for errors.

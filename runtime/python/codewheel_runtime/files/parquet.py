@@ -13,13 +13,13 @@ from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
 from . import inputs
-from .inputs import FrameBatch, Source, Stored, find_column, select_columns
+from .inputs import FrameBatch, Source, StorageFormat, find_column, select_columns
 
 #: Number of bytes of a Parquet column that are read at once.
 _BUFFER: Final = 1 << 20
 
 
-def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
+def read_parquet_batches(file: BinaryIO, name: str, stored: StorageFormat, shape: Shape) -> Source:
     """Open a Parquet file, and return a source that reads the frames and the other columns later.
 
     Raises InputError if the file is not Parquet, or has no such columns, and UsageError if two columns to keep have the
@@ -45,7 +45,7 @@ def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape
 
 
 def _read_batches(
-    file: Any, column: str, kept_names: tuple[str, ...], name: str, stored: Stored, shape: Shape
+    file: Any, column: str, kept_names: tuple[str, ...], name: str, stored: StorageFormat, shape: Shape
 ) -> Generator[FrameBatch, None, None]:
     """Yield the frames of a column, with the other columns of the same rows, and the number of rows read.
 
