@@ -10,11 +10,11 @@ from typing import Any
 import numpy
 import pytest
 from codewheel_runtime.captures.clocked import Lost, find_clocked_frames
-from codewheel_runtime.captures.signals import Names, read_array
+from codewheel_runtime.captures.signals import SignalNames, read_array
 from lines import Biss, Wave, biss_word, ssi
 
 BITS = 40
-NAMES = Names("1", "2")
+NAMES = SignalNames("1", "2")
 
 
 def read(

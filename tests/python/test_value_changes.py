@@ -6,7 +6,7 @@ import io
 
 import pytest
 from codewheel_runtime.captures.signal_text import read_vcd_signals
-from codewheel_runtime.captures.signals import Edges, Names
+from codewheel_runtime.captures.signals import Edges, SignalNames
 from codewheel_runtime.errors import InputError
 
 HEADER = '$timescale 1 ns $end\n$var wire 1 ! MA $end\n$var wire 1 " SLO $end\n$enddefinitions $end\n'
@@ -14,7 +14,7 @@ HEADER = '$timescale 1 ns $end\n$var wire 1 ! MA $end\n$var wire 1 " SLO $end\n$
 
 def edges(changes: str) -> list[Edges]:
     file = io.BytesIO((HEADER + changes).encode())
-    return list(read_vcd_signals(file, "line.vcd", Names("MA", "SLO")).edges)
+    return list(read_vcd_signals(file, "line.vcd", SignalNames("MA", "SLO")).edges)
 
 
 def test_edges_of_each_signal() -> None:

@@ -37,7 +37,7 @@ from .accesses import Access, Accesses
 from .any_biss import BissLayout
 from .clocked import CapturedFrames, Lost, find_clocked_frames
 from .signal_files import open_signals
-from .signals import Names, Signals, read_array
+from .signals import SignalNames, Signals, read_array
 from .uart import Kinds, find_exported_columns, find_replies, read_exported_bytes, read_serial_bytes
 
 __all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes"]
@@ -85,7 +85,7 @@ class Probes(NamedTuple):
         if self.threshold is not None and not _is_finite(self.threshold):
             raise UsageError(f"threshold must be a number, got {self.threshold!r}")
 
-    def names(self, is_serial: bool) -> Names:
+    def names(self, is_serial: bool) -> SignalNames:
         """Return the choice of the channels. A serial line has no clock.
 
         Raises UsageError if a channel is neither a name nor a number.
@@ -94,7 +94,7 @@ class Probes(NamedTuple):
             if not isinstance(channel, (str, int)) or isinstance(channel, bool):
                 raise UsageError(f"a channel is a name or a number from 1, got {channel!r}")
         clock = None if is_serial else str(self.clock)
-        return Names(clock=clock, data=str(self.data))
+        return SignalNames(clock=clock, data=str(self.data))
 
 
 def _is_finite(number: object) -> bool:
