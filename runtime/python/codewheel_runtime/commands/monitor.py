@@ -16,7 +16,7 @@ from ..encoder import Encoder
 from ..link import LinkError, open_encoder
 from ..reports import Interface
 from .common import USAGE, CommandFailed, find_encoder, show_progress
-from .record import Reading, Recorder, open_recorder
+from .record import RecordedReading, Recorder, open_recorder
 
 #: Number of updates of the screen per second.
 _RATE = 10
@@ -178,7 +178,7 @@ class _Screen:
             self._count = self._unwrap(frame.__class__, position)
         if self._recorder is not None:
             reports = " ".join(report.name for report in frame.reports)
-            self._recorder.write(Reading(now - self._began, position, frame.verdict.value, reports, ""))
+            self._recorder.write(RecordedReading(now - self._began, position, frame.verdict.value, reports, ""))
         usable_count = None if position is None else self._count
         self._recent.append((now, usable_count))
         # The first item of each reading is its time.
@@ -194,7 +194,7 @@ class _Screen:
         self._errors[kind] += 1
         self._last_error = str(error)
         if self._recorder is not None:
-            self._recorder.write(Reading(now - self._began, None, "", "", kind))
+            self._recorder.write(RecordedReading(now - self._began, None, "", "", kind))
         self._update(now)
 
     def end(self) -> None:
