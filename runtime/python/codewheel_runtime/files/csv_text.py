@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from itertools import chain, islice
 from typing import BinaryIO, Final, NamedTuple
 
-from ..bulk.cells import Cells, read_text
+from ..bulk.cells import TextCells, read_text
 from ..bulk.shape import Shape
 from ..bulk.words import DigitKind, listed, short
 from ..errors import InputError
@@ -173,7 +173,7 @@ def _read_parts(
     ``read_fast`` reads a block, or is None without pyarrow. It returns None for blocks with unusual content.
     ``slow_reader`` reads these blocks, and the rest of the file with them if a row may continue in the next block.
     """
-    cells = Cells(csv_file.shape, csv_file.stored.digits)
+    cells = TextCells(csv_file.shape, csv_file.stored.digits)
     is_first = True
     for block in blocks:
         can_be_fast = read_fast is not None and has_a_row_per_line(block)
@@ -205,7 +205,7 @@ def _read_parts(
         done += len(block)
 
 
-def _check_first_cells(cells: Cells, texts: list[str], csv_file: _CsvFile) -> None:
+def _check_first_cells(cells: TextCells, texts: list[str], csv_file: _CsvFile) -> None:
     """Raise InputError if most of the first cells are not frames, or if they fit the other base much better.
 
     The base is checked only for frames of bits, and only if ``--digits`` chose one: ``check_form`` compares the
@@ -224,7 +224,7 @@ def _check_first_cells(cells: Cells, texts: list[str], csv_file: _CsvFile) -> No
 
 def _read_frames(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes]:
     """Return the frames in cells, read in this base. Cells without a frame are skipped."""
-    cells = Cells(shape, digits)
+    cells = TextCells(shape, digits)
     return [frame for text in texts if (frame := cells.read(text, 0)) is not None]
 
 
