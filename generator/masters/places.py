@@ -300,7 +300,7 @@ class ObjectWrite:
 
 
 @dataclass(frozen=True, slots=True)
-class Effect:
+class WriteEffect:
     """Condition on which a written value takes effect: exactly one member is not empty."""
 
     in_state: str = ""
@@ -321,7 +321,7 @@ class WriteCondition:
     needs: tuple[ObjectWrite, ...]
     after: tuple[str, ...]
     then: tuple[ObjectWrite, ...]
-    takes_effect: Effect | None
+    takes_effect: WriteEffect | None
     standing: str
     source: str
     text: str
@@ -356,7 +356,7 @@ def _write_condition(
     """Return a condition with its words. ``settings`` and ``after`` are the names in it that the sheet has."""
     needs = _writes_of_rule(rule, "needs", devices, standing)
     then = _writes_of_rule(rule, "then", devices, standing)
-    effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
+    effect = WriteEffect(**rule["takes_effect"]) if "takes_effect" in rule else None
     return WriteCondition(
         of=settings,
         needs=needs,
@@ -422,7 +422,7 @@ def _condition_text(
     needs: tuple[ObjectWrite, ...],
     after: tuple[str, ...],
     then: tuple[ObjectWrite, ...],
-    effect: Effect | None,
+    effect: WriteEffect | None,
 ) -> str:
     """Return a condition as one sentence: on values before or after the settings, an order, or an effect."""
     if needs:
@@ -438,7 +438,7 @@ def _condition_text(
     return f"{listed(settings) or 'All settings'} {verb} effect {_when_effective(effect)}."
 
 
-def _when_effective(effect: Effect) -> str:
+def _when_effective(effect: WriteEffect) -> str:
     """Return the end of the sentence that says when a written value takes effect."""
     if effect.in_state:
         return f"only in the {effect.in_state} state"

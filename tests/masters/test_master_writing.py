@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.masters.places import Effect, WriteCondition
+from codewheel.masters.places import WriteCondition, WriteEffect
 from codewheel.masters.sheet import SettingsSheet
 
 SheetOf = Callable[[str, str], SettingsSheet]
@@ -18,7 +18,7 @@ def rules_about(settings_sheet: SettingsSheet, name: str) -> list[WriteCondition
     return [rule for rule in settings_sheet.writing if name in rule.of]
 
 
-def effects(rules: list[WriteCondition]) -> list[Effect]:
+def effects(rules: list[WriteCondition]) -> list[WriteEffect]:
     return [rule.takes_effect for rule in rules if rule.takes_effect is not None]
 
 
@@ -32,7 +32,7 @@ def test_supply_of_el5042(sheet_of: SheetOf) -> None:
         assert [(write.object, write.value) for rule in rules for write in rule.needs] == [
             ("F008", int.from_bytes(b"user", "little"))
         ]
-        assert effects(rules) == [Effect(in_state="INIT")]
+        assert effects(rules) == [WriteEffect(in_state="INIT")]
 
 
 def test_mode_of_el5042_comes_first(sheet_of: SheetOf) -> None:
@@ -45,22 +45,22 @@ def test_mode_of_el5042_comes_first(sheet_of: SheetOf) -> None:
     ("master", "code", "name", "effect"),
     [
         # W524, A-28: Y is effective after restart. A-49: 5005 hex has Y.
-        ("omron_nx", "AM3619/4096-GG", "Valid Data Length", Effect(restart_of="the NX Unit")),
-        ("ti_c2000", "AMM5A21/65KSC1", "positionSTBits", Effect(by_call="PM_bissc_initParams")),
-        ("ti_motor_control_sdk", "AMM5A21/65KSC1", "Clock, in MHz", Effect(by_call="bissc_clock_config")),
-        ("linuxcnc_hostmot2", "AMM5A21/65KSC1", "biss_chan_0", Effect(by_call="loadrt for the board driver")),
-        ("linuxcnc_hostmot2", "AMM5A21/65KBG1", "ssi_chan_0", Effect(by_call="loadrt for the board driver")),
-        ("kollmorgen_akd", "AMM5A21/65KSC1", "FB1.SELECT", Effect(restart_of="the drive")),
+        ("omron_nx", "AM3619/4096-GG", "Valid Data Length", WriteEffect(restart_of="the NX Unit")),
+        ("ti_c2000", "AMM5A21/65KSC1", "positionSTBits", WriteEffect(by_call="PM_bissc_initParams")),
+        ("ti_motor_control_sdk", "AMM5A21/65KSC1", "Clock, in MHz", WriteEffect(by_call="bissc_clock_config")),
+        ("linuxcnc_hostmot2", "AMM5A21/65KSC1", "biss_chan_0", WriteEffect(by_call="loadrt for the board driver")),
+        ("linuxcnc_hostmot2", "AMM5A21/65KBG1", "ssi_chan_0", WriteEffect(by_call="loadrt for the board driver")),
+        ("kollmorgen_akd", "AMM5A21/65KSC1", "FB1.SELECT", WriteEffect(restart_of="the drive")),
     ],
 )
-def test_when_it_takes_effect(sheet_of: SheetOf, master: str, code: str, name: str, effect: Effect) -> None:
+def test_when_it_takes_effect(sheet_of: SheetOf, master: str, code: str, name: str, effect: WriteEffect) -> None:
     assert effects(rules_about(sheet_of(master, code), name)) == [effect]
 
 
 def test_of_all_settings(sheet_of: SheetOf) -> None:
     """moteus changes values immediately. The dsPIC33A has CLCHCFG at 1 for BiSS C, and ON and INIT at the end."""
     (at_once,) = sheet_of("moteus", "AMM5A21/65KSC1").writing
-    assert (at_once.of, at_once.takes_effect) == ((), Effect(at_once=True))
+    assert (at_once.of, at_once.takes_effect) == ((), WriteEffect(at_once=True))
     settings_sheet = sheet_of("microchip_dspic33a", "AMM5A21/65KSC1")
     needs, then = settings_sheet.shared_writing
     assert [(write.object, write.value) for write in needs.needs] == [("CLCHCFGx", 1)]
