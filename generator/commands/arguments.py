@@ -169,7 +169,7 @@ def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
     Numbers may be decimal, or have a prefix. Of several pairs with one address, the last one counts.
 
     Raises:
-        Stop: A pair is malformed. The exit code is 2.
+        CommandError: A pair is malformed. The exit code is 2.
     """
     register_bytes: dict[int, int] = {}
     for pair in pairs:

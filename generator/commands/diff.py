@@ -109,7 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
     Accepted changes do not count. Without ``--fail-on``, all others do.
 
     Raises:
-        Stop: Something cannot be read, or families that must not be released would be recorded.
+        CommandError: Something cannot be read, or families that must not be released would be recorded.
     """
     if arguments.record and not Path(arguments.new).is_dir():
         raise CommandError("--record needs a folder of specs: all families of a manufacturer share a version", 2)
@@ -208,7 +208,7 @@ def _without_accepted(
     Without such a file, all changes count.
 
     Raises:
-        Stop: The file with accepted changes is missing or not valid. The exit code is 2.
+        CommandError: The file with accepted changes is missing or not valid. The exit code is 2.
     """
     from ..changes.accepted import NAME, NotAccepted, changes_to_accept, read_accepted
 
@@ -258,7 +258,7 @@ def _write_records(comparison: DiffResult, new_side: _Side) -> DiffResult:
     If ``comparison`` already has notices, a part was not compared. Then nothing is written.
 
     Raises:
-        Stop: Part of a family could not be compared, or a file cannot be written.
+        CommandError: Part of a family could not be compared, or a file cannot be written.
     """
     from ..changes.report import NotRecorded, files_of_release
 
@@ -284,7 +284,7 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
     ``old_side`` is None while the old side itself is loaded.
 
     Raises:
-        Stop: The specs do not exist, or have problems that prevent a comparison.
+        CommandError: The specs do not exist, or have problems that prevent a comparison.
     """
     from ..loading.library import sound_families
     from ..say.plain_text import counted
@@ -321,7 +321,7 @@ def _read_side(
     with the old one are not built again.
 
     Raises:
-        Stop: There is no such file, folder or revision. The exit code is 2.
+        CommandError: There is no such file, folder or revision. The exit code is 2.
     """
     from tempfile import TemporaryDirectory
 
@@ -360,7 +360,7 @@ def _print_first_problems(problems: Sequence[Problem]) -> None:
 
 
 def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> CommandError:
-    """Print the first problems of a side, and return the ``CommandError`` to raise. For the old side, it suggests a remedy."""
+    """Print the first problems of a side, and return the error to raise. For the old side, it suggests a remedy."""
     from ..say.plain_text import counted
 
     _print_first_problems(problems)

@@ -39,7 +39,8 @@ def in_requested_edition(
         register_bytes: Register bytes by address.
 
     Raises:
-        Stop: The edition does not exist, cannot be inferred, or does not have the order code. The exit code is 2.
+        CommandError: The edition does not exist, cannot be inferred, or does not have the order code. The exit code is
+            2.
     """
     remaining_bytes = dict(register_bytes)
     try:
@@ -83,7 +84,7 @@ def _load_in_edition(specs: Sequence[Path], device: Device, revision: str) -> De
     """Return the device as this edition of its manual describes it. The edition of its spec needs no change.
 
     Raises:
-        Stop: The edition has problems, which are printed. The exit code is 1.
+        CommandError: The edition has problems, which are printed. The exit code is 1.
     """
     if revision == device.manual.revision:
         return device
@@ -102,7 +103,7 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
     Editions of a family whose spec has problems are left out. Problems of an edition are added to ``report``.
 
     Raises:
-        Stop: An argument is malformed, or the family or edition does not exist. The exit code is 2.
+        CommandError: An argument is malformed, or the family or edition does not exist. The exit code is 2.
     """
     families_by_name = {family.device.name: family for family in families if not family.device.base}
     devices: dict[str, Device] = {}

@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the description of the rule, or the list of all rules.
 
     Raises:
-        Stop: There is no such rule. The exit code is 2.
+        CommandError: There is no such rule. The exit code is 2.
     """
     print(explain(arguments.rule))
     return 0
@@ -58,7 +58,7 @@ def explain(name: str | None) -> str:
     The same name can belong to a rule of ``check`` and a rule of ``diff``. Then both are described.
 
     Raises:
-        Stop: There is no such rule. The exit code is 2.
+        CommandError: There is no such rule. The exit code is 2.
     """
     from ..changes.rules import RULES
     from ..language.problems import suggestion

@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     """List the facts that cite the page and the section, if both are given. The exit code is 1 if no fact cites them.
 
     Raises:
-        Stop: The family does not exist, or neither page nor section was given.
+        CommandError: The family does not exist, or neither page nor section was given.
     """
     from ..reread.facts import facts_with_citations
     from .read_specs import specs_to_judge
@@ -61,7 +61,7 @@ def family_named(name: str, paths: Sequence[Path]) -> Family:
     """Return the family of this name.
 
     Raises:
-        Stop: The specs have problems (exit code 1), or the family does not exist (exit code 2).
+        CommandError: The specs have problems (exit code 1), or the family does not exist (exit code 2).
     """
     from ..loading.library import load_families
 

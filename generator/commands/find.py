@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the proposals, the most likely first.
 
     Raises:
-        Stop: A frame or a position is malformed (exit code 2), or all frames are equal (exit code 1).
+        CommandError: A frame or a position is malformed (exit code 2), or all frames are equal (exit code 1).
     """
     from ..layout_search.answers import answer_with_lines
     from ..layout_search.frames import NoLayout
@@ -84,7 +84,7 @@ def _read_recording(arguments: argparse.Namespace) -> RecordedFrames:
     """Return the frames of the arguments.
 
     Raises:
-        Stop: They are not frames of one length. The exit code is 2.
+        CommandError: They are not frames of one length. The exit code is 2.
     """
     from ..layout_search.frames import FEWEST, RecordedFrames
 
@@ -146,7 +146,7 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
     numbers are cut to this length.
 
     Raises:
-        Stop: The text is not a frame. The exit code is 2.
+        CommandError: The text is not a frame. The exit code is 2.
     """
     import re
 
@@ -180,7 +180,7 @@ def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
     """Return a frame with the length ``bits`` that the user gives, or as written if that is None.
 
     Raises:
-        Stop: The frame has 1 bits above this length. The exit code is 2.
+        CommandError: The frame has 1 bits above this length. The exit code is 2.
     """
     if bits is None:
         return frame
@@ -193,7 +193,7 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
     """Return the positions in a text such as ``0,45,90``. There must be ``count`` of them, one for each frame.
 
     Raises:
-        Stop: The text contains something else, or another number of positions. The exit code is 2.
+        CommandError: The text contains something else, or another number of positions. The exit code is 2.
     """
     from math import isfinite
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: Most files in a message.
 _MOST_FILES = 8
 #: A family, the order code in it (None if the family was named), and the specs in which it was found.
-Located = tuple["Device", "Match | None", Sequence[Path]]
+Located = tuple["Device", "LabelMatch | None", Sequence[Path]]
 
 
 def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, LabelMatch, Sequence[Path]]:
@@ -37,7 +37,8 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Labe
     with problems are then omitted and listed.
 
     Raises:
-        Stop: The code does not exist (exit code 2), or no valid spec has it and others have problems (exit code 1).
+        CommandError: The code does not exist (exit code 2), or no valid spec has it and others have problems (exit code
+            1).
     """
     device, match, paths = _find_in_groups(specs, text, cache, accepts_family=False)
     if match is None:  # Only a name is found without a match.
@@ -53,7 +54,8 @@ def find_requested(
     Registers that served to infer the edition are omitted.
 
     Raises:
-        Stop: As for ``find_order_code``, a byte is malformed, or the edition is not known. The exit code is then 2.
+        CommandError: As for ``find_order_code``, a byte is malformed, or the edition is not known. The exit code is
+            then 2.
     """
     device, match, paths = find_order_code(specs, arguments.order_code, cache)
     register_bytes = bytes_by_address(arguments.register)
@@ -72,7 +74,7 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
     """Return a family named ``text`` without a match, or the result of ``find_order_code`` for the order code.
 
     Raises:
-        Stop: As for ``find_order_code``.
+        CommandError: As for ``find_order_code``.
     """
     return _find_in_groups(specs, text, cache, accepts_family=True)
 
@@ -177,7 +179,7 @@ def _refuse_hidden(device: Device, reports_with_problems: Iterable[ProblemReport
     """Refuse a family if a file with problems has its name, such as the user's spec of a packaged family.
 
     Raises:
-        Stop: There is such a file. The exit code is 1.
+        CommandError: There is such a file. The exit code is 1.
     """
     for report in reports_with_problems:
         # A file is named after its family.
@@ -216,7 +218,7 @@ def find_among(devices: Sequence[Device], text: str) -> tuple[Device, LabelMatch
     """Return the family and match of an order code among ``devices``: the match with the shortest tail.
 
     Raises:
-        Stop: There is no such code. The exit code is 2.
+        CommandError: There is no such code. The exit code is 2.
     """
     device, match = _best_match(devices, text, accepts_family=False) or (None, None)
     if device is None or match is None:

@@ -24,7 +24,7 @@ def encoder_in_line(text: str) -> tuple[Device, LabelMatch]:
     """Return the device that a line describes, and the line as its order code.
 
     Raises:
-        Stop: The line has problems, which are printed. The exit code is 2.
+        CommandError: The line has problems, which are printed. The exit code is 2.
     """
     from ..one_line.encoder import device_of_line
 
@@ -38,7 +38,7 @@ def checked_line(text: str) -> EncoderLine:
     """Return a line whose spec has no problems.
 
     Raises:
-        Stop: The line has problems, which are printed. The exit code is 2.
+        CommandError: The line has problems, which are printed. The exit code is 2.
     """
     # For its error only. The parser does not find all problems.
     encoder_in_line(text)
@@ -58,7 +58,7 @@ def refuse_line(text: str, action: str) -> None:
     """Check that a text is not a line, for what needs a spec. ``action`` is the reason, such as ``has no editions``.
 
     Raises:
-        Stop: It is a line. The exit code is 2.
+        CommandError: It is a line. The exit code is 2.
     """
     if is_line(text):
         raise CommandError(f"a line {action}; to write it as a spec: {command_for_spec(text)}", 2)

@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the families.
 
     Raises:
-        Stop: The specs have problems, or a path does not exist.
+        CommandError: The specs have problems, or a path does not exist.
     """
     from .read_specs import specs_to_read
     from .specs_by_text import has_same_spec
@@ -93,7 +93,7 @@ def _load_devices(paths: Sequence[Path]) -> Sequence[Device]:
     """Return the devices of the specs.
 
     Raises:
-        Stop: There are problems, which are printed to standard error. The exit code is 1.
+        CommandError: There are problems, which are printed to standard error. The exit code is 1.
     """
     from ..loading.library import load_library
 

@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     The exit code is 1 if the named master refuses the encoder, or if no master can read it.
 
     Raises:
-        Stop: The master, order code or edition does not exist, or there are no settings for it.
+        CommandError: The master, order code or edition does not exist, or there are no settings for it.
     """
     from ..masters import sheet, text
 
@@ -110,7 +110,7 @@ def _refuse_incomplete_options(arguments: argparse.Namespace) -> None:
     """Check that the order code and the master are given if an option needs them.
 
     Raises:
-        Stop: One of them is missing. The exit code is 2.
+        CommandError: One of them is missing. The exit code is 2.
     """
     has_format_option = arguments.format is not None or arguments.device is not None
     if has_format_option and (arguments.master is None or arguments.order_code is None):
@@ -124,7 +124,7 @@ def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
     """Check that there is a master of this name, if the user named one.
 
     Raises:
-        Stop: There is none. The exit code is 2.
+        CommandError: There is none. The exit code is 2.
     """
     from ..language.problems import suggestion
 
@@ -138,7 +138,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     """Return the family and match of the order code, and the record of the settings that masters need for it.
 
     Raises:
-        Stop: The order code or edition does not exist, or there are no settings for it.
+        CommandError: The order code or edition does not exist, or there are no settings for it.
     """
     from ..masters.frame_parts import NoRecord
     from ..masters.record import Undecided, record
@@ -173,7 +173,7 @@ def _file_for_master(
     The file is for ``--device``, or for the first device of the master that has the format.
 
     Raises:
-        Stop: There is no such format or device, or the master cannot use the encoder. The exit code is 2.
+        CommandError: There is no such format or device, or the master cannot use the encoder. The exit code is 2.
     """
     from ..language.problems import listed
     from ..masters.sheet import sheet
@@ -197,7 +197,7 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
     """Return the description of the file format that the user chose from ``master.files``.
 
     Raises:
-        Stop: The master has no such format, or JSON is also requested. The exit code is 2.
+        CommandError: The master has no such format, or JSON is also requested. The exit code is 2.
     """
     from ..language.problems import listed
 

@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     decisions or, with ``--check``, changes.
 
     Raises:
-        Stop: There are no specs, or a file cannot be written.
+        CommandError: There are no specs, or a file cannot be written.
     """
     from .read_specs import specs_to_judge
 
@@ -101,7 +101,7 @@ def _apply_edits(edits: Sequence[Edit], path: Path) -> None:
     The byte order mark and the mode of the file are kept.
 
     Raises:
-        Stop: It cannot be written. The exit code is 1.
+        CommandError: It cannot be written. The exit code is 1.
     """
     from ..language.migrate import edited
 

@@ -64,7 +64,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the spec, and print the names of the files. With ``-o -``, only print the spec.
 
     Raises:
-        Stop: The name or the line is not valid (exit code 2), or a file exists or cannot be written (exit code 1).
+        CommandError: The name or the line is not valid (exit code 2), or a file exists or cannot be written (exit code
+            1).
     """
     if arguments.line is not None and arguments.like:
         raise CommandError("--line and --like describe two encoders; leave one of them out", 2)
@@ -90,7 +91,7 @@ def _text_writer_for_line(line_text: str) -> DeviceText:
     """Return the function that writes the encoder in a line as a spec.
 
     Raises:
-        Stop: The line has problems. The exit code is 2.
+        CommandError: The line has problems. The exit code is 2.
     """
     from ..one_line.spec import spec_text
     from .line_encoder import checked_line

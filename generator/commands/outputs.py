@@ -41,7 +41,7 @@ def devices_by_target(
     """Return the devices that each target writes: those that its filter accepts, by the name of the target.
 
     Raises:
-        Stop: A target writes no family. The exit code is 1.
+        CommandError: A target writes no family. The exit code is 1.
     """
     accepted = {target: accepted_devices(target, devices, filters) for target in targets}
     for target, target_devices in accepted.items():
@@ -63,7 +63,7 @@ def targets_named(names: Iterable[str] | None = None, default_names: Iterable[st
     """Return the named targets, each once. Without names, return the default targets that do not lack their packages.
 
     Raises:
-        Stop: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
+        CommandError: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
     """
     loaded_targets = []
     for name in dict.fromkeys(names or default_names):
@@ -105,7 +105,7 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
         targets: The targets to run.
 
     Raises:
-        Stop: A setting is malformed, or its target does not run. The exit code is 2.
+        CommandError: A setting is malformed, or its target does not run. The exit code is 2.
     """
     targets_by_name = {target.name: target for target in targets}
     options = {target.name: dict(target.defaults) for target in targets}
@@ -146,7 +146,7 @@ def load_for_targets(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[
     """Return the devices of the specs, and a report that includes the parts that these targets cannot express.
 
     Raises:
-        Stop: A target fails. The exit code is 1.
+        CommandError: A target fails. The exit code is 1.
     """
     families, report = load_families(paths)
     return complete_devices(families, targets, editions=(), report=report), report
@@ -165,7 +165,7 @@ def complete_devices(
     families that each target must express.
 
     Raises:
-        Stop: A target fails. The exit code is 1.
+        CommandError: A target fails. The exit code is 1.
     """
     report_unfit_parts(families, targets, report, filters)
     devices = [*(family.device for family in families), *edition_devices(families, editions, report)]
@@ -180,7 +180,7 @@ def report_unfit_parts(
     ``filters`` are the conditions for the families that each target must express.
 
     Raises:
-        Stop: A target fails. The exit code is 1.
+        CommandError: A target fails. The exit code is 1.
     """
     valid_families = {family.device.name: family for family in sound_families(families, report)}
     devices = [family.device for family in valid_families.values()]
@@ -214,7 +214,8 @@ def render_targets(
         files_of: Function that returns the files of one target.
 
     Raises:
-        Stop: A target or a user's template fails (exit code 1), or the name of a template is misspelt (exit code 2).
+        CommandError: A target or a user's template fails (exit code 1), or the name of a template is misspelt (exit
+            code 2).
     """
     try:
         files = {target.name: files_of(target, library, options[target.name]) for target in targets}

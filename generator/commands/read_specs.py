@@ -132,7 +132,7 @@ def find_specs(named: Sequence[Path]) -> Specs:
     Unless specs were named, the packaged specs are included, which only commands that write or judge discard.
 
     Raises:
-        Stop: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
+        CommandError: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
     """
     refuse_missing(named)
     settings = find_settings()
@@ -152,7 +152,7 @@ def find_settings() -> Configuration | None:
     """Return the settings for the current folder, or None.
 
     Raises:
-        Stop: There are errors in them. The exit code is 1.
+        CommandError: There are errors in them. The exit code is 1.
     """
     try:
         return configuration_above()
@@ -172,7 +172,7 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     ``command`` contains the words of the command for messages, such as ``generate`` or ``facts FAMILY``.
 
     Raises:
-        Stop: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
+        CommandError: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
     """
     specs = find_specs(named)
     folder = specs.settings.folder if specs.settings is not None else Path()
@@ -249,7 +249,7 @@ def find_specs_to_read(named: Sequence[Path]) -> Specs:
     """Return the specs for a command that only reads, and report on standard error if some were not found.
 
     Raises:
-        Stop: As for ``find_specs``.
+        CommandError: As for ``find_specs``.
     """
     specs = find_specs(named)
     if not specs.is_complete:
@@ -324,7 +324,7 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
     """Check that the targets in the settings exist, without loading them.
 
     Raises:
-        Stop: There is no such target. The exit code is 1.
+        CommandError: There is no such target. The exit code is 1.
     """
     if settings is None or not (settings.targets or settings.only):
         return
@@ -398,7 +398,7 @@ def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     ``command`` contains the words of the command for messages.
 
     Raises:
-        Stop: As for ``find_specs_to_judge``, or the target does not exist.
+        CommandError: As for ``find_specs_to_judge``, or the target does not exist.
     """
     specs = find_specs_to_judge(named, command)
     refuse_unknown_targets(specs.settings)
@@ -409,7 +409,7 @@ def specs_to_read(named: Sequence[Path]) -> Specs:
     """Return the specs for a command that only reads, after a check of the targets in the settings.
 
     Raises:
-        Stop: As for ``find_specs_to_read``, or the target does not exist.
+        CommandError: As for ``find_specs_to_read``, or the target does not exist.
     """
     specs = find_specs_to_read(named)
     refuse_unknown_targets(specs.settings)

@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the passages in which two texts differ, with the facts that cite them. The exit code is 1 if there are any.
 
     Raises:
-        Stop: A manual cannot be read, or the family is not known.
+        CommandError: A manual cannot be read, or the family is not known.
     """
     from ..reread.facts import facts_with_citations
     from ..reread.passages import differing_passages, numbers_changed, same_language
@@ -97,7 +97,7 @@ def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> F
     """Return the family of this name, or else the family that the manual names on its first page.
 
     Raises:
-        Stop: There are problems in the specs (exit code 1), or the family is not known (exit code 2).
+        CommandError: There are problems in the specs (exit code 1), or the family is not known (exit code 2).
     """
     from ..loading.library import load_families
 

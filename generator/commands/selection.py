@@ -71,7 +71,8 @@ def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
     """Return the specs and options of a run. Set its output folder, targets, and ``again``, the command to repeat it.
 
     Raises:
-        Stop: There are no specs, a name is unknown (exit code 2), or there are errors in the settings (exit code 1).
+        CommandError: There are no specs, a name is unknown (exit code 2), or there are errors in the settings (exit
+            code 1).
     """
     named_paths = [*arguments.specs, *arguments.more_specs]
     # A copy, because the output folder and the targets are filled in later.
@@ -183,7 +184,7 @@ def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:
     The error explains ``--packaged`` if a missing path is the name of a packaged encoder.
 
     Raises:
-        Stop: A path does not exist. The exit code is 2.
+        CommandError: A path does not exist. The exit code is 2.
     """
     try:
         refuse_missing(named)
@@ -249,7 +250,7 @@ def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[s
     unlisted code has no code of its own in C, so its family counts.
 
     Raises:
-        Stop: There is none of this name. The exit code is 2.
+        CommandError: There is none of this name. The exit code is 2.
     """
     folders = {folder.name: folder for folder in packaged_families()}
     if name.lower() in folders:

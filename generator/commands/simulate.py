@@ -91,7 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Serve a virtual encoder until the user ends it.
 
     Raises:
-        Stop: An argument is wrong, with exit code 2, or the port cannot be opened, with exit code 1.
+        CommandError: An argument is wrong, with exit code 2, or the port cannot be opened, with exit code 1.
     """
     from ..virtual.serve import has_terminals, line_of, listen_tcp, serve, terminal
     from .find_encoder import find_order_code

@@ -165,7 +165,7 @@ def refuse_missing(paths: Sequence[Path]) -> None:
     """Check that all paths exist.
 
     Raises:
-        Stop: A path does not exist. The exit code is 2.
+        CommandError: A path does not exist. The exit code is 2.
     """
     missing = [str(path) for path in paths if not _path_exists(path)]
     if missing:

@@ -15,7 +15,7 @@ JsonSchema = dict[str, Any]
 
 
 class WordOfType(NamedTuple):
-    """A word for a type: its JSON Schema in the spec language, and its notation in the data (see ``Member``)."""
+    """A word for a type: its JSON Schema in the spec language, and its notation in the data (see ``ModelMember``)."""
 
     schema: Mapping[str, Any]
     notation: str
@@ -139,7 +139,7 @@ _CONTAINERS: Mapping[str, re.Pattern[str]] = MappingProxyType(
         "list": re.compile(r"tuple\[(?P<inner>.*), \.\.\.\]"),
         "one_or_more": re.compile(r"OneOrMore\[(?P<inner>.*)\]"),
         "map": re.compile(r"Mapping\[(?P<key>\w+), (?P<inner>.*)\]"),
-        "located": re.compile(r"Located\[(?P<inner>\w+)\]"),
+        "located": re.compile(r"LocatedPart\[(?P<inner>\w+)\]"),
     }
 )
 _CHOICE = re.compile(r"Literal(?P<words>\[.*\])")

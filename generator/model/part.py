@@ -134,7 +134,7 @@ class SpecKey(NamedTuple):
         most: Highest number of entries of a list or map.
         least: Lowest number of entries of a list or map.
         schema: JSON Schema of the value, if no type of the keys has it.
-        member: Other properties of ``Member``: the rule of ``diff``, the class of second reading and so on.
+        member: Other properties of ``ModelMember``: the rule of ``diff``, the class of second reading and so on.
     """
 
     about: str
@@ -181,7 +181,7 @@ def key(about: str, **options: Any) -> Any: ...
 def key(about: str, *, default: Any = MISSING, **options: Any) -> Any:
     """Describe a key of the spec language. Without a ``default``, specs must contain the key.
 
-    ``options`` are those of ``SpecKey`` and of ``Member``.
+    ``options`` are those of ``SpecKey`` and of ``ModelMember``.
     """
     own_options = {name: options.pop(name) for name in list(options) if name in SpecKey._fields}
     metadata = {_KEY: SpecKey(about, member=options, **own_options)}

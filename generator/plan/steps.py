@@ -256,7 +256,7 @@ def _changes_frames(device: Device, write: WriteRegister) -> bool:
 
 
 def _with_taught_parameters(device: Device, operations: Sequence[PlannedStep]) -> Iterator[PlannedStep]:
-    """Yield the operations. Writes of an argument to a whole register get ``determines_limits``, see ``WriteRegister``."""
+    """Yield the operations. Writes of an argument to a whole register get ``determines_limits``."""
     for index, operation in enumerate(operations):
         if (
             isinstance(operation, WriteRegister)

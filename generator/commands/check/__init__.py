@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the problems. The exit code is 1 if there are any.
 
     Raises:
-        Stop: There are no specs, options contradict each other, or a target fails.
+        CommandError: There are no specs, options contradict each other, or a target fails.
     """
     from ...cache import NO_CACHE
     from ...loading.configuration import filters_as_texts

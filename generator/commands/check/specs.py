@@ -57,7 +57,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
     readings are then missing from the result.
 
     Raises:
-        Stop: A target fails. The exit code is 1.
+        CommandError: A target fails. The exit code is 1.
     """
     contents_before = contents(paths)
     clean_files = {file for file, content in contents_before.items() if cache.get(_CLEAN, content)}
@@ -125,7 +125,7 @@ def check_families(
     are added to ``report``. The readings of the result are the coverage of each family with a second reading.
 
     Raises:
-        Stop: A target fails. The exit code is 1.
+        CommandError: A target fails. The exit code is 1.
     """
     comparable_files = comparable_specs(families, report)
     report_unfit_parts(families, targets, report)
@@ -163,7 +163,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
         cache: Cache of families without such problems. These families are not checked again until a file changes.
 
     Raises:
-        Stop: There are problems. The exit code is 1.
+        CommandError: There are problems. The exit code is 1.
     """
     report = ProblemReport()
     # Check one family at a time, because a second reading needs as much memory as its spec.

@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
     For an encoder in a line, a command that writes it as a spec follows the frames of the arguments.
 
     Raises:
-        Stop: There is no such order code or edition, or an answer or a register value is wrong.
+        CommandError: There is no such order code or edition, or an answer or a register value is wrong.
     """
     from .decoding import Decoding, argument_lines
 
@@ -88,7 +88,7 @@ def _request_of(arguments: argparse.Namespace) -> DecodeRequest:
     Register bytes that identify the order code do not change it. Values that contradict it become differences.
 
     Raises:
-        Stop: As for ``run``.
+        CommandError: As for ``run``.
     """
     from ...order_codes.parameters import RegisterError, with_answers, with_registers
     from ...order_codes.reduction import reduced_to_codes

@@ -112,7 +112,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Write or compare all outputs, and return the exit code.
 
     Raises:
-        Stop: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
+        CommandError: The specs or the arguments have problems, a target fails, or the output differs or cannot be
+            written.
     """
     from ..selection import select_specs
     from .files import is_unchanged
@@ -192,7 +193,7 @@ def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Tar
     """Refuse a folder of templates that does not exist, and a document type without its target.
 
     Raises:
-        Stop: The exit code is 2.
+        CommandError: The exit code is 2.
     """
     if arguments.templates is not None and not arguments.templates.is_dir():
         raise CommandError(f"there is no folder {arguments.templates}", 2)

@@ -67,13 +67,13 @@ def write_or_compare(
 ) -> int:
     """Write or, with ``--check``, only compare the files of each target. Return the exit code, which is 0.
 
-    ``families`` are those that each target was rendered from. ``gate`` raises ``CommandError`` to refuse writing specs that
-    must not be released. ``gate`` is called if a file would change. Without ``--prune``, ``guard`` refuses to remove
-    outputs.
+    ``families`` are those that each target was rendered from. ``gate`` raises ``CommandError`` to refuse writing specs
+    that must not be released. ``gate`` is called if a file would change. Without ``--prune``, ``guard`` refuses to
+    remove outputs.
 
     Raises:
-        Stop: The disk fails, a compared file differs, ``gate`` or ``guard`` refuses the changes, or an idbiss file is
-            not valid.
+        CommandError: The disk fails, a compared file differs, ``gate`` or ``guard`` refuses the changes, or an idbiss
+            file is not valid.
     """
 
     def refuse_removals(changes_by_target: Mapping[str, Sequence[FileChange]]) -> None:
@@ -112,7 +112,7 @@ def _print_changes(file_changes: Sequence[FileChange], arguments: argparse.Names
     """Print the files that changed or, if they were only compared, differ, and a summary.
 
     Raises:
-        Stop: A file that was only compared differs.
+        CommandError: A file that was only compared differs.
     """
     word_by_change = {"written": "differs", "removed": "left over"} if arguments.check else {}
     changed_files = [change for change in file_changes if change.what != "unchanged"]
@@ -125,7 +125,7 @@ def _print_changes(file_changes: Sequence[FileChange], arguments: argparse.Names
 
 
 def _print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
-    """Print the number of files. With ``--check``, raise ``CommandError`` with exit code 1 if ``changed`` of them differ."""
+    """Print the number of files. With ``--check``, raise an error with exit code 1 if ``changed`` of them differ."""
     if arguments.check and changed:
         raise CommandError(f"{counted(changed, 'file')} out of date; run: {arguments.again}", 1)
     if arguments.check:
@@ -157,7 +157,7 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     """Validate every idbiss file in ``files``, texts by path, against the document type ``dtd``.
 
     Raises:
-        Stop: A file is not valid (exit code 1), or ``dtd`` cannot be used (exit code 2).
+        CommandError: A file is not valid (exit code 1), or ``dtd`` cannot be used (exit code 2).
     """
     from ...targets.biss.dtd import DtdError, faults, read_dtd
 

@@ -30,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the family or the order code.
 
     Raises:
-        Stop: There is no such family, order code or edition.
+        CommandError: There is no such family, order code or edition.
     """
     from ..find_encoder import find_family_or_code
     from ..read_specs import specs_to_read

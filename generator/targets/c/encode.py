@@ -324,7 +324,7 @@ class CEncoder:
             bits_of_piece = masked(bits_of_piece, piece.mask)
         if piece.low_in_byte:
             return shifted_left(CCast("uint32_t", bits_of_piece), piece.low_in_byte)
-        # The bits are still a Name if they are the member itself, neither shifted nor masked.
+        # The bits are still a ``CName`` if they are the member itself, neither shifted nor masked.
         is_wide_member = isinstance(bits_of_piece, CName) and self.struct.type_of(field) != unsigned(8)
         return CCast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
 

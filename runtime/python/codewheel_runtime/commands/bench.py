@@ -120,7 +120,7 @@ def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLay
     """Return the encoder or the layout. Without ``--biss``, the first of ``files`` is its label, and is removed.
 
     Raises:
-        Failed: The layout or the label is wrong, or there is no file.
+        CommandFailed: The layout or the label is wrong, or there is no file.
     """
     if chosen.biss is not None:
         try:
@@ -157,7 +157,7 @@ def _print_summary(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
     """Print the counts of a capture.
 
     Raises:
-        Failed: There is no frame, or more than ``--max-errors`` percent of the cycles have no valid frame.
+        CommandFailed: There is no frame, or more than ``--max-errors`` percent of the cycles have no valid frame.
     """
     out = sys.stderr if chosen.output == "-" else sys.stdout
     if chosen.json:

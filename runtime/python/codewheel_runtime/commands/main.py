@@ -254,7 +254,7 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
     Without a file of this name, an argument is a frame, if it can be one.
 
     Raises:
-        Failed: The frame is empty, or it can be bits or hexadecimal digits.
+        CommandFailed: The frame is empty, or it can be bits or hexadecimal digits.
     """
     encoder = find_encoder(package, chosen)
     if not any(argument.strip() for argument in chosen.file):
@@ -281,7 +281,7 @@ def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     for a number of 64 bits, whole bytes without ``0x`` are bytes.
 
     Raises:
-        Failed: Several digits are all 0 or 1 and have no prefix, so they can be bits or hexadecimal digits.
+        CommandFailed: Several digits are all 0 or 1 and have no prefix, so they can be bits or hexadecimal digits.
     """
     # Separators between bytes or digits are ignored.
     packed = re.sub("[ _,:]", "", text)
@@ -336,7 +336,7 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
     """Print one frame, and return the exit code. This needs no other packages.
 
     Raises:
-        Failed: The frame has an error, unless the output is JSON, which contains the error.
+        CommandFailed: The frame has an error, unless the output is JSON, which contains the error.
     """
     result = _add_answers(encoder, frame, dict(chosen.choose))
     values: dict[str, Any] = result.to_dict()
@@ -374,7 +374,7 @@ def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, 
     """Return the decoded frame or its error. ``answers`` are answers to open questions, by name.
 
     Raises:
-        Failed: An answer does not apply or is missing.
+        CommandFailed: An answer does not apply or is missing.
     """
     open_answers: dict[str, Any] = {}
     hints = get_type_hints(encoder.try_decode)

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..packages import load
-from .cells import Cells
+from .cells import TextCells
 from .shape import Shape
 from .words import DigitKind, numbers, read_floats
 
@@ -142,7 +142,7 @@ def _read_each(items: Iterable[str | None], shape: Shape, digits: DigitKind | No
     Raises:
         NoFrame: ``is_first`` is True, and most cells contain no frame.
     """
-    cells = Cells(shape, digits)
+    cells = TextCells(shape, digits)
     frames = [cells.read(cell or "", row) for row, cell in enumerate(items)]
     if is_first and cells.are_mostly_unread:
         raise NoFrame(cells.place, cells.error)

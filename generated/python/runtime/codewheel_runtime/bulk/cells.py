@@ -52,7 +52,7 @@ def _read_bytes(packed: str, text: str) -> bytes:
     return bytes.fromhex(hex_digits)
 
 
-class Cells:
+class TextCells:
     """Reader of text cells that contain frames. An empty cell, or one without a frame, yields None.
 
     ``seen`` is the number of cells that are not empty, and ``unread`` the number of these cells without a frame. Words

@@ -18,7 +18,7 @@ from ..bulk.shape import Shape
 from ..bulk.table import Table
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
-from ..files.inputs import Part, Source
+from ..files.inputs import FrameBatch, Source
 from ..files.layouts import find_layout, find_shape, list_layouts
 from ..files.sinks import SINKS, TargetKind
 from ..files.stream import (
@@ -37,7 +37,7 @@ from .accesses import Access, Accesses
 from .any_biss import BissLayout
 from .clocked import CapturedFrames, Lost, find_clocked_frames
 from .signal_files import open_signals
-from .signals import Names, Signals, read_array
+from .signals import SignalNames, Signals, read_array
 from .uart import Kinds, find_exported_columns, find_replies, read_exported_bytes, read_serial_bytes
 
 __all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes"]
@@ -85,7 +85,7 @@ class Probes(NamedTuple):
         if self.threshold is not None and not _is_finite(self.threshold):
             raise UsageError(f"threshold must be a number, got {self.threshold!r}")
 
-    def names(self, is_serial: bool) -> Names:
+    def names(self, is_serial: bool) -> SignalNames:
         """Return the choice of the channels. A serial line has no clock.
 
         Raises UsageError if a channel is neither a name nor a number.
@@ -94,7 +94,7 @@ class Probes(NamedTuple):
             if not isinstance(channel, (str, int)) or isinstance(channel, bool):
                 raise UsageError(f"a channel is a name or a number from 1, got {channel!r}")
         clock = None if is_serial else str(self.clock)
-        return Names(clock=clock, data=str(self.data))
+        return SignalNames(clock=clock, data=str(self.data))
 
 
 def _is_finite(number: object) -> bool:
@@ -572,11 +572,11 @@ def _list_paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
     return [os.fspath(path) for path in source]
 
 
-def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[Part, None, None]:
+def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[FrameBatch, None, None]:
     """Yield the frames with the column of their times, and add each stretch to the log."""
     for stretch in opened.stretches:
         log.add(stretch)
-        yield Part(stretch.frames, stretch.done, {opened.time_column: _round_times(stretch.times)})
+        yield FrameBatch(stretch.frames, stretch.done, {opened.time_column: _round_times(stretch.times)})
 
 
 def _round_times(seconds: Any) -> Any:

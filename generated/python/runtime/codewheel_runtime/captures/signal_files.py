@@ -21,7 +21,7 @@ from ..bulk.words import listed, short
 from ..errors import InputError, UsageError
 from ..packages import load
 from .signal_text import Voltages, measure_size, read_table_signals, read_vcd_signals
-from .signals import SAMPLES, Names, Signals, merge_edges, pack_bits, read_array, read_samples
+from .signals import SAMPLES, SignalNames, Signals, merge_edges, pack_bits, read_array, read_samples
 from .table_forms import HEADER, HINT, parse_rate
 
 np: Any = load("numpy")
@@ -31,7 +31,7 @@ _SALEAE: Final = b"<SALEAE>"
 
 @contextmanager
 def open_signals(
-    paths: Sequence[str], names: Names, rate: float | None = None, threshold: float | None = None
+    paths: Sequence[str], names: SignalNames, rate: float | None = None, threshold: float | None = None
 ) -> Generator[Signals, None, None]:
     """Open a capture.
 
@@ -75,7 +75,7 @@ def open_signals(
 
 
 def _open_single_file(
-    stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None, threshold: float | None
+    stack: ExitStack, file: BinaryIO, path: str, names: SignalNames, rate: float | None, threshold: float | None
 ) -> Signals:
     """Return the signals of a file, whose format its first bytes show.
 
@@ -108,7 +108,7 @@ _DAMAGED: Final = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSErr
 
 
 def _read_archive(
-    stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None, threshold: float | None
+    stack: ExitStack, file: BinaryIO, path: str, names: SignalNames, rate: float | None, threshold: float | None
 ) -> Signals:
     """Return the signals of a ZIP file, which ``stack`` closes: a session of sigrok, or arrays of NumPy."""
     try:
@@ -122,7 +122,7 @@ def _read_archive(
     return _read_session(archive, path, names, rate)
 
 
-def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float | None) -> Signals:
+def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate: float | None) -> Signals:
     """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes."""
     try:
         with archive.open("metadata") as metadata:
@@ -165,7 +165,7 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: Names, rate: float
 
 
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
-    """Return a name that ``Names`` understands for a chosen channel.
+    """Return a name that ``SignalNames`` understands for a chosen channel.
 
     A number is the number of a probe, as in the session. It becomes the place among the probes in use, from 1: with the
     probes 2 and 5, ``"5"`` becomes ``"2"``. Any other name, or None, is returned unchanged.
@@ -268,7 +268,7 @@ def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
     return _ArrayForm(dtype, shape[1] if has_rows else None, shape[0])
 
 
-def _read_array_file(file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
+def _read_array_file(file: BinaryIO, path: str, names: SignalNames, rate: float | None) -> Signals:
     """Return the signals of a ``.npy`` file."""
     form = _read_array_form(file, path)
     channels = form.channels
@@ -342,7 +342,7 @@ def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
 
 
 def _read_array_archive(
-    archive: zipfile.ZipFile, path: str, names: Names, rate: float | None, threshold: float | None
+    archive: zipfile.ZipFile, path: str, names: SignalNames, rate: float | None, threshold: float | None
 ) -> Signals:
     """Return the signals of an ``.npz`` file: one array of samples, or an array for each channel.
 

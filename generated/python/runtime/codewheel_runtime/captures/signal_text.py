@@ -11,7 +11,7 @@ from typing import Any, BinaryIO, Final
 from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
-from .signals import Edges, Names, Signals, pack_bits, read_samples
+from .signals import Edges, SignalNames, Signals, pack_bits, read_samples
 from .table_forms import STAMP, UNITS, TableForm, find_table_form
 
 np: Any = load("numpy")
@@ -57,7 +57,7 @@ _HYSTERESIS: Final = 0.1
 
 
 def read_table_signals(
-    file: BinaryIO, path: str, head: bytes, names: Names, rate: float | None, threshold: float | None = None
+    file: BinaryIO, path: str, head: bytes, names: SignalNames, rate: float | None, threshold: float | None = None
 ) -> Signals:
     """Return the signals of a table: columns of 0 and 1, with one row per sample or a time in the first column.
 
@@ -296,7 +296,7 @@ _VAR: Final = re.compile(r"\$var\s+\S+\s+(\d+)\s+(\S+)\s+(.*?)\s*\$end", re.DOTA
 _SCALE: Final = re.compile(r"\$timescale\s+(1|10|100)\s*(s|ms|us|ns|ps|fs)\s+\$end")
 
 
-def read_vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
+def read_vcd_signals(file: BinaryIO, path: str, names: SignalNames) -> Signals:
     """Return the signals of a value change dump. Only its variables of one bit are channels."""
     size = measure_size(file)
     head = file.read(_BLOCK)

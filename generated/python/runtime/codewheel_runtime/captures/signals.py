@@ -50,7 +50,7 @@ class Signals(NamedTuple):
     total: int | None = None
 
 
-class Names(NamedTuple):
+class SignalNames(NamedTuple):
     """Choice of the signals: the clock and the data line, or one data line if ``clock`` is None.
 
     A name is the name of a channel, or its number from 1. An empty name is replaced by a channel with a common name for
@@ -208,7 +208,7 @@ def pack_bits(columns: Any) -> Any:
     return levels
 
 
-def read_array(samples: Any, names: Names, rate: float | None = None) -> Signals:
+def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> Signals:
     """Return the signals in an array of samples.
 
     Args:
@@ -219,7 +219,7 @@ def read_array(samples: Any, names: Names, rate: float | None = None) -> Signals
 
     Raises:
         TypeError: ``samples`` is not such an array.
-        InputError, UsageError: See ``Names.places``.
+        InputError, UsageError: See ``SignalNames.places``.
     """
     array = np.asarray(samples)
     has_rows = array.ndim == 2

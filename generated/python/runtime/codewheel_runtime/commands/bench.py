@@ -17,10 +17,10 @@ from ..captures.any_biss import BissLayout, biss_layout
 from ..captures.capture import Captures, CaptureSummary, Lost
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
-from ..files.inputs import Stored, read_seconds
+from ..files.inputs import StorageFormat, read_seconds
 from ..files.layouts import find_shape
 from ..files.sources import find_kind, open_source
-from .common import USAGE, Failed, find_encoder, missing_package_error, show_progress
+from .common import USAGE, CommandFailed, find_encoder, missing_package_error, show_progress
 
 np: Any = import_module("numpy")
 
@@ -66,7 +66,7 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
         else:
             table, lost, *_ = Captures(package).read_capture(encoder, chosen.files, **_read_probes(chosen))
         if not table.count:
-            raise Failed(_explain_no_frames(lost, chosen))
+            raise CommandFailed(_explain_no_frames(lost, chosen))
         save(table, chosen.output, lost, force=chosen.force, sources=chosen.files)
     print(f"{chosen.output}: {table.count} frames, {len(lost)} lost")
 
@@ -97,7 +97,7 @@ def _read_frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> T
     frames: list[Any] = []
     times: list[Any] = []
     # Nothing checks the first frames here, so the function for their valid fraction does not matter.
-    with open_source(path, Stored(digits=chosen.digits, wanted=("time",)), shape, lambda frames: 1.0) as read:
+    with open_source(path, StorageFormat(digits=chosen.digits, wanted=("time",)), shape, lambda frames: 1.0) as read:
         if "time" not in read.empty_columns:
             raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
         for part in read.parts:
@@ -120,24 +120,24 @@ def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLay
     """Return the encoder or the layout. Without ``--biss``, the first of ``files`` is its label, and is removed.
 
     Raises:
-        Failed: The layout or the label is wrong, or there is no file.
+        CommandFailed: The layout or the label is wrong, or there is no file.
     """
     if chosen.biss is not None:
         try:
             return biss_layout(chosen.biss)
         except UsageError as error:
-            raise Failed(error, USAGE) from None
+            raise CommandFailed(error, USAGE) from None
     # The command line puts both into one list, because the label is omitted with --biss.
     chosen.order_code, *chosen.files = chosen.files
     try:
         encoder = find_encoder(package, chosen)
-    except Failed:
+    except CommandFailed:
         if os.path.isfile(chosen.order_code):
             problem = f"{chosen.order_code} is a file: give the order code in front of it, or --biss"
-            raise Failed(problem, USAGE) from None
+            raise CommandFailed(problem, USAGE) from None
         raise
     if not chosen.files:
-        raise Failed("give the order code and the file of the capture, or --biss and the file", USAGE)
+        raise CommandFailed("give the order code and the file of the capture, or --biss and the file", USAGE)
     return encoder
 
 
@@ -157,7 +157,7 @@ def _print_summary(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
     """Print the counts of a capture.
 
     Raises:
-        Failed: There is no frame, or more than ``--max-errors`` percent of the cycles have no valid frame.
+        CommandFailed: There is no frame, or more than ``--max-errors`` percent of the cycles have no valid frame.
     """
     out = sys.stderr if chosen.output == "-" else sys.stdout
     if chosen.json:
@@ -173,10 +173,10 @@ def _print_summary(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
             print(f"... and {more} more accesses; --json prints all of them", file=out)
         print(summary, file=out)
     if not summary.frames.frames:
-        raise Failed(_explain_no_frames(summary.first_lost, chosen))
+        raise CommandFailed(_explain_no_frames(summary.first_lost, chosen))
     if 100 * summary.error_rate > chosen.max_errors:
         problem = f"{summary.error_rate:.0%} of the cycles have no valid frame"
-        raise Failed(
+        raise CommandFailed(
             f"{problem}; check {_name_layout(chosen)} and the channels (--max-errors is {chosen.max_errors:g})"
         )
 

@@ -21,7 +21,7 @@ from ..reports import Interface
 DONE, FAILED, USAGE, NOT_USABLE, INTERRUPTED = 0, 1, 2, 3, 130
 
 
-class Failed(Exception):
+class CommandFailed(Exception):
     """The command ends with this message and this exit code."""
 
     def __init__(self, message: object, code: int = FAILED) -> None:
@@ -39,7 +39,7 @@ def find_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
     try:
         return _select_encoder(package, chosen)
     except ValueError as error:
-        raise Failed(error, USAGE) from None
+        raise CommandFailed(error, USAGE) from None
 
 
 def _select_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
@@ -97,7 +97,7 @@ def find_answer(name: str, answer: str, kind: type[Enum]) -> Enum:
 
 @contextmanager
 def show_progress(package: str, source: str) -> Generator[Callable[[int, int | None, int], None] | None, None, None]:
-    """Show progress on a terminal, and convert the errors of long work to ``Failed``, which is printed in one line.
+    """Show progress on a terminal, and convert errors of long work to ``CommandFailed``, which is printed in one line.
 
     The context yields the function to call with the amount done, the total if known, and the number of frames. It
     yields None if standard error is not a terminal. ``source`` is the file to name if an error does not name a file.
@@ -109,18 +109,18 @@ def show_progress(package: str, source: str) -> Generator[Callable[[int, int | N
         with _Stoppable():
             yield progress.show if sys.stderr.isatty() else None
     except UsageError as error:
-        raise Failed(error, USAGE) from None
+        raise CommandFailed(error, USAGE) from None
     except BrokenPipeError:
         # It is an OSError, but ``main`` handles it.
         raise
     except OSError as error:
-        raise Failed(f"{error.filename or source}: {error.strerror or error}") from None
+        raise CommandFailed(f"{error.filename or source}: {error.strerror or error}") from None
     except ImportError as error:
         raise missing_package_error(error) from None
     except MemoryError:
-        raise Failed("not enough memory") from None
+        raise CommandFailed("not enough memory") from None
     except InputError as error:
-        raise Failed(error) from None
+        raise CommandFailed(error) from None
     finally:
         progress.clear()
 
@@ -129,12 +129,12 @@ def show_progress(package: str, source: str) -> Generator[Callable[[int, int | N
 _PACKAGES: Final = {"serial": "pyserial"}
 
 
-def missing_package_error(error: ImportError) -> Failed:
+def missing_package_error(error: ImportError) -> CommandFailed:
     """Return the error for a Python package that is not installed, with the command that installs it."""
     if not isinstance(error, ModuleNotFoundError) or not error.name:
-        return Failed(error)
+        return CommandFailed(error)
     module = error.name.partition(".")[0]
-    return Failed(f"this needs {module}: pip install {_PACKAGES.get(module, module)}")
+    return CommandFailed(f"this needs {module}: pip install {_PACKAGES.get(module, module)}")
 
 
 class _Stoppable:

@@ -25,7 +25,7 @@ from .common import (
     INTERRUPTED,
     NOT_USABLE,
     USAGE,
-    Failed,
+    CommandFailed,
     distribution,
     find_answer,
     find_encoder,
@@ -125,7 +125,7 @@ def main(package: str, arguments: Sequence[str] | None = None) -> int:
         return int(stop.code or 0)
     try:
         code: int = chosen.run(package, chosen) or DONE
-    except Failed as failure:
+    except CommandFailed as failure:
         return _print_failure(package, failure, failure.code)
     except KeyboardInterrupt:
         return _print_failure(package, "interrupted; no file was written", INTERRUPTED)
@@ -254,20 +254,20 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
     Without a file of this name, an argument is a frame, if it can be one.
 
     Raises:
-        Failed: The frame is empty, or it can be bits or hexadecimal digits.
+        CommandFailed: The frame is empty, or it can be bits or hexadecimal digits.
     """
     encoder = find_encoder(package, chosen)
     if not any(argument.strip() for argument in chosen.file):
-        raise Failed("the frame is empty", USAGE)
+        raise CommandFailed("the frame is empty", USAGE)
     if chosen.file != ["-"] and not os.path.exists(chosen.file[0]):
         frame = _parse_frame(" ".join(chosen.file), encoder)
         if frame is not None and chosen.si:
-            raise Failed("--si needs a file with a column 'time': one frame has no speed", USAGE)
+            raise CommandFailed("--si needs a file with a column 'time': one frame has no speed", USAGE)
         if frame is not None:
             return _show(encoder, frame, chosen)
     if len(chosen.file) > 1:
         arguments_text = " ".join(chosen.file)
-        raise Failed(f"expected one file or one frame, got {arguments_text[:60]!r}", USAGE)
+        raise CommandFailed(f"expected one file or one frame, got {arguments_text[:60]!r}", USAGE)
     chosen.file = chosen.file[0]
     _decode_file(package, encoder, chosen)
     return DONE
@@ -281,7 +281,7 @@ def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     for a number of 64 bits, whole bytes without ``0x`` are bytes.
 
     Raises:
-        Failed: Several digits are all 0 or 1 and have no prefix, so they can be bits or hexadecimal digits.
+        CommandFailed: Several digits are all 0 or 1 and have no prefix, so they can be bits or hexadecimal digits.
     """
     # Separators between bytes or digits are ignored.
     packed = re.sub("[ _,:]", "", text)
@@ -291,7 +291,7 @@ def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     if re.fullmatch("0b[01]+", packed):
         return packed
     if re.fullmatch("[01]{2,}", packed):
-        raise Failed(f"{text[:60]!r} could be bits or hexadecimal digits. Prefix it with 0b or 0x", USAGE)
+        raise CommandFailed(f"{text[:60]!r} could be bits or hexadecimal digits. Prefix it with 0b or 0x", USAGE)
     # Frames of more than 64 bits are decoded from bytes, so their shapes have a length in bytes.
     are_long_frames = all(find_any_shape(frame_class, encoder).length for frame_class in find_kinds(encoder))
     if are_long_frames and re.fullmatch("([0-9a-fA-F]{2})+", packed):
@@ -336,7 +336,7 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
     """Print one frame, and return the exit code. This needs no other packages.
 
     Raises:
-        Failed: The frame has an error, unless the output is JSON, which contains the error.
+        CommandFailed: The frame has an error, unless the output is JSON, which contains the error.
     """
     result = _add_answers(encoder, frame, dict(chosen.choose))
     values: dict[str, Any] = result.to_dict()
@@ -346,7 +346,7 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
     elif isinstance(result, FrameError):
         more = other_frames or result.hint
         message: object = f"{result}. {more}" if more else result
-        raise Failed(message)
+        raise CommandFailed(message)
     else:
         width = max(map(len, values))
         for name, value in values.items():
@@ -374,7 +374,7 @@ def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, 
     """Return the decoded frame or its error. ``answers`` are answers to open questions, by name.
 
     Raises:
-        Failed: An answer does not apply or is missing.
+        CommandFailed: An answer does not apply or is missing.
     """
     open_answers: dict[str, Any] = {}
     hints = get_type_hints(encoder.try_decode)
@@ -382,16 +382,16 @@ def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, 
         # The parameter for an answer has the type ``Kind | None``, where ``Kind`` is the enumeration of the answers.
         kinds = [answer_class for answer_class in get_args(hints.get(name)) if answer_class is not type(None)]
         if not kinds:
-            raise Failed(f"--choose {name} does not apply to the frames of {encoder.code}", USAGE)
+            raise CommandFailed(f"--choose {name} does not apply to the frames of {encoder.code}", USAGE)
         try:
             open_answers[name] = find_answer(name, answer, kinds[0])
         except ValueError as error:
-            raise Failed(error, USAGE) from None
+            raise CommandFailed(error, USAGE) from None
     decode: Any = encoder.try_decode
     try:
         return decode(frame, **open_answers)
     except (TypeError, NotImplementedError) as error:
-        raise Failed(f"{error}{_list_answers(hints, str(error))}", USAGE) from None
+        raise CommandFailed(f"{error}{_list_answers(hints, str(error))}", USAGE) from None
 
 
 def _list_answers(hints: dict[str, Any], message: str) -> str:
@@ -443,4 +443,6 @@ def _report(summary: Summary, chosen: argparse.Namespace) -> None:
     summary_text = json.dumps(summary.to_dict()) if chosen.json else str(summary)
     print(summary_text, file=out)
     if 100 * summary.error_rate > chosen.max_errors:
-        raise Failed(f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {chosen.max_errors:g}")
+        raise CommandFailed(
+            f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {chosen.max_errors:g}"
+        )

@@ -15,8 +15,8 @@ from ..codec import PositionRange
 from ..encoder import Encoder
 from ..link import LinkError, open_encoder
 from ..reports import Interface
-from .common import USAGE, Failed, find_encoder, show_progress
-from .record import Reading, Recorder, open_recorder
+from .common import USAGE, CommandFailed, find_encoder, show_progress
+from .record import RecordedReading, Recorder, open_recorder
 
 #: Number of updates of the screen per second.
 _RATE = 10
@@ -45,14 +45,15 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
     """Show an encoder live, and record its readings.
 
     Raises:
-        Failed: The encoder has no RS-485, it never answered, or more readings failed than ``--max-errors`` allows.
+        CommandFailed: The encoder has no RS-485, it never answered, or more readings failed than ``--max-errors``
+            allows.
     """
     encoder = find_encoder(package, chosen)
     if encoder.interface is not Interface.RS485:
         is_spi = encoder.interface is Interface.SPI
         how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
         problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
-        raise Failed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
+        raise CommandFailed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
     # On a terminal, readings are shown. In a pipe, they are written as a table.
     target = chosen.output if chosen.output or sys.stdout.isatty() else "-"
     out = sys.stderr if target == "-" else sys.stdout
@@ -74,10 +75,10 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
                 is_shown=target != "-",
             )
     except LinkError as error:
-        raise Failed(error) from None
+        raise CommandFailed(error) from None
     if 100 * readings.failures > chosen.max_errors * readings.total:
         failures_text = f"{readings.failures} of {readings.total} readings failed"
-        raise Failed(f"{failures_text}; --max-errors is {chosen.max_errors:g}")
+        raise CommandFailed(f"{failures_text}; --max-errors is {chosen.max_errors:g}")
 
 
 def watch(
@@ -178,7 +179,7 @@ class _Screen:
             self._count = self._unwrap(frame.__class__, position)
         if self._recorder is not None:
             reports = " ".join(report.name for report in frame.reports)
-            self._recorder.write(Reading(now - self._began, position, frame.verdict.value, reports, ""))
+            self._recorder.write(RecordedReading(now - self._began, position, frame.verdict.value, reports, ""))
         usable_count = None if position is None else self._count
         self._recent.append((now, usable_count))
         # The first item of each reading is its time.
@@ -194,7 +195,7 @@ class _Screen:
         self._errors[kind] += 1
         self._last_error = str(error)
         if self._recorder is not None:
-            self._recorder.write(Reading(now - self._began, None, "", "", kind))
+            self._recorder.write(RecordedReading(now - self._began, None, "", "", kind))
         self._update(now)
 
     def end(self) -> None:

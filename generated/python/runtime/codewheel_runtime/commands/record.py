@@ -29,7 +29,7 @@ _SUFFIXES: Final[dict[str, RecordKind]] = {
 _ROWS: Final = 4096
 
 
-class Reading(NamedTuple):
+class RecordedReading(NamedTuple):
     """One reading of an encoder.
 
     Attributes:
@@ -50,7 +50,7 @@ class Reading(NamedTuple):
 class Recorder(Protocol):
     """Open output to which readings are appended."""
 
-    def write(self, reading: Reading) -> None:
+    def write(self, reading: RecordedReading) -> None:
         """Append a reading."""
         ...
 
@@ -69,9 +69,9 @@ class _Csv:
         self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
         self._out = self._own or sys.stdout
         self._row: Callable[[Any], object] = csv.writer(self._out, lineterminator="\n").writerow
-        self._row(Reading._fields)
+        self._row(RecordedReading._fields)
 
-    def write(self, reading: Reading) -> None:
+    def write(self, reading: RecordedReading) -> None:
         self._row(reading._replace(time=_round(reading.time)))
         self._out.flush()
 
@@ -91,7 +91,7 @@ class _JsonLines:
         self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
         self._out = self._own or sys.stdout
 
-    def write(self, reading: Reading) -> None:
+    def write(self, reading: RecordedReading) -> None:
         self._out.write(json.dumps(reading._replace(time=_round(reading.time))._asdict()) + "\n")
         self._out.flush()
 
@@ -105,16 +105,16 @@ class _Parquet:
     """Parquet file, written in groups of rows."""
 
     def __init__(self, file: Any) -> None:
-        """Write the header of ``file``, whose columns are the fields of ``Reading``."""
+        """Write the header of ``file``, whose columns are the fields of ``RecordedReading``."""
         self._pa: Any = import_module("pyarrow")
         text_type = self._pa.string()
         number_types = {"time": self._pa.float64(), "position": self._pa.int64()}
-        self._schema = self._pa.schema([(name, number_types.get(name, text_type)) for name in Reading._fields])
+        self._schema = self._pa.schema([(name, number_types.get(name, text_type)) for name in RecordedReading._fields])
         self._writer = import_module("pyarrow.parquet").ParquetWriter(file, self._schema)
         #: Rows that are not written yet.
         self._rows: list[dict[str, Any]] = []
 
-    def write(self, reading: Reading) -> None:
+    def write(self, reading: RecordedReading) -> None:
         self._rows.append(reading._asdict())
         if len(self._rows) == _ROWS:
             self._write_rows()

@@ -10,19 +10,21 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from itertools import chain, islice
 from typing import BinaryIO, Final, NamedTuple
 
-from ..bulk.cells import Cells, read_text
+from ..bulk.cells import TextCells, read_text
 from ..bulk.shape import Shape
 from ..bulk.words import DigitKind, listed, short
 from ..errors import InputError
 from . import inputs
 from .fast_csv import Block, JoinedBlocks, ends_with_row, has_a_row_per_line, make_block_reader, split_into_blocks
-from .inputs import FIRST, Part, Share, Source, Stored, check_form, find_usual_column, select_columns
+from .inputs import FIRST, FrameBatch, Share, Source, StorageFormat, check_form, find_usual_column, select_columns
 
 #: Limit for the length of a line. A longer one means that the file is not CSV.
 _LONGEST: Final = 1 << 20
 
 
-def read_csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
+def read_csv_rows(
+    file: BinaryIO, name: str, size: int | None, stored: StorageFormat, shape: Shape, share: Share
+) -> Source:
     """Read the first rows of a CSV file, and return a source that reads the frames and the other columns later.
 
     ``name`` and ``size`` in bytes describe the file. ``share`` returns the fraction of valid frames.
@@ -75,7 +77,7 @@ def _open_text(blocks: Iterable[bytes]) -> io.TextIOWrapper:
     return io.TextIOWrapper(io.BufferedReader(JoinedBlocks(blocks)), "utf-8-sig", "replace", newline="")
 
 
-def _yield_no_parts() -> Generator[Part, None, None]:
+def _yield_no_parts() -> Generator[FrameBatch, None, None]:
     """Yield no frames."""
     yield from ()
 
@@ -153,7 +155,7 @@ class _CsvFile(NamedTuple):
     """Name of the file for errors, storage format, description of the frames, and fraction of valid frames."""
 
     name: str
-    stored: Stored
+    stored: StorageFormat
     shape: Shape
     share: Share
 
@@ -165,13 +167,13 @@ def _read_parts(
     lines: int,
     done: int,
     csv_file: _CsvFile,
-) -> Generator[Part, None, None]:
+) -> Generator[FrameBatch, None, None]:
     """Yield the frames of blocks. ``lines`` and ``done`` are the numbers of lines and bytes before the first block.
 
     ``read_fast`` reads a block, or is None without pyarrow. It returns None for blocks with unusual content.
     ``slow_reader`` reads these blocks, and the rest of the file with them if a row may continue in the next block.
     """
-    cells = Cells(csv_file.shape, csv_file.stored.digits)
+    cells = TextCells(csv_file.shape, csv_file.stored.digits)
     is_first = True
     for block in blocks:
         can_be_fast = read_fast is not None and has_a_row_per_line(block)
@@ -186,7 +188,7 @@ def _read_parts(
                 is_first = False
             # The next block can end with an incomplete row, which is compared with this cell.
             slow_reader.remember_last_cell(fast_block.last)
-            yield Part(fast_block.frames, done, fast_block.other_columns)
+            yield FrameBatch(fast_block.frames, done, fast_block.other_columns)
             continue
         # After a quote, a row can continue in the next block.
         ends_here = can_be_fast and ends_with_row(block, slow_reader.delimiter)
@@ -197,13 +199,13 @@ def _read_parts(
             if is_first:
                 _check_first_cells(cells, batch.cells[:FIRST], csv_file)
                 is_first = False
-            yield Part(frames, slow_reader.lines.read, batch.other_columns)
+            yield FrameBatch(frames, slow_reader.lines.read, batch.other_columns)
         # If the slow reader has read all blocks, this was the last one.
         lines += block.count(b"\n")
         done += len(block)
 
 
-def _check_first_cells(cells: Cells, texts: list[str], csv_file: _CsvFile) -> None:
+def _check_first_cells(cells: TextCells, texts: list[str], csv_file: _CsvFile) -> None:
     """Raise InputError if most of the first cells are not frames, or if they fit the other base much better.
 
     The base is checked only for frames of bits, and only if ``--digits`` chose one: ``check_form`` compares the
@@ -222,7 +224,7 @@ def _check_first_cells(cells: Cells, texts: list[str], csv_file: _CsvFile) -> No
 
 def _read_frames(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes]:
     """Return the frames in cells, read in this base. Cells without a frame are skipped."""
-    cells = Cells(shape, digits)
+    cells = TextCells(shape, digits)
     return [frame for text in texts if (frame := cells.read(text, 0)) is not None]
 
 
@@ -292,7 +294,7 @@ class _FrameColumn(NamedTuple):
     has_header: bool
 
 
-def _find_frame_column(first_row: list[str], name: str, stored: Stored, shape: Shape) -> _FrameColumn:
+def _find_frame_column(first_row: list[str], name: str, stored: StorageFormat, shape: Shape) -> _FrameColumn:
     """Return the column of frames.
 
     The column is the requested one (by name, or by number from 1), the only column, or a column named ``frame`` or

@@ -29,7 +29,7 @@ Share = Callable[[Any], float]
 _NAMES: Final = ("frame", "word")
 
 
-class Stored(NamedTuple):
+class StorageFormat(NamedTuple):
     """Storage format of the frames in a file.
 
     Attributes:
@@ -55,7 +55,7 @@ class Stored(NamedTuple):
         return not self.wanted or name in self.wanted
 
 
-class Part(NamedTuple):
+class FrameBatch(NamedTuple):
     """Frames in the form that ``decode_many`` expects, the other columns of the same rows, and the progress.
 
     ``done`` is the amount of the source that has been read, in bytes or rows. A column is a list of strings or an Arrow
@@ -73,13 +73,15 @@ class Source(NamedTuple):
     ``names`` lists all other columns. ``empty_columns`` contains an empty column for each that is read.
     """
 
-    parts: Generator[Part, None, None]
+    parts: Generator[FrameBatch, None, None]
     total: int | None
     names: tuple[str, ...] = ()
     empty_columns: Mapping[str, Any] = MappingProxyType({})
 
 
-def select_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
+def select_columns(
+    names: Iterable[str], stored: StorageFormat, empty: Callable[[str], Any], file: str
+) -> dict[str, Any]:
     """Return an empty column, made by ``empty``, for each of the other columns to keep, by name.
 
     ``names`` are the names of all columns except the column of frames. ``file`` is the name of the file, for errors.

@@ -13,13 +13,13 @@ from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
 from . import inputs
-from .inputs import Part, Source, Stored, find_column, select_columns
+from .inputs import FrameBatch, Source, StorageFormat, find_column, select_columns
 
 #: Number of bytes of a Parquet column that are read at once.
 _BUFFER: Final = 1 << 20
 
 
-def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
+def read_parquet_batches(file: BinaryIO, name: str, stored: StorageFormat, shape: Shape) -> Source:
     """Open a Parquet file, and return a source that reads the frames and the other columns later.
 
     Raises InputError if the file is not Parquet, or has no such columns, and UsageError if two columns to keep have the
@@ -45,8 +45,8 @@ def read_parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape
 
 
 def _read_batches(
-    file: Any, column: str, kept_names: tuple[str, ...], name: str, stored: Stored, shape: Shape
-) -> Generator[Part, None, None]:
+    file: Any, column: str, kept_names: tuple[str, ...], name: str, stored: StorageFormat, shape: Shape
+) -> Generator[FrameBatch, None, None]:
     """Yield the frames of a column, with the other columns of the same rows, and the number of rows read.
 
     Raises:
@@ -69,7 +69,7 @@ def _read_batches(
         except TypeError as error:
             raise InputError(name, f"column {short(column)}", str(error)) from None
         done += len(batch)
-        yield Part(frames, done, {column_name: batch.column(column_name) for column_name in kept_names})
+        yield FrameBatch(frames, done, {column_name: batch.column(column_name) for column_name in kept_names})
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple, cast
 
 from ..bulk.arrow import read_arrow
-from ..bulk.cells import Cells
+from ..bulk.cells import TextCells
 from ..bulk.conversion import arrow_columns, pandas_columns
 from ..bulk.decode import decode_many
 from ..bulk.shape import Shape
@@ -102,7 +102,7 @@ def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     frames: Any = series.to_numpy()
     if frames.dtype.kind in "ui" or (frames.dtype.kind == "f" and not shape.length):
         return frames
-    cells = Cells(shape, digits)
+    cells = TextCells(shape, digits)
     missing = series.isna().tolist()
     cell_frames: list[Any] = []
     for row, cell in enumerate(frames.tolist()):
@@ -112,7 +112,7 @@ def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     return cell_frames
 
 
-def _read_cell(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
+def _read_cell(cell: object, shape: Shape, cells: TextCells, row: int) -> Any:
     """Return the frame in a cell of text, bytes or an integer.
 
     ``cells`` reads text, and returns None for a cell without a frame.

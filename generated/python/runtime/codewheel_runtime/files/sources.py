@@ -17,7 +17,7 @@ from ..errors import InputError, UsageError
 from ..packages import load
 from . import inputs
 from .csv_text import read_csv_rows
-from .inputs import FIRST, FileKind, Part, Share, Source, Stored, check_form
+from .inputs import FIRST, FileKind, FrameBatch, Share, Source, StorageFormat, check_form
 from .parquet import read_parquet_batches
 
 np: Any = load("numpy")
@@ -39,7 +39,7 @@ def find_kind(path: str) -> FileKind:
 
 
 @contextmanager
-def open_source(path: str, stored: Stored, shape: Shape, share: Share) -> Generator[Source, None, None]:
+def open_source(path: str, stored: StorageFormat, shape: Shape, share: Share) -> Generator[Source, None, None]:
     """Open a file of frames, or standard input for ``-``. ``share`` returns the fraction of valid frames.
 
     Raises:
@@ -90,7 +90,7 @@ def _close_after(source: Source) -> Generator[Source, None, None]:
 
 
 def _choose_source(
-    file: BinaryIO, name: str, size: int | None, kind: FileKind, stored: Stored, shape: Shape, share: Share
+    file: BinaryIO, name: str, size: int | None, kind: FileKind, stored: StorageFormat, shape: Shape, share: Share
 ) -> Source:
     """Return the source of frames in a file of this kind.
 
@@ -105,8 +105,8 @@ def _choose_source(
 
 
 def _read_binary(
-    file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share
-) -> Generator[Part, None, None]:
+    file: BinaryIO, name: str, size: int | None, stored: StorageFormat, shape: Shape, share: Share
+) -> Generator[FrameBatch, None, None]:
     """Yield the frames of a binary file, and the number of bytes read.
 
     Frames of bytes are yielded as rows of bytes, and frames of bits as numbers.
@@ -141,7 +141,7 @@ def _read_binary(
         if excess and not stored.cut:
             raise _incomplete_frame_error(name, done, length)
         rows = np.frombuffer(data, np.uint8, count=len(data) - excess).reshape(-1, length)
-        yield Part(rows if has_bytes else numbers(rows, stored.words), done)
+        yield FrameBatch(rows if has_bytes else numbers(rows, stored.words), done)
 
 
 def _check_first_words(data: bytes, name: str, words: WordKind, shape: Shape, share: Share) -> None:

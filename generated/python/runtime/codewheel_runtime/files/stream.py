@@ -19,7 +19,7 @@ from ..encoder import Encoder
 from ..errors import ErrorKind, InputError, UsageError
 from ..packages import load
 from ..reports import Verdict
-from .inputs import FileKind, Source, Stored, read_seconds
+from .inputs import FileKind, Source, StorageFormat, read_seconds
 from .layouts import Layout, find_shape
 from .partitions import PartitionDecoder, check_apart
 from .sinks import SINKS, Plan, Sink, TargetKind, find_target_kind
@@ -160,7 +160,7 @@ class Files(NamedTuple):
         output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
         # Speeds need the times, even if the column is not written.
         wanted = (*columns, "time") if si and columns else columns
-        stored = Stored(kind, words, column, digits, cut, wanted)
+        stored = StorageFormat(kind, words, column, digits, cut, wanted)
         return _decode_file(encoder, shape, os.fspath(source), stored, output, limit, progress)
 
     def decode_partition(
@@ -250,7 +250,7 @@ def _decode_file(
     encoder: Encoder,
     shape: Shape,
     source: str,
-    stored: Stored,
+    stored: StorageFormat,
     output: Output,
     limit: int | None,
     progress: Callable[[int, int | None, int], None] | None,
