@@ -27,7 +27,7 @@ from ..model import (
 )
 from ..model.members import PARTS_BY_CLASS
 from ..model.order_codes import repeated_names
-from ..say.register import access
+from ..say.register import describe_access
 from .compare import compare_members, compare_pair, compare_parts
 from .consequences import without_explained_lengths
 from .counterparts import step_with_new_names, step_without_words
@@ -65,7 +65,7 @@ def _compare_access(family_pair: FamilyPair, subject: ChangeSubject, old: Regist
     is_read_lost = old.access in _CAN_READ and new.access not in _CAN_READ
     is_write_lost = old.access in _CAN_WRITE and new.access not in _CAN_WRITE
     access_subject = subject.inside("access", subject.label)
-    description = f": {access(old)} → {access(new)}"
+    description = f": {describe_access(old)} → {describe_access(new)}"
     if is_read_lost or is_write_lost:
         rule = "access-lost"
     else:

@@ -57,14 +57,16 @@ _ABOVE_MAX = {
 }
 
 
-def access(register: Register) -> str:
+def describe_access(register: Register) -> str:
     return _ACCESS[register.access]
 
 
 def head(device: Device, register: Register, name: TextPart) -> Statement:
     """Return the register's ``name``, address, access and interface."""
     interface = device.interface(register.interface).title
-    return statement(name, f", {register_at(register)}, {access(register)}, over {interface}", source=register.source)
+    return statement(
+        name, f", {register_at(register)}, {describe_access(register)}, over {interface}", source=register.source
+    )
 
 
 def register(device: Device, device_register: Register) -> Iterator[Statement]:

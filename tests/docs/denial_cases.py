@@ -573,7 +573,7 @@ def succession_text(alone: bool) -> str:
 
 
 def access_text(word: str) -> str:
-    return register.access(replace(tv62().register("control"), access=word))
+    return register.describe_access(replace(tv62().register("control"), access=word))
 
 
 def opened_text(by: str) -> str:

@@ -245,7 +245,7 @@ def _register_row(register: Register, device: Device) -> Row:
         "" if register.bank is None else f"{register.bank}",
         link_to_register(device, register, code(register.name)),
         _family_link(device),
-        say_register.access(register),
+        say_register.describe_access(register),
         code(factory_default.hex(" ").upper()) if factory_default is not None else "",
         escape(register.meaning),
         citation(register.source),

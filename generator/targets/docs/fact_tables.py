@@ -313,7 +313,9 @@ def register_rows(device: Device) -> Iterator[Row]:
         default = f", default {code(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
         register_link = link(escape(title(register)), f"#register-{register.name}")
         bank = "" if register.bank is None else f"{register.bank}"
-        about = f"{register_link} <small>{code(register.name)}</small> {say_register.access(register)}{default}"
+        about = (
+            f"{register_link} <small>{code(register.name)}</small> {say_register.describe_access(register)}{default}"
+        )
         yield bank, addresses(register), about
 
 

@@ -254,7 +254,7 @@ def _register_section(device: Device, register: Register) -> Section:
     return {
         "register": register,
         "title": title(register),
-        "access": say_register.access(register),
+        "access": say_register.describe_access(register),
         "head": say_register.head(device, register, CodeText(register.name)),
         "facts": say_register.facts(device, register),
         "rows": [] if repeats_register else rows,
@@ -296,7 +296,7 @@ def _register_row(register: Register) -> tuple[str, ...]:
         "" if register.bank is None else f"{register.bank}",
         addresses(register),
         link(code(register.name), f"#register-{register.name}"),
-        say_register.access(register),
+        say_register.describe_access(register),
         f"`{default_bytes.hex(' ').upper()}`" if default_bytes is not None else "",
         citation(register.source),
     )
