@@ -69,7 +69,7 @@ def head(device: Device, register: Register, name: TextPart) -> Statement:
     )
 
 
-def register(device: Device, device_register: Register) -> Iterator[Statement]:
+def describe_register(device: Device, device_register: Register) -> Iterator[Statement]:
     """Yield all statements about a register that follow its head in running text."""
     yield from spec_text(device_register.meaning)
     yield from facts(device, device_register)

@@ -44,7 +44,7 @@ def frame_text(device: Device, interface: Interface, frame: Layout) -> list[Stat
 
 def register_text(device: Device, described: Register) -> list[Statement]:
     """Return the description of a register."""
-    return [register.head(device, described, title(described)), *register.register(device, described)]
+    return [register.head(device, described, title(described)), *register.describe_register(device, described)]
 
 
 def field_text(device: Device, owner: Layout, described: Field) -> list[str]:

@@ -241,7 +241,9 @@ def table(struct: LayoutStruct) -> Iterator[Paragraph]:
 def about_register(device: Device, register: Register) -> list[Paragraph]:
     """Return the comment on a register, without its default and limits, which constants and functions have."""
     head = say_register.head(device, register, full_title(register))
-    about = [statement for statement in say_register.register(device, register) if statement.label not in _IN_CODE]
+    about = [
+        statement for statement in say_register.describe_register(device, register) if statement.label not in _IN_CODE
+    ]
     return list(map(HEADER_STYLE.sentence, (head, *about)))
 
 
