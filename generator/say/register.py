@@ -72,12 +72,12 @@ def head(device: Device, register: Register, name: TextPart) -> Statement:
 def describe_register(device: Device, device_register: Register) -> Iterator[Statement]:
     """Yield all statements about a register that follow its head in running text."""
     yield from spec_text(device_register.meaning)
-    yield from facts(device, device_register)
+    yield from describe_register_facts(device, device_register)
     yield from spec_text(device_register.note)
     yield from map(erratum, errata(device, f"registers.{device_register.name}"))
 
 
-def facts(device: Device, register: Register) -> Iterator[Statement]:
+def describe_register_facts(device: Device, register: Register) -> Iterator[Statement]:
     """Yield the content of a register, the rules for reading and writing it, and what it means in each mode."""
     yield from _content_facts(register)
     yield from needed_answers(device, register.layout)

@@ -578,7 +578,7 @@ def access_text(word: str) -> str:
 
 def opened_text(by: str) -> str:
     control = replace(tv62().register("control"), opened_by=by, opened_by_value="position" if by else "")
-    return printed(register.facts(tv62(), control))
+    return printed(register.describe_register_facts(tv62(), control))
 
 
 def grade_text(word: str) -> str:

@@ -108,7 +108,7 @@ LAYOUTS = [
 
 
 def of_register(device: Device, name: str) -> Iterator[Statement]:
-    return register.facts(device, device.register(name))
+    return register.describe_register_facts(device, device.register(name))
 
 
 def of_field(device: Device, path: str) -> Iterator[Statement]:

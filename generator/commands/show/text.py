@@ -364,7 +364,7 @@ def _lines_about_register(device: Device, register: Register, variant: Variant |
     heading = style.sentence(say_register.head(device, register, register.name))
     lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
     fields = register.layout.fields
-    facts = list(say_register.facts(device, register))
+    facts = list(say_register.describe_register_facts(device, register))
     if len(fields) == 1:
         facts += say_field.rules(device, fields[0])
     if facts:

@@ -45,7 +45,7 @@ from ...plan.operations import (
 from ...plan.verdicts import ReportCause, ReportsAndVerdict, codes_with_explanation
 from ...say.layout import box_colour
 from ...say.names_and_places import register_at, title
-from ...say.register import facts
+from ...say.register import describe_register_facts
 from ...say.report import alarm_of, meaning, of_older_edition, remedy, source, states
 from ...say.text import PLAIN_STYLE, spec_text
 from ...why.exchanges import usual_values_of
@@ -196,7 +196,7 @@ def register_data(device: Device, register: Register) -> Data:
     """
     meanings: tuple[RegisterMeaning | None, ...] = register.meanings or (None,)
     default = register.default_bytes()
-    statements = (*spec_text(register.meaning), *facts(device, register), *spec_text(register.note))
+    statements = (*spec_text(register.meaning), *describe_register_facts(device, register), *spec_text(register.note))
     alarm_reports = []
     for field in register.layout.fields:
         alarm = alarm_of(device, field, register.name)

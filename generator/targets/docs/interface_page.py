@@ -256,7 +256,7 @@ def _register_section(device: Device, register: Register) -> Section:
         "title": title(register),
         "access": say_register.describe_access(register),
         "head": say_register.head(device, register, CodeText(register.name)),
-        "facts": say_register.facts(device, register),
+        "facts": say_register.describe_register_facts(device, register),
         "rows": [] if repeats_register else rows,
         "value_tables": [_value_table(field, len(fields) == 1) for field in fields if has_value_table(field)],
         "joins": say_layout.joins(register.layout),

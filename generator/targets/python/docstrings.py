@@ -264,7 +264,7 @@ def of_register(device: Device, device_register: Register) -> tuple[str, list[Bl
 
     A register that is a single choice also follows the rules of its only field.
     """
-    facts = [*say_register.facts(device, device_register)]
+    facts = [*say_register.describe_register_facts(device, device_register)]
     if is_one_choice(device_register):
         facts += say_register.rules(device, device_register.layout.fields[0])
     register_errata = of_errata(device, f"registers.{device_register.name}")
