@@ -196,7 +196,7 @@ def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Stat
     return statement(*meaning_parts, source=register_meaning.source)
 
 
-def field(device: Device, frame_field: Field) -> Iterator[Statement]:
+def describe_field(device: Device, frame_field: Field) -> Iterator[Statement]:
     """Yield all statements about a field, for running text."""
     yield from meaning(frame_field, frame_field.meaning)
     yield from rules(device, frame_field)

@@ -13,7 +13,7 @@ from codewheel.commands.cli import main
 from codewheel.model import Device, Verdict
 from codewheel.plan.codec import codec_of
 from codewheel.plan.verdicts import judgement_of, verdict_of
-from codewheel.say.register import field as said_of
+from codewheel.say.register import describe_field as said_of
 from codewheel.say.text import PLAIN_STYLE
 
 #: nE is 1 and nW is 0, after a position of zeros.

@@ -49,5 +49,7 @@ def register_text(device: Device, described: Register) -> list[Statement]:
 
 def field_text(device: Device, owner: Layout, described: Field) -> list[str]:
     """Return place and meaning of a field, in one paragraph."""
-    text = _STYLE.paragraph([Statement(tuple(field_place(owner, described))), *register.field(device, described)])
+    text = _STYLE.paragraph(
+        [Statement(tuple(field_place(owner, described))), *register.describe_field(device, described)]
+    )
     return [text[0].upper() + text[1:]]

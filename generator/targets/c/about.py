@@ -174,7 +174,7 @@ def about_member(struct: LayoutStruct, member: Field) -> str:
     """
     choice = struct.enumeration(member)
     shown_statements = choice.statements if choice is not None else ()
-    statements = say_field.field(struct.device, member)
+    statements = say_field.describe_field(struct.device, member)
     about = HEADER_STYLE.paragraph(statement for statement in statements if statement not in shown_statements)
     # A string in C ends with a zero byte, the array of the struct does not.
     ending = "No terminator." if isinstance(meaning_of(member), Latin1Text) else ""
@@ -199,7 +199,7 @@ def _facts_without_member(struct: LayoutStruct, field: Field) -> str:
     The comment on a member contains the facts of its field. Constants and the selector have no member.
     """
     is_member = field.carries_data and field is not struct.plan.selector
-    about = () if is_member else say_field.field(struct.device, field)
+    about = () if is_member else say_field.describe_field(struct.device, field)
     if field.is_fixed:
         return HEADER_STYLE.paragraph(about)
     width = field.width.constant if field.width.is_constant else HEADER_STYLE.number(field.width)
