@@ -43,7 +43,7 @@ from .errata import errata, erratum
 from .names_and_places import hexadecimal, printed, register_at, register_field, words
 from .names_and_places import register as reference_to_register
 from .plain_text import counted, number
-from .register import limits, value
+from .register import describe_value, limits
 from .text import (
     CodeText,
     Reference,
@@ -429,7 +429,7 @@ def control_field(bits_field: ControlField) -> Statement:
     width_and_meaning = counted(bits_field.bits, "bit")
     if bits_field.meaning:
         width_and_meaning += f": {bits_field.meaning}"
-    parts_of_values = [value(named_value, bits_field.bits).parts for named_value in bits_field.values]
+    parts_of_values = [describe_value(named_value, bits_field.bits).parts for named_value in bits_field.values]
     label = printed(bits_field) or words(bits_field.name)
     return statement(
         *join_groups([(width_and_meaning,), *parts_of_values], "; "), label=label, source=bits_field.source

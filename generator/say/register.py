@@ -387,7 +387,7 @@ def choices(values: tuple[Value, ...]) -> Statement:
     return statement(*join_groups(numbers_and_names), label="Values")
 
 
-def value(named_value: Value, bits: int) -> Statement:
+def describe_value(named_value: Value, bits: int) -> Statement:
     """Return a value of a field of ``bits`` bits: its number, names, meaning and verdict: ``1Fh test (TST): …``."""
     manual_names = own_names(named_value)
     names_text = f" ({manual_names})" if manual_names else ""

@@ -14,7 +14,7 @@ from codewheel.plan.operations import Check, ConstantNumber, ParityOf, ReservedB
 from codewheel.render import Templates, tests_for
 from codewheel.say.layout import crc
 from codewheel.say.order_code import order_code, parameter
-from codewheel.say.register import value
+from codewheel.say.register import describe_value
 from codewheel.targets import Library, Option, Options, Target, TargetProblem
 
 from . import about, names, spelling, verdicts
@@ -52,7 +52,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 
 
 _WORDS = (about.doc, about.markdown, names.pascal, names.snake, characters, crc_name)
-_TEXTS = (about.field_text, about.frame_text, about.register_text, crc, order_code, parameter, value)
+_TEXTS = (about.field_text, about.frame_text, about.register_text, crc, order_code, parameter, describe_value)
 TEMPLATES = Templates(
     Path(__file__).parent / "templates",
     values={"Cargo.toml.jinja": Crate, "lib.rs.jinja": Crate, "family.rs.jinja": Module},

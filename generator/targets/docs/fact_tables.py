@@ -37,7 +37,7 @@ from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_fille
 from ...say.names_and_places import Titled, addresses, heading, hexadecimal, title
 from ...say.order_code import bounds_with_codes, settings
 from ...say.plain_text import counted, number, quantity
-from ...say.register import value
+from ...say.register import describe_value
 from ...say.text import sentence, statement
 from .layout_tables import (
     field_cell,
@@ -236,7 +236,7 @@ def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
     """Yield the name, bits, meaning and source of each field of the BiSS control frame."""
     for control_field in interface.control_data:
         value_phrases = [
-            MARKDOWN.phrase(value(named_value, control_field.bits)) for named_value in control_field.values
+            MARKDOWN.phrase(describe_value(named_value, control_field.bits)) for named_value in control_field.values
         ]
         crc_link = link(code(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
         yield (

@@ -25,7 +25,7 @@ from ...model.record import dataclass
 from ...say.errata import answer_names
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, table
 from ...say.names_and_places import HasOtherNames, bit_range, bits, field_place, frame_bytes, hexadecimal
-from ...say.register import rules, value
+from ...say.register import describe_value, rules
 from ...say.text import CodeText, Statement, join_groups, list_parts, spec_text, statement
 from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_tables import order_codes
@@ -95,12 +95,12 @@ def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
     """
     if not has_value_table(field):
         for named_value in field.values:
-            yield value(replace(named_value, source=()), field.widest)
+            yield describe_value(replace(named_value, source=()), field.widest)
     elif in_register:
         yield statement("See the table of values below")
     else:
         values_without_meaning = [replace(named_value, meaning="") for named_value in field.values]
-        numbers_and_names = (value(named_value, field.widest).parts for named_value in values_without_meaning)
+        numbers_and_names = (describe_value(named_value, field.widest).parts for named_value in values_without_meaning)
         yield statement(*join_groups(numbers_and_names, ", "), label="Values")
 
 
