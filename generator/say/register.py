@@ -407,7 +407,7 @@ def short(number: int) -> str:
     return f"{number}" if number < 10 else f"{number:X}h"
 
 
-def measurement(unit_and_range: Measurement) -> Statement:
+def describe_measurement(unit_and_range: Measurement) -> Statement:
     """Return the resolution and the range of a position, as far as they are given.
 
     These are counts per revolution and revolutions, or the length of a count, and then the whole counts and the

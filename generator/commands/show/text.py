@@ -213,7 +213,7 @@ def _position_lines(
     for title, measurement in measurements:
         if measurement is None:
             continue
-        counts = style_with(parameters).phrase(say_measurement.measurement(measurement))
+        counts = style_with(parameters).phrase(say_measurement.describe_measurement(measurement))
         length = _whole_length(measurement, parameters)
         title_and_range_rows.append((title or measurement.of, f"{counts}{length}  [{cite(measurement.source)}]"))
     return ["", "Position", *two_columns(title_and_range_rows, indent=2)] if title_and_range_rows else []

@@ -37,7 +37,7 @@ from ...say.markdown import MARKDOWN, citation, code, escape, link
 from ...say.names_and_places import field_at, heading, hexadecimal, title
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import counted, with_unit
-from ...say.register import measurement, own_ranges, position_range
+from ...say.register import describe_measurement, own_ranges, position_range
 from ...say.text import Statement, sentence, statement
 from ..registry import names_of_codes
 from . import bytes_to_send, fact_tables, order_code_tables, wide_pictures, wiring_tables
@@ -259,7 +259,7 @@ def _position_text(device: Device, interface: Interface) -> str:
     if position_measurement is None:
         return ""
     ranges = [_range_in_frame(name, frame_range) for name, frame_range in own_ranges(device, interface.name)]
-    return ", ".join([MARKDOWN.phrase(measurement(position_measurement)), *ranges])
+    return ", ".join([MARKDOWN.phrase(describe_measurement(position_measurement)), *ranges])
 
 
 def _range_in_frame(name: str, frame_range: LayoutRange) -> str:

@@ -31,7 +31,7 @@ from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import counted, number
-from ...say.register import covered_by_parity_bit, measurement, own_ranges, position_range
+from ...say.register import covered_by_parity_bit, describe_measurement, own_ranges, position_range
 from ...say.report import deciding_bits
 from .page_links import style_in_folder
 from .verdict_table import changed_verdicts_of, place_of_field, verdict_line
@@ -197,7 +197,11 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
 
 
 def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[str, ...]:
-    return code(position.of) + over_interface, MARKDOWN.phrase(measurement(position)), citation(position.source)
+    return (
+        code(position.of) + over_interface,
+        MARKDOWN.phrase(describe_measurement(position)),
+        citation(position.source),
+    )
 
 
 #: Lowest number of order codes that are shown as patterns. Fewer codes are listed one by one.
