@@ -433,7 +433,7 @@ def describe_measurement(unit_and_range: Measurement) -> Statement:
     return statement(*join_groups(quantities), source=unit_and_range.source)
 
 
-def position_range(layout_range: LayoutRange) -> Statement:
+def describe_position_range(layout_range: LayoutRange) -> Statement:
     """Return the range of the position in one layout: that it never wraps, or its revolutions, counts and maximum."""
     if not layout_range.wraps:
         return statement("never wraps around", source=layout_range.source)

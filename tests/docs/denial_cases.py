@@ -883,7 +883,7 @@ case(
 def range_text(wraps: bool) -> str:
     """Return the sentence about the range of the position in a layout."""
     modulus = Expression.parse(1 << 24) if wraps else None
-    return PLAIN_STYLE.phrase(measurement.position_range(LayoutRange(modulus=modulus, wraps=wraps)))
+    return PLAIN_STYLE.phrase(measurement.describe_position_range(LayoutRange(modulus=modulus, wraps=wraps)))
 
 
 case("never_wraps", lambda: range_text(wraps=False), lambda: range_text(wraps=True))

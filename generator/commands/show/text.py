@@ -242,7 +242,7 @@ def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] |
     style = style_with(parameters)
     range_rows = []
     for layout_name, own_range in say_measurement.own_ranges(device, interface):
-        range_text = style.phrase(say_measurement.position_range(own_range))
+        range_text = style.phrase(say_measurement.describe_position_range(own_range))
         range_rows.append((f"in {layout_name}", f"{range_text}  [{cite(own_range.source)}]"))
     return two_columns(range_rows, indent=2)
 

@@ -39,7 +39,7 @@ from ...say.evidence import document, origin, other_editions
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import HasOtherNames, addresses, title, words
 from ...say.order_code import PURPOSES, initial
-from ...say.register import describe_measurement, own_ranges, position_range
+from ...say.register import describe_measurement, describe_position_range, own_ranges
 from ...say.text import CodeText, Statement, list_parts, statement, volts
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
@@ -408,7 +408,7 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
             citation(position_measurement.source),
         )
         for layout_name, own_range in own_ranges(device, interface.name):
-            range_text = MARKDOWN.phrase(position_range(own_range))
+            range_text = MARKDOWN.phrase(describe_position_range(own_range))
             yield f"Position in {code(layout_name)}", range_text, citation(own_range.source)
     for supply, codes in _codes_by_supply(device, variants).items():
         with_codes = f" ({order_codes(device, codes)})" if len(codes) < len(variants) else ""

@@ -37,7 +37,7 @@ from ...say.markdown import MARKDOWN, citation, code, escape, link
 from ...say.names_and_places import field_at, heading, hexadecimal, title
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import counted, with_unit
-from ...say.register import describe_measurement, own_ranges, position_range
+from ...say.register import describe_measurement, describe_position_range, own_ranges
 from ...say.text import Statement, sentence, statement
 from ..registry import names_of_codes
 from . import bytes_to_send, fact_tables, order_code_tables, wide_pictures, wiring_tables
@@ -264,7 +264,7 @@ def _position_text(device: Device, interface: Interface) -> str:
 
 def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
     frame_name = f"in {code(name)}:" if frame_range.wraps else code(name)
-    return f"{frame_name} {MARKDOWN.phrase(position_range(frame_range))}"
+    return f"{frame_name} {MARKDOWN.phrase(describe_position_range(frame_range))}"
 
 
 def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:

@@ -31,7 +31,7 @@ from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import counted, number
-from ...say.register import covered_by_parity_bit, describe_measurement, own_ranges, position_range
+from ...say.register import covered_by_parity_bit, describe_measurement, describe_position_range, own_ranges
 from ...say.report import deciding_bits
 from .page_links import style_in_folder
 from .verdict_table import changed_verdicts_of, place_of_field, verdict_line
@@ -192,7 +192,7 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
         if interface_measurement is not None:
             for layout_name, frame_range in own_ranges(device, interface.name):
                 position_in_frame = f"{code(interface_measurement.of)} in {code(layout_name)}"
-                range_text = MARKDOWN.phrase(position_range(frame_range))
+                range_text = MARKDOWN.phrase(describe_position_range(frame_range))
                 yield position_in_frame, range_text, citation(frame_range.source)
 
 
