@@ -43,7 +43,7 @@ from .errata import errata, erratum
 from .names_and_places import hexadecimal, printed, register_at, register_field, words
 from .names_and_places import register as reference_to_register
 from .plain_text import counted, number
-from .register import describe_value, limits
+from .register import describe_range, describe_value
 from .text import (
     CodeText,
     Reference,
@@ -129,7 +129,7 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
         origin_parts: list[TextPart] = [f"Read at run time from {register_text} (", field_reference, ")"]
         lowest = Expression(device_parameter.min) if device_parameter.min is not None else None
         highest = Expression(device_parameter.max) if device_parameter.max is not None else None
-        range_parts = limits(lowest, highest)
+        range_parts = describe_range(lowest, highest)
         # A register with a code lists its values below.
         if range_parts and not device_parameter.by_code:
             origin_parts += [", ", *range_parts]

@@ -97,14 +97,14 @@ def _content_facts(register: Register) -> Iterator[Statement]:
     has_limits = register.min is not None or register.max is not None
     # Each meaning has limits of its own.
     if has_limits and not register.meanings:
-        range_parts = limits(register.min, register.max)
+        range_parts = describe_range(register.min, register.max)
         # The limits may apply to one field.
         if register.limits_of != register.name:
             range_parts = (*range_parts, " for ", CodeText(register.limits_of))
         yield statement(*range_parts, label="Limits")
 
 
-def limits(low: Expression | None, high: Expression | None) -> tuple[TextPart, ...]:
+def describe_range(low: Expression | None, high: Expression | None) -> tuple[TextPart, ...]:
     """Return a range as parts of a statement: ``(0, " to ", 7)``, ``("at least ", 0)``, or ``()`` without limits."""
     if low is not None and high is not None:
         return low, " to ", high
@@ -188,7 +188,7 @@ def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Stat
     reference = register_field(device, register_meaning.when)
     meaning_parts: list[TextPart] = ["While ", reference, f" is {selecting_value} (", CodeText(register_meaning.value)]
     meaning_parts += ["), the register holds ", CodeText(register_meaning.name)]
-    range_parts = limits(register_meaning.min, register_meaning.max)
+    range_parts = describe_range(register_meaning.min, register_meaning.max)
     if range_parts:
         meaning_parts += [", ", *range_parts]
     if register_meaning.meaning:
