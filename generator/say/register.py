@@ -265,7 +265,7 @@ def _rules_of_kind(device: Device, frame_field: Field) -> Iterator[Statement]:
 def _constant_rule(frame_field: Field, value: int) -> Iterator[Statement]:
     """Yield the value of a constant, unless the meaning of the field already says what it always is."""
     if "always" not in frame_field.meaning.lower():
-        yield statement(f"Always {short(value)}")
+        yield statement(f"Always {short_number(value)}")
 
 
 def _covered_by_crc(crc_value: CrcValue) -> Statement:
@@ -292,7 +292,7 @@ def _names_as_code(names: Iterable[str]) -> list[TextPart]:
 
 def _unused_rules(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
     """Yield the documented value of unused bits, and the effect of other values: a verdict if there is a position."""
-    yield statement(f"Unused, documented as {short(unused.value)}")
+    yield statement(f"Unused, documented as {short_number(unused.value)}")
     if _is_in_frame_with_position(device, frame_field):
         verdict = CodeText(unused.makes_position.value)
         yield statement("Frames with other values are still decoded, with the verdict ", verdict)
@@ -383,7 +383,7 @@ def _expected_value(value: Expression | int | str, bits: int) -> TextPart:
 
 def choices(values: tuple[Value, ...]) -> Statement:
     """Return all named values in one statement, such as ``0 off, 1 on, 1Fh test``."""
-    numbers_and_names = [(f"{short(named_value.value)} ", CodeText(named_value.name)) for named_value in values]
+    numbers_and_names = [(f"{short_number(named_value.value)} ", CodeText(named_value.name)) for named_value in values]
     return statement(*join_groups(numbers_and_names), label="Values")
 
 
@@ -402,7 +402,7 @@ def effect(named_value: Value) -> str:
     return f" ({VERDICT_CLAUSES[named_value.makes_position]})" if named_value.makes_position is not None else ""
 
 
-def short(number: int) -> str:
+def short_number(number: int) -> str:
     """Return a number below 10 in decimal, and any other number in the hexadecimal notation of manuals."""
     return f"{number}" if number < 10 else f"{number:X}h"
 

@@ -16,7 +16,7 @@ from ..model import (
 from .commands import remedied, with_steps
 from .errata import errata, erratum
 from .names_and_places import only, register_field, title
-from .register import short
+from .register import short_number
 from .text import (
     CodeText,
     Reference,
@@ -96,7 +96,7 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     manual explains its active level.
     """
     if isinstance(field.kind, Unused):
-        difference = f"unused bits differ from the documented value {short(field.kind.value)}"
+        difference = f"unused bits differ from the documented value {short_number(field.kind.value)}"
         return f"{difference}. {sentence(field.meaning)}" if field.meaning else difference
     when_active, _ = states(field)
     if not field.implemented:
@@ -117,7 +117,7 @@ def deciding_bits(field: Field) -> str:
             return "0" if is_active_low else "1"
         case Unused(value=documented_value):
             is_one_bit = field.widest == 1
-            return f"{1 - documented_value}" if is_one_bit else f"not {short(documented_value)}"
+            return f"{1 - documented_value}" if is_one_bit else f"not {short_number(documented_value)}"
         case _:
             return ""
 
@@ -141,7 +141,7 @@ def _condition_parts(field: Field, value: int) -> tuple[TextPart, ...]:
         # The bit is 1 for an active flag that is active high, and for an inactive one that is active low.
         bit = int(is_active != field.kind.active_low)
         return CodeText(field.name), f" is {bit}"
-    return CodeText(field.name), f" is {short(value)} (", CodeText(field.value_of(value).name), ")"
+    return CodeText(field.name), f" is {short_number(value)} (", CodeText(field.value_of(value).name), ")"
 
 
 def remedy(field: Field, alarm: Alarm | None) -> str:

@@ -54,6 +54,6 @@ def _box_text(field: Field) -> str:
     """Return the text in the box of a field: its name, with ``= 5h`` for a constant, or only ``5h`` for padding."""
     if not isinstance(field.kind, Constant):
         return field.name
-    constant = say_field.short(field.kind.value)
+    constant = say_field.short_number(field.kind.value)
     has_no_name = bool(field.padding_of) or field.fills_gap
     return constant if has_no_name else f"{field.name} = {constant}"

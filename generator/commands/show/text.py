@@ -290,9 +290,9 @@ def _fixed_value_text(field: Field) -> str:
     """Return the fixed value of a field, such as ``, always 5`` or ``, unused, 1Fh in the manual``, or nothing."""
     match field.kind:
         case Constant(value):
-            return f", always {say_field.short(value)}"
+            return f", always {say_field.short_number(value)}"
         case Unused(value):
-            return f", unused, {say_field.short(value)} in the manual"
+            return f", unused, {say_field.short_number(value)} in the manual"
         case _:
             return ""
 
