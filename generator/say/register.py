@@ -124,7 +124,7 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
         bank_select = first_of(bank_selects, f"register that selects the bank of '{register.name}'")
         yield statement(f"First select bank {register.bank} with ", reference_to_register(device, bank_select.register))
     if register.reserved:
-        yield reserved(register.reserved)
+        yield describe_reserved_bits(register.reserved)
     if register.opened_by:
         yield _opening_condition(device, register)
     if register.wait_at_least_ms is not None:
@@ -143,7 +143,7 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
         )
 
 
-def reserved(user: str) -> Statement:
+def describe_reserved_bits(user: str) -> Statement:
     return statement(f"Reserved for the {USERS[user]}")
 
 
@@ -224,7 +224,7 @@ def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
     if not frame_field.implemented and "not implemented" not in frame_field.meaning.lower():
         yield statement("Not implemented in this encoder")
     if frame_field.reserved:
-        yield reserved(frame_field.reserved)
+        yield describe_reserved_bits(frame_field.reserved)
     if frame_field.equals is not None:
         expected = _expected_value(frame_field.equals, frame_field.widest)
         yield statement("Holds ", expected, ", which identifies the encoder. The decoder also accepts other values")
