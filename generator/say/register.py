@@ -198,12 +198,12 @@ def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Stat
 
 def describe_field(device: Device, frame_field: Field) -> Iterator[Statement]:
     """Yield all statements about a field, for running text."""
-    yield from meaning(frame_field, frame_field.meaning)
+    yield from describe_meaning(frame_field, frame_field.meaning)
     yield from rules(device, frame_field)
     yield from spec_text(frame_field.note)
 
 
-def meaning(named_item: HasOtherNames, text: str) -> Iterator[Statement]:
+def describe_meaning(named_item: HasOtherNames, text: str) -> Iterator[Statement]:
     """Yield the meaning ``text``, labelled with the manual's name of a part, or the name alone if it is empty."""
     manual_name = printed(named_item)
     if text:

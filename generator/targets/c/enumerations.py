@@ -24,7 +24,7 @@ from ...plan.verdicts import (
 )
 from ...say.errata import errata, erratum
 from ...say.names_and_places import printed, title, words
-from ...say.register import meaning
+from ...say.register import describe_meaning
 from ...say.report import alarm_of, remedy, source
 from ...say.report import meaning as report_meaning
 from ...say.text import Statement, spec_text, statement
@@ -135,7 +135,7 @@ class Enumerations:
 
     def _add_new(self, owner: str, field: Field, path: Path, type_: str, sole: str = "") -> CEnumeration:
         """Add and return a new enumeration with the values of a field."""
-        statements = () if sole else tuple(meaning(field, field.meaning))
+        statements = () if sole else tuple(describe_meaning(field, field.meaning))
         enumeration = CEnumeration(
             type=type_,
             about=HEADER_STYLE.paragraph(statements) or f"Values of {sole or title(field)}.",
@@ -156,7 +156,7 @@ def _describe_constant(value: Value) -> str:
     """Return the comment on a constant: the meaning of the value with its source, or else its name in words."""
     # Omit a printed name of one word that the constant already has. Keep longer names, for readers who search for them.
     has_printed_name = printed(value).lower() == value.name
-    statements = spec_text(value.meaning) if has_printed_name else meaning(value, value.meaning)
+    statements = spec_text(value.meaning) if has_printed_name else describe_meaning(value, value.meaning)
     return HEADER_STYLE.paragraph(replace(statement, source=value.source) for statement in statements) or words(
         value.name
     )

@@ -317,7 +317,7 @@ def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
     """Return the description of an attribute: meaning, rules and note, or else the name of the field."""
     missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
     statements = [
-        *say_register.meaning(data_field, data_field.meaning),
+        *say_register.describe_meaning(data_field, data_field.meaning),
         *missing,
         *say_register.rules(device, data_field),
         *spec_text(data_field.note),
@@ -341,7 +341,7 @@ def of_unused(unused_field: Field, at: int) -> str:
 
 def of_value(named_value: Field | Value) -> str:
     """Return the meaning of a named value or a choice. Empty if the manual does not give one."""
-    return DOCSTRING_STYLE.paragraph(say_register.meaning(named_value, named_value.meaning))
+    return DOCSTRING_STYLE.paragraph(say_register.describe_meaning(named_value, named_value.meaning))
 
 
 def of_run(digit_run: Digits) -> str:
