@@ -31,7 +31,7 @@ from .text import (
 )
 
 
-def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
+def describe_alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     """Yield all statements about an alarm that follow its name in running text."""
     yield from spec_text(device_alarm.meaning, source=device_alarm.source)
     yield from alarm_facts(device, device_alarm)

@@ -96,7 +96,7 @@ def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
 
 
 def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
-    return _paragraphs_with_heading(title(alarm), say_report.alarm(device, alarm))
+    return _paragraphs_with_heading(title(alarm), say_report.describe_alarm(device, alarm))
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
