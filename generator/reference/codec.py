@@ -163,7 +163,7 @@ def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) ->
 
 def _result_of_wrong_length(placed: PlacedLayout, frame: int, needed_length: str, actual_length: int) -> DecodedFrame:
     """Return the result for a frame of the wrong length: one problem and no fields."""
-    message = report.length(placed.name, needed_length, f"{actual_length}")
+    message = report.wrong_length_message(placed.name, needed_length, f"{actual_length}")
     problem = FrameProblem(Fault.LENGTH, field="", message=message)
     return DecodedFrame(layout=placed, number=frame, fields=(), crc=None, problems=(problem,))
 

@@ -164,7 +164,7 @@ def source(field: Field, alarm: Alarm | None) -> Sources:
     return alarm.source if alarm is not None and alarm.source else field.source
 
 
-def length(frame: str, needed: str, actual: str) -> str:
+def wrong_length_message(frame: str, needed: str, actual: str) -> str:
     """Return the message for a wrong length. ``needed`` includes its unit, such as ``45 bits``."""
     return f"'{frame}' has {needed}, got {actual}"
 

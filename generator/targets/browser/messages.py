@@ -8,7 +8,7 @@ from ...say.layout import as_one_number
 
 #: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
 MESSAGES = {
-    "length": report.length("{0}", "{1}", "{2}"),
+    "length": report.wrong_length_message("{0}", "{1}", "{2}"),
     "length_of_channels": report.length_of_channels("{0}", "{1}", "{2}", "{3}"),
     "bits_around": report.bits_around("{0}", "{1}"),
     "other_order": report.other_order("{0}"),
