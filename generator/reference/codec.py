@@ -187,7 +187,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> DecodedFrame:
     problems += _problems_of_position(device, placed, binary_number)
     crc = _decode_crc(device, placed, number)
     if crc is not None and not crc.ok:
-        message = report.crc(f"{crc.received:#04x}", f"{crc.computed:#04x}")
+        message = report.wrong_crc_message(f"{crc.received:#04x}", f"{crc.computed:#04x}")
         problems.append(FrameProblem(Fault.CRC, _name_of_crc_field(placed), message))
     fields += [_decode_join(placed, join, number, binary_number) for join in placed.layout.joins]
     if placed.layout.has_unused:

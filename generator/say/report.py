@@ -175,7 +175,7 @@ def length_of_channels(channels: str, needed: str, actual: str, difference: str)
     return f"{channels} have {needed} together, got {actual}: {difference}. {remedy}"
 
 
-def crc(received: str, computed: str) -> str:
+def wrong_crc_message(received: str, computed: str) -> str:
     return f"expected CRC {computed}, got {received}"
 
 

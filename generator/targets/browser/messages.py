@@ -13,7 +13,7 @@ MESSAGES = {
     "bits_around": report.bits_around("{0}", "{1}"),
     "other_order": report.other_order("{0}"),
     "all_crcs_correct": report.all_crcs_correct("{0}"),
-    "crc": report.crc("{0}", "{1}"),
+    "crc": report.wrong_crc_message("{0}", "{1}"),
     "constant": report.constant("{0}", "{1}", "{2}"),
     "parity": report.parity("{0}", "{1}", "{2}", "{3}"),
     "no_value": report.no_value("{0}", "{1}"),
