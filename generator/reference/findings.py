@@ -28,7 +28,7 @@ from ..model.order_codes import fits
 from ..model.record import dataclass
 from ..order_codes.labels import LabelMatch, edition_before, tests_of
 from ..say import report
-from ..say.report import alarm_of, meaning, of_older_edition, remedy, source
+from ..say.report import alarm_of, alarm_source, meaning, of_older_edition, remedy
 from .codec import DecodedField, DecodedFrame, number_of_text
 from .codec import decode as decode_word
 
@@ -167,7 +167,7 @@ def _build_report(field: Field, alarm: Alarm | None) -> FrameReport:
         meaning=meaning(field, alarm),
         remedy=remedy(field, alarm),
         makes_position=field.kind.makes_position,
-        source=cite(source(field, alarm)),
+        source=cite(alarm_source(field, alarm)),
     )
 
 

@@ -159,7 +159,7 @@ def manual_steps(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
     return field.by_hand or (alarm.by_hand if alarm is not None else ())
 
 
-def source(field: Field, alarm: Alarm | None) -> Sources:
+def alarm_source(field: Field, alarm: Alarm | None) -> Sources:
     """Return the source of the alarm if it has one, otherwise the source of the flag."""
     return alarm.source if alarm is not None and alarm.source else field.source
 

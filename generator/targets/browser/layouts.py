@@ -46,7 +46,7 @@ from ...plan.verdicts import ReportCause, ReportsAndVerdict, codes_with_explanat
 from ...say.layout import box_colour
 from ...say.names_and_places import register_at, title
 from ...say.register import describe_register_facts
-from ...say.report import alarm_of, meaning, of_older_edition, remedy, source, states
+from ...say.report import alarm_of, alarm_source, meaning, of_older_edition, remedy, states
 from ...say.text import PLAIN_STYLE, spec_text
 from ...why.exchanges import usual_values_of
 
@@ -389,7 +389,9 @@ def _check_message(layout: Layout, check: Check) -> Data:
 
 def _report_texts(field: Field, alarm: Alarm | None) -> Data:
     """Return the meaning, remedy and source of a report, shown while the field is active or differs from the manual."""
-    return without_empty(meaning=meaning(field, alarm), remedy=remedy(field, alarm), source=cite(source(field, alarm)))
+    return without_empty(
+        meaning=meaning(field, alarm), remedy=remedy(field, alarm), source=cite(alarm_source(field, alarm))
+    )
 
 
 def _limits_data(register_meaning: RegisterMeaning | None, limits: NumberLimits) -> Data:

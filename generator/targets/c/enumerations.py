@@ -25,7 +25,7 @@ from ...plan.verdicts import (
 from ...say.errata import errata, erratum
 from ...say.names_and_places import printed, title, words
 from ...say.register import describe_meaning
-from ...say.report import alarm_of, remedy, source
+from ...say.report import alarm_of, alarm_source, remedy
 from ...say.report import meaning as report_meaning
 from ...say.text import Statement, spec_text, statement
 from .. import TargetError
@@ -437,7 +437,7 @@ def _members_of_text(device: Device, report: NumberedReport) -> tuple[str, ...]:
         field.printed_name,
         report_meaning(field, alarm),
         remedy(field, alarm),
-        cite(source(field, alarm)),
+        cite(alarm_source(field, alarm)),
     )
 
 
@@ -445,7 +445,7 @@ def _report_note(device: Device, report: NumberedReport) -> str:
     """Return the comment on a report: the title of its field, ``unused`` if it has no use, and the source."""
     field = report.field
     unused = ", unused" if report.is_unused else ""
-    return HEADER_STYLE.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
+    return HEADER_STYLE.sentence(statement(title(field), unused, source=alarm_source(field, alarm_of(device, field))))
 
 
 def _express_condition(scope: ParameterSpelling, parameter_condition: CodeCondition) -> CExpression:

@@ -20,7 +20,7 @@ from ...plan.verdicts import (
 from ...say.evidence import document
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.names_and_places import own_names
-from ...say.report import alarm_of, conditions, deciding_bits, manual_steps, meaning, remedy_text, source
+from ...say.report import alarm_of, alarm_source, conditions, deciding_bits, manual_steps, meaning, remedy_text
 from ...say.text import CodeText, list_parts, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
@@ -219,7 +219,7 @@ def _report_rows(device: Device) -> Iterator[Row]:
         steps = links_to_steps(f"{device.name}/", manual_steps(report.field, alarm))
         remedy_and_steps = join_filled([escape(remedy_text(report.field, alarm)), *steps])
         remedy = remedy_and_steps or _clearing_procedures(device, alarm) or f"The {document(device)} gives no remedy"
-        yield name_cell, escape(meaning(report.field, alarm)), remedy, citation(source(report.field, alarm))
+        yield name_cell, escape(meaning(report.field, alarm)), remedy, citation(alarm_source(report.field, alarm))
 
 
 def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
@@ -238,7 +238,7 @@ def _name_cell(field: Field) -> str:
 
 
 def _source_cell(device: Device, field: Field) -> str:
-    return citation(source(field, alarm_of(device, field)))
+    return citation(alarm_source(field, alarm_of(device, field)))
 
 
 def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:

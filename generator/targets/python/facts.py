@@ -28,7 +28,7 @@ from ...plan.limits import powers_of_two
 from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
 from ...say.plain_text import plain
-from ...say.report import alarm_of, meaning, remedy, source, states
+from ...say.report import alarm_of, alarm_source, meaning, remedy, states
 from .literals import CallLiteral, EnumMember, Literal, SourceText, literal_call, of_facts, quoted, record
 from .records import record_of, records_of
 
@@ -138,7 +138,7 @@ def _report_record(name: str, field: Field, alarm: Alarm | None) -> CallLiteral:
         {"name": name, "printed_name": field.printed_name, "meaning": meaning(field, alarm)},
         remedy=remedy(field, alarm),
         makes_position=EnumMember("Verdict", verdict.name) if verdict is not None else None,
-        source=cite(source(field, alarm)),
+        source=cite(alarm_source(field, alarm)),
     )
 
 
