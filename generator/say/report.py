@@ -81,7 +81,7 @@ def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
     return None
 
 
-def states(field: Field) -> tuple[str, str]:
+def flag_state_meanings(field: Field) -> tuple[str, str]:
     """Return the meanings of the active and the inactive flag, or two empty texts for other fields."""
     if not isinstance(field.kind, Flag):
         return "", ""
@@ -98,7 +98,7 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     if isinstance(field.kind, Unused):
         difference = f"unused bits differ from the documented value {short_number(field.kind.value)}"
         return f"{difference}. {sentence(field.meaning)}" if field.meaning else difference
-    when_active, _ = states(field)
+    when_active, _ = flag_state_meanings(field)
     if not field.implemented:
         return when_active or "active, although the manual says that this encoder does not have it"
     if when_active and field.meaning:

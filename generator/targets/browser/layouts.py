@@ -46,7 +46,7 @@ from ...plan.verdicts import ReportCause, ReportsAndVerdict, codes_with_explanat
 from ...say.layout import box_colour
 from ...say.names_and_places import register_at, title
 from ...say.register import describe_register_facts
-from ...say.report import alarm_of, alarm_source, meaning, of_older_edition, remedy, states
+from ...say.report import alarm_of, alarm_source, flag_state_meanings, meaning, of_older_edition, remedy
 from ...say.text import PLAIN_STYLE, spec_text
 from ...why.exchanges import usual_values_of
 
@@ -287,7 +287,7 @@ def _field_data(codec: LayoutPlan, description: Description) -> Iterator[Data]:
     """
     own_values = {term.field.name: term.value for term in codec.terms}
     for column, field in zip(description.columns, codec.layout.fields, strict=True):
-        when_active, when_inactive = states(field)
+        when_active, when_inactive = flag_state_meanings(field)
         only = codes_with_explanation(field)
         texts = without_empty(
             printed=field.printed_name,

@@ -28,7 +28,7 @@ from ...plan.limits import powers_of_two
 from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
 from ...say.plain_text import plain
-from ...say.report import alarm_of, alarm_source, meaning, remedy, states
+from ...say.report import alarm_of, alarm_source, flag_state_meanings, meaning, remedy
 from .literals import CallLiteral, EnumMember, Literal, SourceText, literal_call, of_facts, quoted, record
 from .records import record_of, records_of
 
@@ -187,7 +187,7 @@ def _field_record(codec: LayoutPlan, field: Field) -> CallLiteral:
 
     ``constant`` and ``unused`` are the manual's values for a constant or for unused bits.
     """
-    when_active, when_inactive = states(field)
+    when_active, when_inactive = flag_state_meanings(field)
     unused_values = {reserved.field.name: reserved.value for reserved in codec.reserved}
     return record_of(
         "FieldFacts",
