@@ -23,7 +23,7 @@ from ..model import (
 from ..model.expressions import Expression
 from .errata import answer_names, deciding_alternatives, errata, erratum, needed_answers
 from .plain_text import counted
-from .report import conditions
+from .report import conditions_text
 from .text import (
     VERDICT_CLAUSES,
     CodeText,
@@ -158,7 +158,7 @@ def combination(layout: Layout, sign: Sign, value_combination: Combination) -> S
 
     ``sign`` has the values of the combination, ``{field name: value}`` as pairs. The remedy and the note follow.
     """
-    value_parts = conditions((layout.field(name), value) for name, value in sign.conditions).parts
+    value_parts = conditions_text((layout.field(name), value) for name, value in sign.conditions).parts
     manual_texts = (value_combination.meaning, value_combination.remedy, value_combination.note)
     # A statement has no full stop at its end.
     description = " ".join(sentence(manual_text) for manual_text in manual_texts if manual_text).removesuffix(".")

@@ -122,7 +122,7 @@ def deciding_bits(field: Field) -> str:
             return ""
 
 
-def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
+def conditions_text(values: Iterable[tuple[Field, int]]) -> Statement:
     """Return the values that together lead to a verdict, such as ``error is 0 and mode is 5h (test)``.
 
     In ``values``, 1 represents an active flag. The text has its bit.

@@ -20,7 +20,7 @@ from ...plan.verdicts import (
 from ...say.evidence import document
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.names_and_places import own_names
-from ...say.report import alarm_of, alarm_source, conditions, deciding_bits, manual_steps, meaning, remedy_text
+from ...say.report import alarm_of, alarm_source, conditions_text, deciding_bits, manual_steps, meaning, remedy_text
 from ...say.text import CodeText, list_parts, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
@@ -183,7 +183,7 @@ def _answer_text(device: Device, question: Alternative, parameter_condition: Cod
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:
     """Return the values of fields that decide the verdict together."""
-    return MARKDOWN.phrase(conditions((layout.field(name), value) for name, value in sign.conditions))
+    return MARKDOWN.phrase(conditions_text((layout.field(name), value) for name, value in sign.conditions))
 
 
 def _condition_on_lower_flags(field: Field, layout: Layout) -> str:

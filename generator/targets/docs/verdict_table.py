@@ -10,7 +10,7 @@ from ...plan.verdicts import MatchingValues, VerdictCause, VerdictRules, judgeme
 from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
-from ...say.report import alarm_of, conditions, deciding_bits, manual_steps, remedy_text
+from ...say.report import alarm_of, conditions_text, deciding_bits, manual_steps, remedy_text
 from ...say.text import VERDICT_CLAUSES, sentence, statement
 
 Row = tuple[str, ...]
@@ -132,7 +132,7 @@ def _row_of_match(placed_layout: PlacedLayout, match: MatchingValues, effect: st
     """Return the row of values that lead to a verdict together: their places, the values, and the verdict."""
     placed_fields = [placed_layout.field(part.field.name) for part, _ in match.conditions]
     places = ", ".join(place_of_field(placed_field, placed_layout) for placed_field in placed_fields)
-    phrase = MARKDOWN.phrase(conditions((part.field, value) for part, value in match.conditions))
+    phrase = MARKDOWN.phrase(conditions_text((part.field, value) for part, value in match.conditions))
     return places, phrase, "", effect, ""
 
 
@@ -215,7 +215,7 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
         if isinstance(cause.by, MatchingValues):
-            yield MARKDOWN.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
+            yield MARKDOWN.phrase(conditions_text((part.field, value) for part, value in cause.by.conditions))
 
 
 def _cause_text(cause: VerdictCause) -> str:
