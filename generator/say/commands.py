@@ -35,7 +35,7 @@ from .names_and_places import register as reference_to_register
 from .text import CodeText, Reference, Statement, TextPart, list_parts, microseconds, sentence, spec_text, statement
 
 
-def procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
+def describe_procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
     """Yield all statements about a procedure that follow its title, without arguments and steps."""
     yield from about_procedure(sequence)
     yield from spec_text(sequence.note)

@@ -273,7 +273,7 @@ def about_access(device: Device, register: Register, writes: bool, read_state: s
 
 def about_procedure(device: Device, procedure: Procedure) -> list[Paragraph]:
     head = HEADER_STYLE.sentence(statement(procedure.title, source=procedure.source))
-    return [head, *map(HEADER_STYLE.sentence, say_commands.procedure(device, procedure))]
+    return [head, *map(HEADER_STYLE.sentence, say_commands.describe_procedure(device, procedure))]
 
 
 def about_argument(device: Device, argument: Argument) -> str:

@@ -301,7 +301,7 @@ def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
     return paragraphs(
         [
             statement(device_procedure.title, source=device_procedure.source),
-            *commands.procedure(device, device_procedure),
+            *commands.describe_procedure(device, device_procedure),
         ]
     )
 
