@@ -48,7 +48,7 @@ def about_procedure(sequence: Procedure) -> Iterator[Statement]:
     yield from spec_text(sequence.result, label="Result")
 
 
-def argument(device: Device, parameter: Argument) -> Statement:
+def describe_argument(device: Device, parameter: Argument) -> Statement:
     """Return the meaning of an argument, the register to which it is written, and which of its meanings applies."""
     sentence_parts: list[TextPart] = [
         f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "

@@ -277,7 +277,7 @@ def about_procedure(device: Device, procedure: Procedure) -> list[Paragraph]:
 
 
 def about_argument(device: Device, argument: Argument) -> str:
-    return HEADER_STYLE.sentence(say_commands.argument(device, argument))
+    return HEADER_STYLE.sentence(say_commands.describe_argument(device, argument))
 
 
 def about_run(device: Device, run: ProcedurePlan, read_state: str) -> Iterator[Paragraph]:

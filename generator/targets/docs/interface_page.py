@@ -274,7 +274,9 @@ def _procedure_section(device: Device, procedure: Procedure) -> Section:
         "procedure": procedure,
         "about": list(say_commands.about_procedure(procedure)),
         "rows": fact_tables.step_rows(device, procedure),
-        "arguments": [(argument.name, say_commands.argument(device, argument)) for argument in procedure.arguments],
+        "arguments": [
+            (argument.name, say_commands.describe_argument(device, argument)) for argument in procedure.arguments
+        ],
     }
 
 

@@ -307,7 +307,7 @@ def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
 
 
 def of_argument(device: Device, argument: Argument) -> str:
-    return DOCSTRING_STYLE.sentence(commands.argument(device, argument))
+    return DOCSTRING_STYLE.sentence(commands.describe_argument(device, argument))
 
 
 # -- fields
