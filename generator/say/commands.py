@@ -59,7 +59,7 @@ def describe_argument(device: Device, parameter: Argument) -> Statement:
     return statement(*sentence_parts)
 
 
-def step(device: Device, procedure_step: Step) -> Statement:
+def describe_step(device: Device, procedure_step: Step) -> Statement:
     """Return a step as an instruction, such as ``Wait at least 20 ms`` or ``Write save to command, address 77h``."""
     match procedure_step:
         case WaitStep():

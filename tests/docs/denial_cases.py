@@ -569,7 +569,7 @@ def special_model(suffix: str) -> Device:
 
 def succession_text(alone: bool) -> str:
     step = SendStep(data_id="reset", request=b"\xba", times=10, microseconds=40, in_succession=alone)
-    return PLAIN_STYLE.sentence(commands.step(tv62(), step))
+    return PLAIN_STYLE.sentence(commands.describe_step(tv62(), step))
 
 
 def access_text(word: str) -> str:

@@ -300,7 +300,7 @@ def note_of_step(device: Device, operation: PlannedStep) -> str:
     meaning = operation.step.meaning
     match operation:
         case WaitTime(step):
-            return meaning or HEADER_STYLE.phrase(say_commands.step(device, step))
+            return meaning or HEADER_STYLE.phrase(say_commands.describe_step(device, step))
         case SendRequest(step=step):
             alone = "in succession, with no other request in between" if step.in_succession else ""
             return "; ".join(filter(None, (step.data_id, alone, meaning)))

@@ -30,7 +30,7 @@ from ...model import (
 )
 from ...plan.steps import VerifyWrite, run_of
 from ...say import register as say_register
-from ...say.commands import read_back, step
+from ...say.commands import describe_step, read_back
 from ...say.errata import changed, errata
 from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_filled, link
@@ -81,7 +81,7 @@ def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]
         source = citation(spec_step.source) if spec_step.source != procedure.source else ""
         yield (
             f"{number_of_step}",
-            MARKDOWN.sentence(step(device, spec_step)),
+            MARKDOWN.sentence(describe_step(device, spec_step)),
             escape(spec_step.meaning),
             source,
         )
@@ -323,7 +323,7 @@ def step_sentences(device: Device, procedure: Procedure) -> Iterator[str]:
     """Yield the steps as sentences, each with its reason."""
     for procedure_step in procedure.steps:
         reason = f" ({escape(procedure_step.meaning)})" if procedure_step.meaning else ""
-        yield MARKDOWN.phrase(step(device, procedure_step)) + reason + "."
+        yield MARKDOWN.phrase(describe_step(device, procedure_step)) + reason + "."
 
 
 def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
