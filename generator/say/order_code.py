@@ -107,7 +107,7 @@ def spelling(label_spelling: Spelling) -> Statement:
     )
 
 
-def parameter(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
+def describe_parameter(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
     """Yield all statements about a parameter, for running text."""
     yield from spec_text(device_parameter.meaning, source=device_parameter.source)
     yield from spec_text(device_parameter.unit, label="Unit")

@@ -165,7 +165,7 @@ def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Varia
 
 
 def _about_parameter(device: Device, parameter: Parameter) -> str:
-    return PLAIN_STYLE.paragraph(say_order_code.parameter(device, parameter))
+    return PLAIN_STYLE.paragraph(say_order_code.describe_parameter(device, parameter))
 
 
 def alternative_lines(device: Device) -> list[str]:

@@ -91,7 +91,7 @@ def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
     """Return the comment on a parameter. If its function computes it, the comment leaves out how it is computed."""
     update = f" {prefix}_take_{parameter.register}() updates it." if parameter.read_from else ""
     statements_in_code = list(say_parameter.parameter_origin(device, parameter)) if parameter.equals is not None else ()
-    statements = say_parameter.parameter(device, parameter)
+    statements = say_parameter.describe_parameter(device, parameter)
     return HEADER_STYLE.paragraph(statement for statement in statements if statement not in statements_in_code) + update
 
 

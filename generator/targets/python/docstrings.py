@@ -28,7 +28,7 @@ from ...say import register as say_register
 from ...say.errata import errata, erratum
 from ...say.evidence import grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title
-from ...say.order_code import parameter
+from ...say.order_code import describe_parameter
 from ...say.plain_text import counted, plain, wrapped
 from ...say.text import DOCSTRING_STYLE, Statement, sentence, spec_text, statement
 from .line_breaks import WIDTH
@@ -237,7 +237,7 @@ def of_answer(answer: Answer) -> str:
 
 
 def of_parameter(device: Device, quantity: Parameter) -> str:
-    return DOCSTRING_STYLE.paragraph(parameter(device, quantity))
+    return DOCSTRING_STYLE.paragraph(describe_parameter(device, quantity))
 
 
 # -- frames, registers and procedures
