@@ -178,7 +178,7 @@ def parameter_value(device_parameter: Parameter, count: int) -> str:
     return hexadecimal(count) if device_parameter.hexadecimal else number(count)
 
 
-def timing(printed_time: Timing) -> Statement:
+def describe_timing(printed_time: Timing) -> Statement:
     """Return the limits of a time with its meaning and order codes, labelled with the manual's symbol or our name."""
     description = f": {printed_time.meaning}" if printed_time.meaning else ""
     description += _only_with(printed_time)
@@ -233,7 +233,7 @@ def interface(device: Device, line: Interface) -> Iterator[Statement]:
 def facts(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield the settings and times of an interface, and the requests or control data that are sent over it, if any."""
     yield from settings(device, line)
-    yield from map(timing, line.timings)
+    yield from map(describe_timing, line.timings)
     match line:
         case Ssi():
             pass

@@ -491,8 +491,8 @@ case("gaps", lambda: gaps_text("zero"), lambda: gaps_text(""))
 case("only", lambda: printed(names_and_places.only("A-x")), lambda: printed(names_and_places.only("")))
 case(
     "only_timing",
-    lambda: PLAIN_STYLE.sentence(timing.timing(a_timing("Pause", "A-x"))),
-    lambda: PLAIN_STYLE.sentence(timing.timing(a_timing("Pause"))),
+    lambda: PLAIN_STYLE.sentence(timing.describe_timing(a_timing("Pause", "A-x"))),
+    lambda: PLAIN_STYLE.sentence(timing.describe_timing(a_timing("Pause"))),
 )
 case(
     "open_part",

@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.crcs import carriers
 from ...plan.frames import held_parameters
-from ...say.order_code import timing as say_timing
+from ...say.order_code import describe_timing as say_timing
 from .comments import HEADER_STYLE
 from .enumerations import AlternativeCode, Enumerations, Reports
 from .names import BY_VALUE, CCast, CExpression, ParameterSpelling, StructPassing, number, unsigned

@@ -25,7 +25,7 @@ from ...model.record import dataclass
 from ...plan.frames import FrameDispatch, RequestAndReply, SelectedFrame, dispatches, exchanges, reply_to_data_id
 from ...say.errata import errata, erratum
 from ...say.names_and_places import title
-from ...say.order_code import control_field, data_id, exchange, settings, timing
+from ...say.order_code import control_field, data_id, describe_timing, exchange, settings
 from ...say.order_code import interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
@@ -266,7 +266,7 @@ class InterfaceCode:
             yield from self._control_data(interface)
         for time in interface.timings:
             if time.name not in repeated_names(interface.timings):
-                self._macro_statements.append(timing(time))
+                self._macro_statements.append(describe_timing(time))
                 yield from timing_macros(time, self.upper)
 
     def _fact_macros(self, fact: Fact, statement: Statement) -> Iterator[CMacro]:
