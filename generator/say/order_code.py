@@ -224,7 +224,7 @@ _CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, b
 PURPOSES = {"position": "requests the position", "read": "reads a register", "write": "writes a register", "other": ""}
 
 
-def interface(device: Device, line: Interface) -> Iterator[Statement]:
+def describe_interface(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield all statements about an interface that follow its title, without the errata."""
     yield from spec_text(line.note)
     yield from facts(device, line)

@@ -26,7 +26,7 @@ from ...plan.frames import FrameDispatch, RequestAndReply, SelectedFrame, dispat
 from ...say.errata import errata, erratum
 from ...say.names_and_places import title
 from ...say.order_code import control_field, data_id, describe_timing, exchange, settings
-from ...say.order_code import interface as say_interface
+from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
 from .bits import of_bytes
