@@ -227,10 +227,10 @@ PURPOSES = {"position": "requests the position", "read": "reads a register", "wr
 def describe_interface(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield all statements about an interface that follow its title, without the errata."""
     yield from spec_text(line.note)
-    yield from facts(device, line)
+    yield from describe_interface_facts(device, line)
 
 
-def facts(device: Device, line: Interface) -> Iterator[Statement]:
+def describe_interface_facts(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield the settings and times of an interface, and the requests or control data that are sent over it, if any."""
     yield from settings(device, line)
     yield from map(describe_timing, line.timings)

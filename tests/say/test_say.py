@@ -117,7 +117,7 @@ def of_field(device: Device, path: str) -> Iterator[Statement]:
 
 
 def of_interface(device: Device, kind: str) -> Iterator[Statement]:
-    return interface.facts(device, device.interface(kind))
+    return interface.describe_interface_facts(device, device.interface(kind))
 
 
 def of_layout(device: Device, name: str) -> Iterator[Statement]:

@@ -252,7 +252,7 @@ def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] |
 
 def interface_lines(device: Device, interface: Interface) -> list[str]:
     """Return the title of an interface, and a line for each fact about it, such as its clock or its port."""
-    facts = say_interface.facts(device, interface)
+    facts = say_interface.describe_interface_facts(device, interface)
     fact_rows = [(fact.label, f"{PLAIN_STYLE.phrase(fact)}  {PLAIN_STYLE.cited(fact.source)}") for fact in facts]
     return [f"{interface.title}  [{cite(interface.source)}]", *two_columns(fact_rows, indent=2)]
 
