@@ -232,7 +232,7 @@ def describe_interface(device: Device, line: Interface) -> Iterator[Statement]:
 
 def describe_interface_facts(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield the settings and times of an interface, and the requests or control data that are sent over it, if any."""
-    yield from settings(device, line)
+    yield from describe_settings(device, line)
     yield from map(describe_timing, line.timings)
     match line:
         case Ssi():
@@ -250,7 +250,7 @@ def describe_interface_facts(device: Device, line: Interface) -> Iterator[Statem
             assert_never(line)
 
 
-def settings(device: Device, line: Interface) -> Iterator[Statement]:
+def describe_settings(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield the settings and electrical characteristics of an interface, each with its label, such as ``Clock``."""
     for fact in line.facts():
         label, content = _label_and_content(device, fact)

@@ -547,7 +547,7 @@ def alarm_row(implemented: bool) -> str:
 
 def network_text(several: bool) -> str:
     kind = replace(biss(), network=Network(topology="point_to_point", multiple_slaves=several, source=()))
-    return printed(interface.settings(tv62(), kind))
+    return printed(interface.describe_settings(tv62(), kind))
 
 
 def exchange_text(reply: str) -> str:

@@ -194,7 +194,7 @@ def master_settings(
     if crc is not None:
         lines.append(f"  CRC: {_crc_text(device, crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
-    settings = say_order_code.settings(device, device.interface(Biss.name))
+    settings = say_order_code.describe_settings(device, device.interface(Biss.name))
     lines += [f"  {PLAIN_STYLE.sentence(setting)}" for setting in settings]
     lines += _one_profile(device, lengths)
     lines += _errata_lines(device, layout, ids)

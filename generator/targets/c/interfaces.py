@@ -25,7 +25,7 @@ from ...model.record import dataclass
 from ...plan.frames import FrameDispatch, RequestAndReply, SelectedFrame, dispatches, exchanges, reply_to_data_id
 from ...say.errata import errata, erratum
 from ...say.names_and_places import title
-from ...say.order_code import control_field, data_id, describe_timing, exchange, settings
+from ...say.order_code import control_field, data_id, describe_settings, describe_timing, exchange
 from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
@@ -260,7 +260,7 @@ class InterfaceCode:
     def _yield_macros(self) -> Iterator[CMacro]:
         """Yield the constants of the interface: clock, time-out, port, words and times."""
         interface = self.interface
-        for fact, about in zip(interface.facts(), settings(self.device, interface), strict=True):
+        for fact, about in zip(interface.facts(), describe_settings(self.device, interface), strict=True):
             yield from self._fact_macros(fact, about)
         if isinstance(interface, Biss):
             yield from self._control_data(interface)

@@ -15,7 +15,7 @@ from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses, title, words
-from ...say.order_code import parameter_value, settings
+from ...say.order_code import describe_settings, parameter_value
 from ...say.text import volts
 from .order_code_tables import order_codes
 from .page_links import link_to_alarm, link_to_layout, link_to_register, links_to_steps, path_to_anchor
@@ -142,7 +142,7 @@ def _documented_content(field: Field) -> str:
 def _interface_fact_rows(device: Device) -> Iterator[Row]:
     """Yield rows of interface, family, label, fact, source for the facts with a label in ``_COMPARED_LABELS``."""
     for interface in device.interfaces:
-        for setting in settings(device, interface):
+        for setting in describe_settings(device, interface):
             if setting.label in _COMPARED_LABELS:
                 yield (
                     interface.title,

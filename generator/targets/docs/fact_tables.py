@@ -35,7 +35,7 @@ from ...say.errata import changed, errata
 from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_filled, link
 from ...say.names_and_places import Titled, addresses, heading, hexadecimal, title
-from ...say.order_code import bounds_with_codes, settings
+from ...say.order_code import bounds_with_codes, describe_settings
 from ...say.plain_text import counted, number, quantity
 from ...say.register import describe_value
 from ...say.text import sentence, statement
@@ -62,7 +62,7 @@ SEVERITIES = tuple(_SEVERITY_TEXTS)
 
 def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
     """Yield rows of fact, value, source."""
-    for setting in settings(device, interface):
+    for setting in describe_settings(device, interface):
         yield escape(setting.label), MARKDOWN.phrase(setting), citation(setting.source)
 
 
@@ -358,6 +358,6 @@ def led_rows(device: Device) -> Iterator[Row]:
 
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
     """Yield the settings of the interface, each with its source."""
-    for setting in settings(device, interface):
+    for setting in describe_settings(device, interface):
         value = MARKDOWN.phrase(statement(*setting.parts))
         yield f"{escape(setting.label)}: {value} <small>{citation(setting.source)}</small>"

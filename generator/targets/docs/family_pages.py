@@ -10,7 +10,7 @@ from ...model import Clocked, Device, Interface, Manual, Release, ReleasedChange
 from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, edition_test, grade, origin, other_editions
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
-from ...say.order_code import settings
+from ...say.order_code import describe_settings
 from ...say.plain_text import counted
 from ...say.text import Statement, language
 from . import fact_tables, inline_errata, masters_page, order_code_tables, page_links, verdict_page
@@ -145,7 +145,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     codes = [variant.code for variant in device.variants_over(interface.name)]
     # The first settings are the clocks of the master, or the port of a serial interface.
     number_of_clocks_or_ports = len(interface.clocks) if isinstance(interface, Clocked) else 1
-    first_settings = list(settings(device, interface))[:number_of_clocks_or_ports]
+    first_settings = list(describe_settings(device, interface))[:number_of_clocks_or_ports]
     return (
         link(interface.title, page_links.interface_page_path(device, interface)),
         order_codes(device, codes),

@@ -25,7 +25,7 @@ from ...model.order_codes import fits
 from ...model.record import dataclass
 from ...say.evidence import Topic, document, mentions
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, link
-from ...say.order_code import bounds_with_codes, clock_words, settings
+from ...say.order_code import bounds_with_codes, clock_words, describe_settings
 from ...say.plain_text import counted
 from ...say.text import PLAIN_STYLE, hertz, list_parts, nanoseconds, sentence, statement, timeout_words, volts
 
@@ -293,7 +293,7 @@ def speed_section(family_device: Device, device: Device, interface: Interface, l
         case Ssi() | Biss():
             return _clock_section(family_device, device, interface, layout)
         case Spi():
-            setting_sentences = map(MARKDOWN.sentence, settings(device, interface))
+            setting_sentences = map(MARKDOWN.sentence, describe_settings(device, interface))
             return SpeedSection("Clock and words", tuple(setting_sentences))
         case Rs485():
             return _baud_section(family_device, device, interface)
@@ -378,7 +378,7 @@ def _baud_section(family_device: Device, device: Device, interface: Rs485) -> Sp
     for size in (1, *reply_sizes):
         durations.append(f"{counted(size, 'byte')} {_duration_text(size * bits_per_byte, port.baud)}")
     # The first setting of a serial interface is its baud rate.
-    baud_rate = MARKDOWN.phrase(next(iter(settings(device, interface))))
+    baud_rate = MARKDOWN.phrase(next(iter(describe_settings(device, interface))))
     facts = (
         f"{baud_rate} ({citation(port.source)}).",
         f"Duration ({bits_per_byte} bits per byte): {', '.join(durations)}.",
