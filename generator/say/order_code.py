@@ -241,7 +241,7 @@ def describe_interface_facts(device: Device, line: Interface) -> Iterator[Statem
             yield from spec_text(line.control_data_note, label="Control data")
             yield from map(control_field, line.control_data)
         case Rs485():
-            yield from map(data_id, line.data_ids)
+            yield from map(describe_data_id, line.data_ids)
             yield from map(memory_access, line.memory_access)
             yield from map(exchange, line.exchanges)
         case Spi():
@@ -394,7 +394,7 @@ def _channel_words(channels: DataChannels) -> str:
     return f"{order}. The highest {bits} bits of {fields} must agree{tolerance}"
 
 
-def data_id(request: DataId) -> Statement:
+def describe_data_id(request: DataId) -> Statement:
     """Return a T-format request: its control field, such as ``1Ah``, purpose and meaning, labelled with its ID."""
     meaning_text = f": {request.meaning}" if request.meaning else ""
     return statement(

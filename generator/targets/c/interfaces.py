@@ -25,7 +25,7 @@ from ...model.record import dataclass
 from ...plan.frames import FrameDispatch, RequestAndReply, SelectedFrame, dispatches, exchanges, reply_to_data_id
 from ...say.errata import errata, erratum
 from ...say.names_and_places import title
-from ...say.order_code import control_field, data_id, describe_settings, describe_timing, exchange
+from ...say.order_code import control_field, describe_data_id, describe_settings, describe_timing, exchange
 from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
@@ -338,7 +338,7 @@ class InterfaceCode:
         if isinstance(self.interface, Rs485):
             for rs485_id in self.interface.data_ids:
                 yield self._define_macro(
-                    f"CONTROL_{rs485_id.name}", rs485_id.control, about=data_id(rs485_id), hexadecimal=True
+                    f"CONTROL_{rs485_id.name}", rs485_id.control, about=describe_data_id(rs485_id), hexadecimal=True
                 )
         if isinstance(self.interface, Spi):
             # 0 means that there is none.
