@@ -243,9 +243,9 @@ def describe_interface_facts(device: Device, line: Interface) -> Iterator[Statem
         case Rs485():
             yield from map(describe_data_id, line.data_ids)
             yield from map(memory_access, line.memory_access)
-            yield from map(exchange, line.exchanges)
+            yield from map(describe_exchange, line.exchanges)
         case Spi():
-            yield from map(exchange, line.exchanges)
+            yield from map(describe_exchange, line.exchanges)
         case _:
             assert_never(line)
 
@@ -409,7 +409,7 @@ def memory_access(access: MemoryAccess) -> Statement:
     return statement(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
 
 
-def exchange(request: Exchange) -> Statement:
+def describe_exchange(request: Exchange) -> Statement:
     """Return a request and its reply, with the effect of the request and the length of their words if it is fixed."""
     exchange_parts: list[TextPart] = [CodeText(request.request)]
     if request.reply:

@@ -551,7 +551,7 @@ def network_text(several: bool) -> str:
 
 
 def exchange_text(reply: str) -> str:
-    return PLAIN_STYLE.sentence(interface.exchange(Exchange("ask", None, reply, "other", ())))
+    return PLAIN_STYLE.sentence(interface.describe_exchange(Exchange("ask", None, reply, "other", ())))
 
 
 def gaps_text(value: str) -> str:

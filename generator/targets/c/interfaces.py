@@ -25,7 +25,7 @@ from ...model.record import dataclass
 from ...plan.frames import FrameDispatch, RequestAndReply, SelectedFrame, dispatches, exchanges, reply_to_data_id
 from ...say.errata import errata, erratum
 from ...say.names_and_places import title
-from ...say.order_code import control_field, describe_data_id, describe_settings, describe_timing, exchange
+from ...say.order_code import control_field, describe_data_id, describe_exchange, describe_settings, describe_timing
 from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
@@ -344,7 +344,7 @@ class InterfaceCode:
             # 0 means that there is none.
             for request_number, spi_exchange in enumerate(self.interface.exchanges, 1):
                 yield self._define_macro(
-                    f"REQUEST_{spi_exchange.request}", request_number, about=exchange(spi_exchange)
+                    f"REQUEST_{spi_exchange.request}", request_number, about=describe_exchange(spi_exchange)
                 )
 
     @property
