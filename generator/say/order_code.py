@@ -68,7 +68,7 @@ def order_code(device: Device) -> Iterator[Statement]:
     for code_part in code.parts:
         yield part(code_part)
         yield from open_values(code_part)
-    yield from map(spelling, code.also_written)
+    yield from map(describe_spelling, code.also_written)
     yield from not_on_label(device)
     yield from spec_text(code.note)
     yield from spec_text(code.special)
@@ -97,7 +97,7 @@ def open_values(code_part: CodePart) -> Iterator[Statement]:
         yield statement("Other values that match ", CodeText(code_part.open), " are accepted and shown as unlisted")
 
 
-def spelling(label_spelling: Spelling) -> Statement:
+def describe_spelling(label_spelling: Spelling) -> Statement:
     """Return the pattern of another spelling found on labels, and where it is used."""
     return statement(
         CodeText(label_spelling.pattern),

@@ -38,7 +38,7 @@ from ...say.errata import answer as say_answer
 from ...say.errata import needed_answers, question
 from ...say.evidence import grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
-from ...say.order_code import not_on_label, open_values, spelling
+from ...say.order_code import describe_spelling, not_on_label, open_values
 from ...say.plain_text import WIDTH, decimal, two_columns, wrapped
 from ...say.text import PLAIN_STYLE, Style, counted, language
 from ..decode.text import label_differences
@@ -116,7 +116,7 @@ def _order_code_lines(device: Device) -> Iterator[str]:
         for statement in open_values(part):
             yield _indented_paragraph(PLAIN_STYLE.sentence(statement))
     for also_written in device.order_code.also_written:
-        yield wrapped(PLAIN_STYLE.sentence(spelling(also_written)), WIDTH, prefix="    ", first="  ")
+        yield wrapped(PLAIN_STYLE.sentence(describe_spelling(also_written)), WIDTH, prefix="    ", first="  ")
 
 
 def _indented_paragraph(text: str) -> str:
