@@ -29,7 +29,7 @@ from ..model import (
     assert_never,
 )
 from ..model.record import dataclass
-from .errata import errata, erratum
+from .errata import describe_erratum, errata
 from .names_and_places import heading, register_at, register_field
 from .names_and_places import register as reference_to_register
 from .text import CodeText, Reference, Statement, TextPart, list_parts, microseconds, sentence, spec_text, statement
@@ -39,7 +39,7 @@ def describe_procedure(device: Device, sequence: Procedure) -> Iterator[Statemen
     """Yield all statements about a procedure that follow its title, without arguments and steps."""
     yield from about_procedure(sequence)
     yield from spec_text(sequence.note)
-    yield from map(erratum, errata(device, f"procedures.{sequence.name}"))
+    yield from map(describe_erratum, errata(device, f"procedures.{sequence.name}"))
 
 
 def about_procedure(sequence: Procedure) -> Iterator[Statement]:

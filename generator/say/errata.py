@@ -174,7 +174,7 @@ def _is_within(path: str, parts: Collection[str]) -> bool:
     return path in parts or path.startswith(tuple(f"{part}." for part in parts))
 
 
-def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
+def describe_erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
     The reason is omitted if it is longer than ``_SHORT``, unless ``whole`` is set or wrong bytes could be sent. A

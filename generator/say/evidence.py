@@ -11,7 +11,7 @@ from enum import Enum
 from functools import lru_cache
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest, Interface
-from .errata import erratum
+from .errata import describe_erratum
 from .names_and_places import words
 from .text import CodeText, Reference, Statement, sentence, statement
 
@@ -136,7 +136,7 @@ def removals(device: Device) -> Iterator[Statement]:
         has_no_place = device.base or correction.overlay or not correction.affects
         is_removed = correction.used in (LEFT_OUT, NOT_KNOWN)
         if is_change and has_no_place and is_removed and correction.severity != "wording":
-            yield erratum(correction)
+            yield describe_erratum(correction)
 
 
 def edition_test(revision: str, test: EditionTest) -> Statement:

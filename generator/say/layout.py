@@ -21,7 +21,7 @@ from ..model import (
     choices,
 )
 from ..model.expressions import Expression
-from .errata import answer_names, deciding_alternatives, errata, erratum, needed_answers
+from .errata import answer_names, deciding_alternatives, describe_erratum, errata, needed_answers
 from .plain_text import counted
 from .report import conditions_text
 from .text import (
@@ -92,7 +92,7 @@ def layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Stat
 
 def errata_of(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
     """Yield the errata of the whole frame."""
-    yield from map(erratum, errata(device, f"interfaces.{interface.name}.{frame.name}"))
+    yield from map(describe_erratum, errata(device, f"interfaces.{interface.name}.{frame.name}"))
 
 
 def has_excess(layout: Layout) -> bool:
@@ -211,7 +211,7 @@ def crc(device: Device, checksum: Crc) -> Iterator[Statement]:
     """Yield all statements about a CRC in order, for running text."""
     yield crc_head(device, checksum)
     yield from spec_text(checksum.note)
-    yield from map(erratum, errata(device, f"crcs.{checksum.name}"))
+    yield from map(describe_erratum, errata(device, f"crcs.{checksum.name}"))
 
 
 def crc_head(device: Device, checksum: Crc) -> Statement:

@@ -39,7 +39,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..model.order_codes import Restricted
-from .errata import errata, erratum
+from .errata import describe_erratum, errata
 from .names_and_places import hexadecimal, printed, register_at, register_field, words
 from .names_and_places import register as reference_to_register
 from .plain_text import counted, number
@@ -72,7 +72,7 @@ def order_code(device: Device) -> Iterator[Statement]:
     yield from not_on_label(device)
     yield from spec_text(code.note)
     yield from spec_text(code.special)
-    yield from map(erratum, errata(device, "order_code", "parameters"))
+    yield from map(describe_erratum, errata(device, "order_code", "parameters"))
 
 
 def not_on_label(device: Device) -> Iterator[Statement]:

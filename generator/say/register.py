@@ -29,7 +29,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from .commands import remedied
-from .errata import errata, erratum, needed_answers
+from .errata import describe_erratum, errata, needed_answers
 from .names_and_places import HasOtherNames, hexadecimal, own_names, printed, register_at, register_field
 from .names_and_places import register as reference_to_register
 from .plain_text import formula
@@ -74,7 +74,7 @@ def describe_register(device: Device, device_register: Register) -> Iterator[Sta
     yield from spec_text(device_register.meaning)
     yield from describe_register_facts(device, device_register)
     yield from spec_text(device_register.note)
-    yield from map(erratum, errata(device, f"registers.{device_register.name}"))
+    yield from map(describe_erratum, errata(device, f"registers.{device_register.name}"))
 
 
 def describe_register_facts(device: Device, register: Register) -> Iterator[Statement]:

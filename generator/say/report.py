@@ -14,7 +14,7 @@ from ..model import (
     member_named,
 )
 from .commands import remedied, with_steps
-from .errata import errata, erratum
+from .errata import describe_erratum, errata
 from .names_and_places import only, register_field, title
 from .register import short_number
 from .text import (
@@ -35,7 +35,7 @@ def describe_alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     """Yield all statements about an alarm that follow its name in running text."""
     yield from spec_text(device_alarm.meaning, source=device_alarm.source)
     yield from alarm_facts(device, device_alarm)
-    yield from map(erratum, errata(device, f"alarms.{device_alarm.name}"))
+    yield from map(describe_erratum, errata(device, f"alarms.{device_alarm.name}"))
 
 
 def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:

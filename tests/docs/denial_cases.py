@@ -648,18 +648,18 @@ case("errata_page_none", errata_page, lambda: errata_page(an_erratum()))
 case("errata_open", lambda: errata_page(an_erratum()), lambda: errata_page(an_erratum(status="settled")))
 case(
     "erratum_only",
-    lambda: printed([erratum.erratum(an_erratum(only="A-x"))]),
-    lambda: printed([erratum.erratum(an_erratum())]),
+    lambda: printed([erratum.describe_erratum(an_erratum(only="A-x"))]),
+    lambda: printed([erratum.describe_erratum(an_erratum())]),
 )
 case(
     "erratum_unknown",
-    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1", used="not known"))]),
-    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1"))]),
+    lambda: printed([erratum.describe_erratum(an_erratum(edition="before 1.1", used="not known"))]),
+    lambda: printed([erratum.describe_erratum(an_erratum(edition="before 1.1"))]),
 )
 case(
     "erratum_left_out",
-    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1", used="left out"))]),
-    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1"))]),
+    lambda: printed([erratum.describe_erratum(an_erratum(edition="before 1.1", used="left out"))]),
+    lambda: printed([erratum.describe_erratum(an_erratum(edition="before 1.1"))]),
 )
 case("severity_missing", lambda: errata_page(an_erratum(severity="omission")), lambda: errata_page(an_erratum()))
 case("severity_wording", lambda: errata_page(an_erratum(severity="wording")), lambda: errata_page(an_erratum()))

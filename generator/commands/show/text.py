@@ -428,7 +428,7 @@ def _errata_lines(device: Device) -> list[str]:
         if erratum.severity == "wording":
             wording_count += 1
             continue
-        heading, *details = PLAIN_STYLE.lines(say_errata.erratum(erratum, whole=True))
+        heading, *details = PLAIN_STYLE.lines(say_errata.describe_erratum(erratum, whole=True))
         lines += [wrapped(heading, WIDTH, prefix="    ", first="  "), *map(_indented_paragraph, details)]
     if wording_count:
         summary = f"and {wording_count} about wording only, listed by --json and the documentation"

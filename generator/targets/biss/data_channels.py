@@ -19,7 +19,7 @@ from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
 from ...plan.values import ActiveFlag, meaning_of
 from ...say import order_code as say_order_code
-from ...say.errata import errata, erratum
+from ...say.errata import describe_erratum, errata
 from ...say.layout import crc_parameters
 from ...say.names_and_places import field_at
 from ...say.order_code import initial
@@ -230,7 +230,7 @@ def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list
     paths = (f"interfaces.biss.{layout.name}", *dict.fromkeys(register_paths))
     indented_lines = []
     for frame_erratum in errata(device, *paths):
-        first_line, *further_lines = PLAIN_STYLE.lines(erratum(frame_erratum))
+        first_line, *further_lines = PLAIN_STYLE.lines(describe_erratum(frame_erratum))
         indented_lines.append(f"  {first_line}")
         indented_lines += [f"    {line}" for line in further_lines]
     return indented_lines

@@ -17,7 +17,7 @@ from ...order_codes.reduction import for_codes
 from ...plan.crcs import crc_functions
 from ...plan.frames import held_parameters
 from ...plan.values import TwosComplement
-from ...say.errata import errata, erratum
+from ...say.errata import describe_erratum, errata
 from ...say.evidence import grade, origin, other_editions, removals, titled_in_lists
 from ...say.order_code import initial
 from .. import TargetError
@@ -325,7 +325,7 @@ class DeviceView:
         return is_unprotected and not is_signed
 
     def errata(self, *paths: str) -> list[Paragraph]:
-        return [HEADER_STYLE.sentence(erratum(correction)) for correction in errata(self.device, *paths)]
+        return [HEADER_STYLE.sentence(describe_erratum(correction)) for correction in errata(self.device, *paths)]
 
 
 def _bank_selectors_first(device: Device) -> list[Register]:

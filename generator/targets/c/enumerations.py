@@ -22,7 +22,7 @@ from ...plan.verdicts import (
     reportings,
     reports_of,
 )
-from ...say.errata import errata, erratum
+from ...say.errata import describe_erratum, errata
 from ...say.names_and_places import printed, title, words
 from ...say.register import describe_meaning
 from ...say.report import alarm_of, alarm_source, remedy
@@ -191,7 +191,7 @@ class AlternativeCode:
             "Choose the answer for your encoder. No known source settles it, and there is no default.",
         ]
         for correction in errata(device, f"alternatives.{alternative.name}"):
-            about.append(HEADER_STYLE.sentence(erratum(correction)))
+            about.append(HEADER_STYLE.sentence(describe_erratum(correction)))
         self.enumeration = CEnumeration(
             type=self.type,
             about=about,

@@ -23,7 +23,7 @@ from ...model import (
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...plan.frames import FrameDispatch, RequestAndReply, SelectedFrame, dispatches, exchanges, reply_to_data_id
-from ...say.errata import errata, erratum
+from ...say.errata import describe_erratum, errata
 from ...say.names_and_places import title
 from ...say.order_code import control_field, describe_data_id, describe_exchange, describe_settings, describe_timing
 from ...say.order_code import describe_interface as say_interface
@@ -231,7 +231,7 @@ class InterfaceCode:
         errata_of_layouts = errata(self.device, *layout_paths)
         for correction in errata(self.device, path, *group_paths, without=layout_paths):
             if correction not in errata_of_layouts:
-                yield HEADER_STYLE.sentence(erratum(correction))
+                yield HEADER_STYLE.sentence(describe_erratum(correction))
 
     def _explain_receiving(self) -> Iterator[Paragraph]:
         """Yield one paragraph on how to send a request and receive its reply in bytes, if there are such replies."""

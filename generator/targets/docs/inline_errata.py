@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
+from ...say.errata import describe_erratum as erratum_statement
 from ...say.errata import errata
-from ...say.errata import erratum as erratum_statement
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, escape_html, link, link_list
 from ...say.text import sentence
 from . import fact_tables

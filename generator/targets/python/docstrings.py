@@ -25,7 +25,7 @@ from ...model.record import dataclass
 from ...say import commands, names_and_places
 from ...say import layout as say_layout
 from ...say import register as say_register
-from ...say.errata import errata, erratum
+from ...say.errata import describe_erratum, errata
 from ...say.evidence import grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title
 from ...say.order_code import describe_parameter
@@ -131,7 +131,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
 
 def of_errata(device: Device, *paths: str) -> list[Block]:
     """Return the errata for these parts of the spec. Errata about wording are only in the table."""
-    return paragraphs(map(erratum, errata(device, *paths)))
+    return paragraphs(map(describe_erratum, errata(device, *paths)))
 
 
 def paragraphs(statements: Iterable[Statement]) -> list[Block]:
@@ -177,7 +177,7 @@ def notes(device: Device, interface: Interface) -> list[list[str]]:
     """Return the errata of an interface that do not belong to a single layout, each as a list of lines."""
     path = f"interfaces.{interface.name}"
     interface_errata = errata(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
-    return [DOCSTRING_STYLE.lines(erratum(listed_erratum)) for listed_erratum in interface_errata]
+    return [DOCSTRING_STYLE.lines(describe_erratum(listed_erratum)) for listed_erratum in interface_errata]
 
 
 # -- order codes
