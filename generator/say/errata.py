@@ -253,7 +253,7 @@ def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
         yield label_of_used, f"{correction.used}"
 
 
-def question(alternative: Alternative) -> Statement:
+def describe_question(alternative: Alternative) -> Statement:
     """Return the question."""
     return statement(alternative.meaning, source=alternative.source)
 

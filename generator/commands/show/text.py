@@ -35,7 +35,7 @@ from ...say import register as say_field
 from ...say import register as say_measurement
 from ...say import register as say_register
 from ...say.errata import answer as say_answer
-from ...say.errata import needed_answers, question
+from ...say.errata import describe_question, needed_answers
 from ...say.evidence import grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
 from ...say.order_code import describe_spelling, not_on_label, open_values
@@ -176,7 +176,10 @@ def alternative_lines(device: Device) -> list[str]:
     for alternative in device.alternatives:
         lines.append(
             wrapped(
-                PLAIN_STYLE.sentence(question(alternative)), WIDTH, prefix="      ", first=f"  {alternative.name}: "
+                PLAIN_STYLE.sentence(describe_question(alternative)),
+                WIDTH,
+                prefix="      ",
+                first=f"  {alternative.name}: ",
             )
         )
         lines += [_indented_paragraph(PLAIN_STYLE.sentence(say_answer(answer))) for answer in alternative.answers]
