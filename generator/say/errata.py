@@ -258,7 +258,7 @@ def describe_question(alternative: Alternative) -> Statement:
     return statement(alternative.meaning, source=alternative.source)
 
 
-def answer(choice: Answer) -> Statement:
+def describe_answer(choice: Answer) -> Statement:
     """Return one answer, preceded by its name."""
     return statement(CodeText(choice.name), f": {choice.meaning}", source=choice.source)
 

@@ -34,7 +34,7 @@ from ...say import order_code as say_order_code
 from ...say import register as say_field
 from ...say import register as say_measurement
 from ...say import register as say_register
-from ...say.errata import answer as say_answer
+from ...say.errata import describe_answer as say_answer
 from ...say.errata import describe_question, needed_answers
 from ...say.evidence import grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
