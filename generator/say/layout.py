@@ -81,7 +81,7 @@ def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iter
     yield from join_groups(possible_lengths, " or ")
 
 
-def layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
+def describe_layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
     """Yield all statements about a frame that follow its head in running text."""
     yield from spec_text(frame.printed_name, label="In the manual")
     yield from facts(interface, frame)

@@ -556,7 +556,7 @@ def exchange_text(reply: str) -> str:
 
 def gaps_text(value: str) -> str:
     word = replace(interface_of("ssi").layouts[0], gaps=value)
-    return printed(layout.layout(tv62(), interface_of("ssi"), word))
+    return printed(layout.describe_layout(tv62(), interface_of("ssi"), word))
 
 
 def open_part(pattern: str) -> CodePart:

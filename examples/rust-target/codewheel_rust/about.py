@@ -39,7 +39,7 @@ def doc(statements: Iterable[Statement | str] | Statement, indent: int = 0, mark
 
 def frame_text(device: Device, interface: Interface, frame: Layout) -> list[Statement]:
     """Return the description of a frame."""
-    return [layout.head(interface, frame, title(frame)), *layout.layout(device, interface, frame)]
+    return [layout.head(interface, frame, title(frame)), *layout.describe_layout(device, interface, frame)]
 
 
 def register_text(device: Device, described: Register) -> list[Statement]:

@@ -161,7 +161,7 @@ def about_layout(device: Device, interface: Interface, struct: LayoutStruct) -> 
     errata = list(say_layout.errata_of(device, interface, frame_layout))
     head = say_layout.head(interface, frame_layout, CodeText(frame_layout.name), device.alternatives)
     paragraphs: list[Paragraph] = [HEADER_STYLE.sentence(head)]
-    for layout_statement in say_layout.layout(device, interface, frame_layout):
+    for layout_statement in say_layout.describe_layout(device, interface, frame_layout):
         if layout_statement not in statements_on_joins and layout_statement not in errata:
             paragraphs.append(HEADER_STYLE.sentence(layout_statement))
     return [*paragraphs, *table(struct), *map(HEADER_STYLE.sentence, errata)]

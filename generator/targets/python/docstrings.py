@@ -256,7 +256,7 @@ def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str,
     frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
     group_titles = [erratum.title for erratum in errata(device, *group_paths) if erratum not in frame_errata]
     further_errata = f"See also in ERRATA: {'; '.join(group_titles)}." if group_titles else ""
-    return summary, [*paragraphs(say_layout.layout(device, interface, frame)), further_errata]
+    return summary, [*paragraphs(say_layout.describe_layout(device, interface, frame)), further_errata]
 
 
 def of_register(device: Device, device_register: Register) -> tuple[str, list[Block]]:
