@@ -84,7 +84,7 @@ def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iter
 def describe_layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
     """Yield all statements about a frame that follow its head in running text."""
     yield from spec_text(frame.printed_name, label="In the manual")
-    yield from facts(interface, frame)
+    yield from describe_layout_facts(interface, frame)
     yield from needed_answers(device, frame)
     yield from spec_text(frame.note)
     yield from errata_of(device, interface, frame)
@@ -118,7 +118,7 @@ def _excess_number_or_parameter(layout: Layout) -> str | CodeText:
     return str(excess.constant) if excess.is_constant else CodeText(excess.render())
 
 
-def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
+def describe_layout_facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
     """Yield the selector of a frame, its Gray code, its gaps, its joined numbers and its combinations of values."""
     yield from carries(interface, layout)
     yield from _gray_code(layout)

@@ -122,7 +122,7 @@ def of_interface(device: Device, kind: str) -> Iterator[Statement]:
 
 def of_layout(device: Device, name: str) -> Iterator[Statement]:
     owner, chosen = next((interface, candidate) for interface, candidate in device.layouts() if candidate.name == name)
-    return layout.facts(owner, chosen)
+    return layout.describe_layout_facts(owner, chosen)
 
 
 Statements = Callable[[Device, str], Iterator[Statement]]

@@ -273,7 +273,7 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
     lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
     width_rows = [(name, ", ".join(widths)) for name, widths in widths_by_name.items()]
     lines += two_columns(width_rows, indent=4)
-    for statement in (*say_layout.facts(interface, layout), *needed_answers(device, layout)):
+    for statement in (*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)):
         lines.append(_indented_paragraph(PLAIN_STYLE.sentence(statement)))
     return lines
 
