@@ -131,7 +131,7 @@ def describe_layout_facts(interface: Interface, layout: Layout) -> Iterator[Stat
     # Each combination is also a sign, whose flag has the name of the combination. Other signs are of single fields.
     for sign in layout.signs:
         if sign.flag.name in combinations:
-            yield combination(layout, sign, combinations[sign.flag.name])
+            yield describe_combination(layout, sign, combinations[sign.flag.name])
 
 
 def _gray_code(layout: Layout) -> Iterator[Statement]:
@@ -153,7 +153,7 @@ def _gray_code(layout: Layout) -> Iterator[Statement]:
         yield statement(number_name, " is in Gray code")
 
 
-def combination(layout: Layout, sign: Sign, value_combination: Combination) -> Statement:
+def describe_combination(layout: Layout, sign: Sign, value_combination: Combination) -> Statement:
     """Return a statement such as ``While a is 1 and b is 0, the position is not usable: …``, with the meaning.
 
     ``sign`` has the values of the combination, ``{field name: value}`` as pairs. The remedy and the note follow.
