@@ -126,7 +126,7 @@ def describe_layout_facts(interface: Interface, layout: Layout) -> Iterator[Stat
         yield statement("A parity bit covers the bits as they are sent, before Gray code is converted")
     if layout.gaps:
         yield statement(f"Bits without a field are {layout.gaps}")
-    yield from joins(layout)
+    yield from describe_joins(layout)
     combinations = {value_combination.name: value_combination for value_combination in layout.combinations}
     # Each combination is also a sign, whose flag has the name of the combination. Other signs are of single fields.
     for sign in layout.signs:
@@ -188,7 +188,7 @@ def carries(interface: Interface, layout: Layout) -> Iterator[Statement]:
     yield statement("Its ", CodeText(layout.selector), " is ", *list_parts(selector_values, " or "))
 
 
-def joins(layout: Layout) -> Iterator[Statement]:
+def describe_joins(layout: Layout) -> Iterator[Statement]:
     """Yield the numbers that are joined from fields, without those that only are one field of the same name."""
     for joined_number in layout.joins:
         is_one_field = joined_number.fields == (joined_number.name,)

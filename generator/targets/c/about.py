@@ -157,7 +157,7 @@ def _format_power(exponent: int) -> str:
 def about_layout(device: Device, interface: Interface, struct: LayoutStruct) -> list[Paragraph]:
     """Return the purpose of the frame, the positions of its bits, and finally its errata, which few readers need."""
     frame_layout = struct.layout
-    statements_on_joins = list(say_layout.joins(frame_layout))  # The comments on their members contain them.
+    statements_on_joins = list(say_layout.describe_joins(frame_layout))  # The comments on their members contain them.
     errata = list(say_layout.errata_of(device, interface, frame_layout))
     head = say_layout.head(interface, frame_layout, CodeText(frame_layout.name), device.alternatives)
     paragraphs: list[Paragraph] = [HEADER_STYLE.sentence(head)]

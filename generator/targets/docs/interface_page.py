@@ -259,7 +259,7 @@ def _register_section(device: Device, register: Register) -> Section:
         "facts": say_register.describe_register_facts(device, register),
         "rows": [] if repeats_register else rows,
         "value_tables": [_value_table(field, len(fields) == 1) for field in fields if has_value_table(field)],
-        "joins": say_layout.joins(register.layout),
+        "joins": say_layout.describe_joins(register.layout),
         "placements": layout_tables.placement_table(device, register.layout, register.interface),
     }
 
