@@ -207,7 +207,7 @@ def as_one_number(parts: str) -> str:
     return f"{parts} as one number"
 
 
-def crc(device: Device, checksum: Crc) -> Iterator[Statement]:
+def describe_crc(device: Device, checksum: Crc) -> Iterator[Statement]:
     """Yield all statements about a CRC in order, for running text."""
     yield crc_head(device, checksum)
     yield from spec_text(checksum.note)

@@ -12,7 +12,7 @@ from codewheel.plan.description import describe
 from codewheel.plan.limits import Refusal, refusals
 from codewheel.plan.operations import Check, ConstantNumber, ParityOf, ReservedBits, ValueOfField
 from codewheel.render import Templates, tests_for
-from codewheel.say.layout import crc
+from codewheel.say.layout import describe_crc
 from codewheel.say.order_code import describe_parameter, order_code
 from codewheel.say.register import describe_value
 from codewheel.targets import Library, Option, Options, Target, TargetProblem
@@ -52,7 +52,15 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 
 
 _WORDS = (about.doc, about.markdown, names.pascal, names.snake, characters, crc_name)
-_TEXTS = (about.field_text, about.frame_text, about.register_text, crc, order_code, describe_parameter, describe_value)
+_TEXTS = (
+    about.field_text,
+    about.frame_text,
+    about.register_text,
+    describe_crc,
+    order_code,
+    describe_parameter,
+    describe_value,
+)
 TEMPLATES = Templates(
     Path(__file__).parent / "templates",
     values={"Cargo.toml.jinja": Crate, "lib.rs.jinja": Crate, "family.rs.jinja": Module},

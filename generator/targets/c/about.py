@@ -101,7 +101,7 @@ def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     """Return the comment on the function of a CRC: its argument, the facts of the CRC, and a special form."""
-    facts = list(map(HEADER_STYLE.sentence, say_crc.crc(device, function.crc)))
+    facts = list(map(HEADER_STYLE.sentence, say_crc.describe_crc(device, function.crc)))
     if function.carrier is CoveredData.BITS:
         return ["Return the CRC of bits. Bit 0 is the last one sent.", *facts]
     paragraphs: list[Paragraph] = ["Return the CRC of bytes in the order sent.", *facts]
@@ -115,14 +115,17 @@ def about_word_crc(device: Device, crc: Crc, folds: bool) -> list[Paragraph]:
     use = "The result is 0 if a received word is valid. With 0 in place of the CRC, it is the CRC to send."
     return [
         f"Compute CRC {crc.name} over a whole word. {use}",
-        *map(HEADER_STYLE.sentence, say_crc.crc(device, crc)),
+        *map(HEADER_STYLE.sentence, say_crc.describe_crc(device, crc)),
         _explain_derivation(crc) if folds else "",
     ]
 
 
 def about_bits_crc(device: Device, crc: Crc) -> list[Paragraph]:
     """Return the comment on the function that computes a CRC over the bits of a frame in bytes."""
-    return [f"Return CRC {crc.name} of a frame, bit by bit.", *map(HEADER_STYLE.sentence, say_crc.crc(device, crc))]
+    return [
+        f"Return CRC {crc.name} of a frame, bit by bit.",
+        *map(HEADER_STYLE.sentence, say_crc.describe_crc(device, crc)),
+    ]
 
 
 def _explain_derivation(crc: Crc) -> str:

@@ -292,7 +292,7 @@ def of_class(
 
 def of_crc(device: Device, device_crc: Crc) -> list[Block]:
     """Return the paragraphs of the function that computes a CRC."""
-    head, *more = paragraphs(say_layout.crc(device, device_crc))
+    head, *more = paragraphs(say_layout.describe_crc(device, device_crc))
     return [f"Compute the {head}", *more]
 
 
