@@ -44,10 +44,10 @@ def head(interface: Interface, layout: Layout, name: TextPart, alternatives: Seq
     """
     channel = f", data channel {layout.channel}" if layout.channel is not None else ""
     sender_text = f", sent by the {layout.sender} over {interface.title}{channel}: "
-    return statement(name, sender_text, *size(layout, alternatives), source=layout.source)
+    return statement(name, sender_text, *describe_size(layout, alternatives), source=layout.source)
 
 
-def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[TextPart, ...]:
+def describe_size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[TextPart, ...]:
     """Return the length and the transmission order of a frame as parts of a statement.
 
     For example ``25 bits, most significant first``, ``4 bytes, low byte first``, or ``45 bits in 6 bytes, …``.

@@ -232,7 +232,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, CodeText(layout.name), device.alternatives),
-        "size": MARKDOWN.phrase(statement(*say_layout.size(layout, device.alternatives))),
+        "size": MARKDOWN.phrase(statement(*say_layout.describe_size(layout, device.alternatives))),
         "facts": [*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),

@@ -32,7 +32,7 @@ from ...model.steps import has_steps, steps_of
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
-from ...say.layout import size
+from ...say.layout import describe_size
 from ...say.markdown import MARKDOWN, citation, code, escape, link
 from ...say.names_and_places import field_at, heading, hexadecimal, title
 from ...say.order_code import not_on_label, parameter_value
@@ -351,7 +351,7 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
     return {
         "title": title(layout),
         "name": layout.name,
-        "size": MARKDOWN.phrase(statement(*size(layout, code_group.device.alternatives))),
+        "size": MARKDOWN.phrase(statement(*describe_size(layout, code_group.device.alternatives))),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         # Widest screen that shows the narrow picture.
