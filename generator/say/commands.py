@@ -31,7 +31,7 @@ from ..model import (
 from ..model.record import dataclass
 from .errata import describe_erratum, errata
 from .names_and_places import heading, register_at, register_field
-from .names_and_places import register as reference_to_register
+from .names_and_places import register_reference as reference_to_register
 from .text import CodeText, Reference, Statement, TextPart, list_parts, microseconds, sentence, spec_text, statement
 
 

@@ -78,7 +78,7 @@ def full_title(named: HasOtherNames) -> str:
     return f"{own_title} ({'; '.join(other_names)})" if other_names else own_title
 
 
-def register(device: Device, name: str) -> Reference:
+def register_reference(device: Device, name: str) -> Reference:
     return Reference("register", name, title(device.register(name)))
 
 
@@ -86,7 +86,7 @@ def register_field(device: Device, path: str) -> Reference:
     """Return a reference to ``register.field``, or to the register if no field is given."""
     name, _, field = path.partition(".")
     if not field:
-        return register(device, name)
+        return register_reference(device, name)
     owner = device.register(name)
     return Reference("register", path, f"{title(owner.layout.field(field))} in {title(owner)}")
 

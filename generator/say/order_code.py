@@ -41,7 +41,7 @@ from ..model.expressions import Expression
 from ..model.order_codes import Restricted
 from .errata import describe_erratum, errata
 from .names_and_places import hexadecimal, printed, register_at, register_field, words
-from .names_and_places import register as reference_to_register
+from .names_and_places import register_reference as reference_to_register
 from .plain_text import counted, number
 from .register import describe_range, describe_value
 from .text import (

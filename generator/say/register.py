@@ -31,7 +31,7 @@ from ..model.expressions import Expression
 from .commands import remedied
 from .errata import describe_erratum, errata, needed_answers
 from .names_and_places import HasOtherNames, hexadecimal, own_names, printed, register_at, register_field
-from .names_and_places import register as reference_to_register
+from .names_and_places import register_reference as reference_to_register
 from .plain_text import formula
 from .text import (
     VERDICT_CLAUSES,
