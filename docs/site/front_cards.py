@@ -10,7 +10,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag, Layout, PlacedField, PlacedLayout, Variant, choices
 from codewheel.say.evidence import GRADES
 from codewheel.say.layout import box_colour
-from codewheel.say.names_and_places import words
+from codewheel.say.names_and_places import name_in_words
 
 #: Fields with fewer bits, or with a smaller part of the frame, have room for a letter only, which the caption explains.
 _TEXT, _PART = 3, 9
@@ -93,7 +93,7 @@ def _picture(device: Device, variant: Variant, placed: PlacedLayout) -> Iterator
 def _legend(placed: PlacedLayout) -> str:
     """Return the names of the fields that are drawn with a letter."""
     lettered = [field for field in _left_to_right(placed) if _is_narrow(placed, field)]
-    letters = [f"{_letter(field)} {words(field.name)}" for field in lettered]
+    letters = [f"{_letter(field)} {name_in_words(field.name)}" for field in lettered]
     return f" {', '.join(letters)}." if letters else ""
 
 
@@ -135,7 +135,7 @@ def _is_frame_of_bits(layout: Layout) -> bool:
 def _bits(placed: PlacedLayout) -> str:
     fields = _left_to_right(placed)
     spans = "".join(_span(placed, field) for field in fields)
-    spoken = ", ".join(f"{words(field.name)} {_places(field)}" for field in fields)
+    spoken = ", ".join(f"{name_in_words(field.name)} {_places(field)}" for field in fields)
     return f'<div class="bits" role="img" aria-label="{placed.bits} bits: {escape(spoken)}">{spans}</div>'
 
 
@@ -144,10 +144,10 @@ def _span(placed: PlacedLayout, field: PlacedField) -> str:
     kind = f"bits-{box_colour(field.field)}"
     if size == 1 or isinstance(field.field.kind, Flag):
         kind += " flag"
-    label = f"{escape(words(field.name))}<br>{_places(field)}"
+    label = f"{escape(name_in_words(field.name))}<br>{_places(field)}"
     if _is_narrow(placed, field):
         kind, label = f"{kind} narrow", _letter(field)
-    title = f"{words(field.name)}, {_places(field)}"
+    title = f"{name_in_words(field.name)}, {_places(field)}"
     return f'<span class="{kind}" style="flex-grow: {size}" title="{escape(title)}">{label}</span>'
 
 
@@ -162,7 +162,7 @@ def _size(field: PlacedField) -> int:
 
 
 def _letter(field: PlacedField) -> str:
-    return words(field.name)[0].upper()
+    return name_in_words(field.name)[0].upper()
 
 
 def _places(field: PlacedField) -> str:

@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Protocol
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Field, Layout, Variant
 from codewheel.say.evidence import GRADES
-from codewheel.say.names_and_places import addresses, hexadecimal, title, words
+from codewheel.say.names_and_places import addresses, hexadecimal, name_in_words, title
 from codewheel.targets.docs.order_code_page import OrderCodes
 from sphinx.application import Sphinx
 from sphinx.domains import Domain
@@ -105,7 +105,7 @@ def _field(field: Field, owner: str, anchor: str, interface: str) -> Iterator[Se
 
 def _entries_of(owner: _Nameable, description: str, anchor: str, interface: str = "") -> Iterator[SearchEntry]:
     """Yield an item by its name in the manual, its name in words, and its name in specs and code."""
-    for name in (getattr(owner, "printed_name", ""), words(owner.name)):
+    for name in (getattr(owner, "printed_name", ""), name_in_words(owner.name)):
         if name:
             # A point would split the name.
             yield SearchEntry(name.replace(".", " "), description, anchor, interface)

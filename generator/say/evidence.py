@@ -12,7 +12,7 @@ from functools import lru_cache
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest, Interface
 from .errata import describe_erratum
-from .names_and_places import words
+from .names_and_places import name_in_words
 from .text import CodeText, Reference, Statement, sentence, statement
 
 _MEANING = {
@@ -141,7 +141,7 @@ def removals(device: Device) -> Iterator[Statement]:
 
 def edition_test(revision: str, test: EditionTest) -> Statement:
     """Return the register test for an encoder older than an edition: the digits, their range, and the conclusion."""
-    register = Reference("register", test.register, words(test.register))
+    register = Reference("register", test.register, name_in_words(test.register))
     return statement(
         register,
         f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Any other value means that the encoder is "

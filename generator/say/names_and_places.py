@@ -43,14 +43,14 @@ class HasOtherNames(Titled, Protocol):
     def names(self) -> Mapping[str, str]: ...
 
 
-def words(name: str) -> str:
+def name_in_words(name: str) -> str:
     """Return a name as words in a sentence: ``encoder_id`` as ``encoder ID``."""
     return " ".join(_ACRONYMS.get(word, word) for word in name.split("_"))
 
 
 def heading(name: str) -> str:
     """Return a name as a heading: ``Encoder ID``."""
-    text = words(name)
+    text = name_in_words(name)
     return text[0].upper() + text[1:]
 
 

@@ -15,7 +15,7 @@ from ...reference import codec
 from ...reference.findings import Findings, FrameReport
 from ...say import report as say_report
 from ...say.evidence import origin, placeholders
-from ...say.names_and_places import words
+from ...say.names_and_places import name_in_words
 from ...say.order_code import not_on_label
 from ...say.plain_text import WIDTH, decimal
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
@@ -173,7 +173,7 @@ def label_differences(device: Device, code_match: LabelMatch) -> Iterator[str]:
 def _layout_line(placed_layout: PlacedLayout) -> str:
     """Return the line about a layout, such as ``Single cycle data, 45 bits, data channel 2``."""
     layout = placed_layout.layout
-    title = layout.printed_name or words(placed_layout.name)
+    title = layout.printed_name or name_in_words(placed_layout.name)
     if layout.in_bytes:
         length = counted(placed_layout.bits // 8, "byte")
     else:

@@ -17,7 +17,7 @@ from ...plan.values import (
     UnsignedNumber,
     ZeroMeans,
 )
-from ...say.names_and_places import words
+from ...say.names_and_places import name_in_words
 from .bits import digits
 from .names import (
     CCall,
@@ -382,7 +382,7 @@ def _constant_bytes(checks: Iterable[Check]) -> list[ConstantByte]:
     """Return the bytes with constant bits, in order, each with the mask and the value of all its constants."""
     constant_bytes: dict[int, ConstantByte] = {}
     for check in checks:
-        name = words(check.field.name)
+        name = name_in_words(check.field.name)
         match check:
             case ZerosAbove(beyond=pieces_beyond):
                 for piece in pieces_beyond:

@@ -23,7 +23,7 @@ from ...plan.verdicts import (
     reports_of,
 )
 from ...say.errata import describe_erratum, errata
-from ...say.names_and_places import printed, title, words
+from ...say.names_and_places import name_in_words, printed, title
 from ...say.register import describe_meaning
 from ...say.report import alarm_of, alarm_source, remedy
 from ...say.report import meaning as report_meaning
@@ -157,7 +157,7 @@ def _describe_constant(value: Value) -> str:
     # Omit a printed name of one word that the constant already has. Keep longer names, for readers who search for them.
     has_printed_name = printed(value).lower() == value.name
     statements = spec_text(value.meaning) if has_printed_name else describe_meaning(value, value.meaning)
-    return HEADER_STYLE.paragraph(replace(statement, source=value.source) for statement in statements) or words(
+    return HEADER_STYLE.paragraph(replace(statement, source=value.source) for statement in statements) or name_in_words(
         value.name
     )
 

@@ -35,7 +35,7 @@ from ...plan.values import (
     UnsignedNumber,
     meaning_of,
 )
-from ...say.names_and_places import title, words
+from ...say.names_and_places import name_in_words, title
 from ...say.text import VERDICT_CLAUSES
 from .chosen import Chosen, ExampleFrame, NoFrame
 from .codec import StructCodec
@@ -182,7 +182,7 @@ class ExampleCode:
 
     @property
     def title(self) -> str:
-        name = words(self.frame.layout.name)
+        name = name_in_words(self.frame.layout.name)
         return name[0].upper() + name[1:]
 
     @property

@@ -24,7 +24,7 @@ from ...plan.operations import Check, JoinedNumber
 from ...render import Templates, our_templates, tests_for
 from ...say.layout import join as say_join
 from ...say.markdown import escape as markdown_text
-from ...say.names_and_places import addresses, title, words
+from ...say.names_and_places import addresses, name_in_words, title
 from ...say.plain_text import plain
 from ...say.text import TITLE_STYLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
@@ -127,7 +127,7 @@ FILTERS: dict[str, Callable[..., object]] = {
     "digits_type": _digits_type,
     "hex": _format_hex,
     "in_lines": call_in_lines,
-    "in_words": words,
+    "in_words": name_in_words,
     "literals": literals,
     "mask": mask,
     "md": _format_markdown,

@@ -11,7 +11,7 @@ from ...model import Biss, Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict,
 from ...model.record import dataclass
 from ...plan.crcs import UndetectedErrors, residual_of
 from ...plan.verdicts import reportings
-from ...say.names_and_places import words
+from ...say.names_and_places import name_in_words
 from .. import main_manufacturer, manufacturers
 from .comments import ascii_text
 from .crc_code import CrcCode
@@ -131,7 +131,7 @@ def _frames_with_comparison(devices: tuple[Device, ...]) -> Iterator[str]:
         for interface in device.interfaces:
             frame = channel_frame(interface)
             if frame is not None and frame.compared:
-                names = " and ".join(words(layout.name) for layout in frame.layouts)
+                names = " and ".join(name_in_words(layout.name) for layout in frame.layouts)
                 yield f"{device.name.upper()} {interface.title}: {names}"
 
 
@@ -141,7 +141,7 @@ def _of_some_codes(layout: Layout) -> str:
 
 
 def _frame_name(device: Device, interface: str, layout: Layout) -> str:
-    return f"{device.name.upper()} {interface}: {words(layout.name)}"
+    return f"{device.name.upper()} {interface}: {name_in_words(layout.name)}"
 
 
 class ReceiverCode:

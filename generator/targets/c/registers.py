@@ -23,7 +23,7 @@ from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
 from ...plan.values import ActiveFlag, Latin1Text, OneOfNamedValues, UnsignedNumber, meaning_of
-from ...say.names_and_places import full_title, title, words
+from ...say.names_and_places import full_title, name_in_words, title
 from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
 from .codec import StructCodec
@@ -337,7 +337,7 @@ class RegisterCode:
         A limit that the manual does not give is left out.
         """
         limits = limits_of(self.device, self.register, meaning)
-        name_of_limited = self.register.limits_of if meaning is None else words(meaning.name)
+        name_of_limited = self.register.limits_of if meaning is None else name_in_words(meaning.name)
         stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
         macros: list[tuple[str, CExpression]] = []
         functions: list[CFunction] = []

@@ -14,7 +14,7 @@ from ...say import register as say_register
 from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
-from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses, title, words
+from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses, name_in_words, title
 from ...say.order_code import describe_settings, parameter_value
 from ...say.text import volts
 from .order_code_tables import order_codes
@@ -114,7 +114,7 @@ def _identity_rows(device: Device) -> Iterator[Row]:
     for register, field in device.identity:
         register_title = title(register)
         if len(register.layout.fields) > 1:
-            register_title += f", {words(field.name)}"
+            register_title += f", {name_in_words(field.name)}"
         yield (
             _family_link(device),
             link_to_register(device, register, addresses(register)),

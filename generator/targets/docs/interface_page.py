@@ -37,7 +37,7 @@ from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
-from ...say.names_and_places import HasOtherNames, addresses, title, words
+from ...say.names_and_places import HasOtherNames, addresses, name_in_words, title
 from ...say.order_code import PURPOSES, initial
 from ...say.register import describe_measurement, describe_position_range, own_ranges
 from ...say.text import CodeText, Statement, list_parts, statement, volts
@@ -221,7 +221,9 @@ def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
 
 def _group_title(field_group: FieldGroup) -> str:
     """Return our name, with the name used in the manual in parentheses."""
-    return words(field_group.name).capitalize() + (f" ({field_group.printed_name})" if field_group.printed_name else "")
+    return name_in_words(field_group.name).capitalize() + (
+        f" ({field_group.printed_name})" if field_group.printed_name else ""
+    )
 
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:

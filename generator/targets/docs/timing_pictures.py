@@ -15,7 +15,7 @@ from ...plan.codec import LayoutPlan, codec_of
 from ...plan.values import ActiveFlag, meaning_of
 from ...say.evidence import Topic, document, place_of_mention
 from ...say.layout import DATA, box_colour
-from ...say.names_and_places import words
+from ...say.names_and_places import name_in_words
 from ...say.order_code import REPLIES, bounds_with_codes, timeouts_with_codes, word_lengths
 from ...say.text import counted, microseconds
 from .layout_pictures import create_picture, draw_box, draw_text, number
@@ -231,13 +231,13 @@ def _data_boxes(codec: LayoutPlan, position_names: Container[str]) -> Iterator[t
         if field in codec.layout.crc_fields:
             yield "CRC", box_colour(field)
         elif isinstance(meaning_of(field), ActiveFlag):
-            yield words(field.name), box_colour(field)
+            yield name_in_words(field.name), box_colour(field)
         elif field.name in position_names:
             if not has_position:
                 yield "position", DATA
             has_position = True
         elif field.name not in codec.constants:
-            yield words(field.name), DATA
+            yield name_in_words(field.name), DATA
 
 
 def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:

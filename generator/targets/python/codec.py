@@ -24,7 +24,7 @@ from ...plan.values import (
     is_number,
     meaning_of,
 )
-from ...say.names_and_places import words
+from ...say.names_and_places import name_in_words
 from ...say.text import sentence
 from . import docstrings
 from .bits import BitsEncoder
@@ -394,7 +394,7 @@ class LayoutClass:
                 low, high = limit_expressions(self.context.scope, limits)
                 yield LimitsFunction(
                     name=meaning_limits(meaning),
-                    when=words(meaning.name),
+                    when=name_in_words(meaning.name),
                     low=low,
                     high=high,
                     takes_variant=limits_depend(limits),

@@ -10,7 +10,7 @@ from itertools import chain
 from ...model import Device, Field, Interface, Register, Spi, Value
 from ...model.record import dataclass
 from ...plan.frames import FrameDispatch, dispatches, identities
-from ...say.names_and_places import words
+from ...say.names_and_places import name_in_words
 from ...say.plain_text import plain
 from . import docstrings, facts
 from .bits import from_pieces
@@ -101,7 +101,7 @@ class FrameDispatcher:
     @property
     def selector_title(self) -> str:
         """Printed name of the selector."""
-        return plain(self.plan.selector.printed_name or words(self.plan.selector.name))
+        return plain(self.plan.selector.printed_name or name_in_words(self.plan.selector.name))
 
 
 @dataclass(frozen=True)
