@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Protocol
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Field, Layout, Variant
 from codewheel.say.evidence import GRADES
-from codewheel.say.names_and_places import addresses, hexadecimal, name_in_words, title
+from codewheel.say.names_and_places import addresses, hexadecimal, name_in_words, title_of
 from codewheel.targets.docs.order_code_page import OrderCodes
 from sphinx.application import Sphinx
 from sphinx.domains import Domain
@@ -47,7 +47,7 @@ def entries(device: Device) -> Iterator[SearchEntry]:
     """Yield everything in a family that has a name or an address, except order codes and fields."""
     for register in device.registers:
         anchor = f"register-{register.name}"
-        description = f"register {title(register)}, {addresses(register)}"
+        description = f"register {title_of(register)}, {addresses(register)}"
         yield from _entries_of(register, description, anchor, register.interface)
         for address in range(register.address, register.last_address + 1):
             for spelling in (hexadecimal(address), f"0x{address:02X}"):
@@ -79,10 +79,10 @@ def _parts(device: Device) -> Iterator[tuple[str, str, Sequence[_Nameable]]]:
 def field_entries(device: Device) -> Iterator[SearchEntry]:
     """Yield the fields of registers and frames, and the groups that frames share."""
     for register in device.registers:
-        owner, anchor = f"register {title(register)}", f"register-{register.name}"
+        owner, anchor = f"register {title_of(register)}", f"register-{register.name}"
         yield from _fields(device, register.layout, owner, anchor, register.interface)
     for interface, layout in device.layouts():
-        yield from _fields(device, layout, f"frame {title(layout)}", f"layout-{layout.name}", interface.name)
+        yield from _fields(device, layout, f"frame {title_of(layout)}", f"layout-{layout.name}", interface.name)
 
 
 def _fields(device: Device, layout: Layout, owner: str, anchor: str, interface: str) -> Iterator[SearchEntry]:
@@ -91,7 +91,7 @@ def _fields(device: Device, layout: Layout, owner: str, anchor: str, interface: 
         yield from _entries_of(groups[name], f"part of {owner}", f"group-{name}", interface)
     for field in layout.fields:
         if field.group:
-            yield from _field(field, title(groups[field.group]), f"group-{field.group}", interface)
+            yield from _field(field, title_of(groups[field.group]), f"group-{field.group}", interface)
         elif field.carries_data or field.printed_name:
             yield from _field(field, owner, anchor, interface)
 

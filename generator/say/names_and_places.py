@@ -54,7 +54,7 @@ def heading(name: str) -> str:
     return text[0].upper() + text[1:]
 
 
-def title(titled: Titled) -> str:
+def title_of(titled: Titled) -> str:
     """Return the name used in the manual, or our name if the manual gives none."""
     return titled.printed_name or heading(titled.name)
 
@@ -73,13 +73,13 @@ def own_names(named: HasOtherNames) -> str:
 
 def full_title(named: HasOtherNames) -> str:
     """Return the title, followed by the names used in other editions: ``Command (it: Comando)``."""
-    own_title = title(named)
+    own_title = title_of(named)
     other_names = [f"{language}: {name}" for language, name in named.names.items() if name != own_title]
     return f"{own_title} ({'; '.join(other_names)})" if other_names else own_title
 
 
 def register_reference(device: Device, name: str) -> Reference:
-    return Reference("register", name, title(device.register(name)))
+    return Reference("register", name, title_of(device.register(name)))
 
 
 def register_field(device: Device, path: str) -> Reference:
@@ -88,7 +88,7 @@ def register_field(device: Device, path: str) -> Reference:
     if not field:
         return register_reference(device, name)
     owner = device.register(name)
-    return Reference("register", path, f"{title(owner.layout.field(field))} in {title(owner)}")
+    return Reference("register", path, f"{title_of(owner.layout.field(field))} in {title_of(owner)}")
 
 
 def only(codes: str) -> Iterator[Statement]:

@@ -15,7 +15,7 @@ from ..model import (
 )
 from .commands import remedied, with_steps
 from .errata import describe_erratum, errata
-from .names_and_places import only, register_field, title
+from .names_and_places import only, register_field, title_of
 from .register import short_number
 from .text import (
     CodeText,
@@ -43,7 +43,7 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     if device_alarm.group:
         group = member_named(device.field_groups, device_alarm.group, "field group")
         yield statement(
-            CodeText(device_alarm.field), " in ", Reference("group", group.name, title(group)), label="Flag"
+            CodeText(device_alarm.field), " in ", Reference("group", group.name, title_of(group)), label="Flag"
         )
     elif device_alarm.register:
         # Without a field, the whole register is the flag.

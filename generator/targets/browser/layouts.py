@@ -44,7 +44,7 @@ from ...plan.operations import (
 )
 from ...plan.verdicts import ReportCause, ReportsAndVerdict, codes_with_explanation
 from ...say.layout import box_colour
-from ...say.names_and_places import register_at, title
+from ...say.names_and_places import register_at, title_of
 from ...say.register import describe_register_facts
 from ...say.report import alarm_of, alarm_source, flag_state_meanings, meaning, of_older_edition, remedy
 from ...say.text import PLAIN_STYLE, spec_text
@@ -178,7 +178,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
     flags = (*layout.fields, *(sign.flag for sign in layout.signs))
     flag_names = [flag.name for flag in flags]
     return _layout_data(device, codec, description) | without_empty(
-        title=title(layout),
+        title=title_of(layout),
         source=cite(layout.source),
         sender=layout.sender,
         channel=layout.channel,
@@ -204,7 +204,7 @@ def register_data(device: Device, register: Register) -> Data:
             alarm_reports.append(_alarm_report_data(field, alarm))
     codec = codec_of(device, register.layout)
     return _layout_data(device, codec, describe(codec)) | without_empty(
-        title=title(register),
+        title=title_of(register),
         source=cite(register.source),
         place=register_at(register),
         length=register.length,

@@ -38,7 +38,7 @@ from ...say import order_code as say_parameter
 from ...say import register as say_field
 from ...say import register as say_register
 from ...say import report as say_report
-from ...say.names_and_places import addresses, bit_range, field_place, full_title, register_field, title
+from ...say.names_and_places import addresses, bit_range, field_place, full_title, register_field, title_of
 from ...say.text import CodeText, Statement, counted, list_parts, statement
 from .comments import HEADER_STYLE, Paragraph
 from .order_codes import unknown_parts
@@ -96,7 +96,7 @@ def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
 
 
 def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
-    return _paragraphs_with_heading(title(alarm), say_report.describe_alarm(device, alarm))
+    return _paragraphs_with_heading(title_of(alarm), say_report.describe_alarm(device, alarm))
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
@@ -181,7 +181,7 @@ def about_member(struct: LayoutStruct, member: Field) -> str:
     about = HEADER_STYLE.paragraph(statement for statement in statements if statement not in shown_statements)
     # A string in C ends with a zero byte, the array of the struct does not.
     ending = "No terminator." if isinstance(meaning_of(member), Latin1Text) else ""
-    return " ".join(filter(None, (about or f"{title(member)}.", ending)))
+    return " ".join(filter(None, (about or f"{title_of(member)}.", ending)))
 
 
 def about_unused(struct: LayoutStruct) -> str:
@@ -257,14 +257,14 @@ def about_access(device: Device, register: Register, writes: bool, read_state: s
     """
     has_wait = writes and register.wait_at_least_ms is not None
     wait = f", then wait {register.wait_at_least_ms} ms" if has_wait else ""
-    register_title = title(register)
+    register_title = title_of(register)
     ends_with_kind = register_title.lower().endswith(("register", "registers"))
     kind = "" if ends_with_kind else " register"
     verb = "Write" if writes else "Read"
     yield f"{verb} the {register_title}{kind} ({addresses(register)}){wait}."
     selector = device.bank_selector(register)
     if selector:
-        yield f"It first writes to {title(device.register(selector))} to select bank {register.bank}."
+        yield f"It first writes to {title_of(device.register(selector))} to select bank {register.bank}."
     elif register.bank is not None:
         yield f"Select bank {register.bank} before you call this function."
     if writes and read_state:
@@ -313,7 +313,7 @@ def note_of_step(device: Device, operation: PlannedStep) -> str:
         case VerifyWrite():
             return f"{_register_place(device, operation)}: read back, in addition to the steps of the manual"
         case ReadRegister() | PollRegister():
-            return ": ".join(filter(None, (title(operation.field or operation.register), meaning)))
+            return ": ".join(filter(None, (title_of(operation.field or operation.register), meaning)))
         case _:
             assert_never(operation)
 

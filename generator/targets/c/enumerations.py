@@ -23,7 +23,7 @@ from ...plan.verdicts import (
     reports_of,
 )
 from ...say.errata import describe_erratum, errata
-from ...say.names_and_places import name_in_words, printed, title
+from ...say.names_and_places import name_in_words, printed, title_of
 from ...say.register import describe_meaning
 from ...say.report import alarm_of, alarm_source, remedy
 from ...say.report import meaning as report_meaning
@@ -107,7 +107,7 @@ class Enumerations:
             for field in register.layout.fields:
                 if isinstance(meaning_of(field), OneOfNamedValues):
                     # The title of a register whose only field it is.
-                    sole = title(register) if len(register.layout.fields) == 1 else ""
+                    sole = title_of(register) if len(register.layout.fields) == 1 else ""
                     self._add_enumeration(f"reg_{register.name}", field, ("registers", register.name), sole=sole)
 
     def of(self, *path: str) -> list[CEnumeration]:
@@ -138,7 +138,7 @@ class Enumerations:
         statements = () if sole else tuple(describe_meaning(field, field.meaning))
         enumeration = CEnumeration(
             type=type_,
-            about=HEADER_STYLE.paragraph(statements) or f"Values of {sole or title(field)}.",
+            about=HEADER_STYLE.paragraph(statements) or f"Values of {sole or title_of(field)}.",
             statements=statements,
             entries=tuple(
                 Entry(f"{type_}_{value.name}".upper(), value.value, _describe_constant(value)) for value in field.values
@@ -445,7 +445,9 @@ def _report_note(device: Device, report: NumberedReport) -> str:
     """Return the comment on a report: the title of its field, ``unused`` if it has no use, and the source."""
     field = report.field
     unused = ", unused" if report.is_unused else ""
-    return HEADER_STYLE.sentence(statement(title(field), unused, source=alarm_source(field, alarm_of(device, field))))
+    return HEADER_STYLE.sentence(
+        statement(title_of(field), unused, source=alarm_source(field, alarm_of(device, field)))
+    )
 
 
 def _express_condition(scope: ParameterSpelling, parameter_condition: CodeCondition) -> CExpression:

@@ -35,7 +35,7 @@ from ...plan.values import (
     UnsignedNumber,
     meaning_of,
 )
-from ...say.names_and_places import name_in_words, title
+from ...say.names_and_places import name_in_words, title_of
 from ...say.text import VERDICT_CLAUSES
 from .chosen import Chosen, ExampleFrame, NoFrame
 from .codec import StructCodec
@@ -389,7 +389,7 @@ class ExampleCode:
         candidates = (code for code in self.view.registers if code.register is register)
         code = first_of(candidates, f"code for the register '{register.name}'")
         return ShownRegister(
-            title=f"{ascii_text(title(register))} {register.address:02X}h",
+            title=f"{ascii_text(title_of(register))} {register.address:02X}h",
             name=c_name(register.name, _TAKEN),
             about=f"a worked example [{cite(example.source)}]",
             access=code.access,
@@ -406,9 +406,9 @@ class ExampleCode:
         for register, example in registers_and_examples:
             if register.name in written_names:
                 factory_default = register.default_bytes() or bytes(register.length)
-                yield Memory(register.address, factory_default, f"{title(register)}, factory default")
+                yield Memory(register.address, factory_default, f"{title_of(register)}, factory default")
             else:
-                yield Memory(register.address, example.bytes, title(register))
+                yield Memory(register.address, example.bytes, title_of(register))
 
     def printed(self, part: FieldToDecode, variable: str) -> Iterator[PrintedMember]:
         """Yield the members of a part of the struct ``variable`` as ``printf`` shows them. Runs of digits are extra."""
@@ -446,7 +446,7 @@ def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:
 
 def _value_meanings(values: Iterable[Value]) -> str:
     """Return the meanings of the values, such as ``0 off, 1 on``, or an empty string if the line would be too long."""
-    meanings = ", ".join(f"{value.value} {ascii_text(title(value))}" for value in values)
+    meanings = ", ".join(f"{value.value} {ascii_text(title_of(value))}" for value in values)
     return meanings if len(meanings) <= _LONGEST_EXPLANATION else ""
 
 

@@ -24,7 +24,7 @@ from ...plan.operations import Check, JoinedNumber
 from ...render import Templates, our_templates, tests_for
 from ...say.layout import join as say_join
 from ...say.markdown import escape as markdown_text
-from ...say.names_and_places import addresses, name_in_words, title
+from ...say.names_and_places import addresses, name_in_words, title_of
 from ...say.plain_text import plain
 from ...say.text import TITLE_STYLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
@@ -137,7 +137,7 @@ FILTERS: dict[str, Callable[..., object]] = {
     "place": place_of_field,
     "string": string,
     "text": in_comment,
-    "title": title,
+    "title": title_of,
     "type": unsigned,
 }
 

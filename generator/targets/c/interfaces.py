@@ -24,7 +24,7 @@ from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...plan.frames import FrameDispatch, RequestAndReply, SelectedFrame, dispatches, exchanges, reply_to_data_id
 from ...say.errata import describe_erratum, errata
-from ...say.names_and_places import title
+from ...say.names_and_places import title_of
 from ...say.order_code import control_field, describe_data_id, describe_exchange, describe_settings, describe_timing
 from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement
@@ -313,7 +313,9 @@ class InterfaceCode:
             yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, about=control_field(field))
             for value in field.values:
                 name = f"CONTROL_{field.name}_{value.name}"
-                yield self._define_macro(name, value.value, about=f"{title(field)}: {title(value)}", hexadecimal=True)
+                yield self._define_macro(
+                    name, value.value, about=f"{title_of(field)}: {title_of(value)}", hexadecimal=True
+                )
 
     def _yield_timeout_macros(self, timeout: Timeout, statement: Statement) -> Iterator[CMacro]:
         """Yield the typical and the longest time-out. The first macro carries the comment on all of them.

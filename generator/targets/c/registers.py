@@ -23,7 +23,7 @@ from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
 from ...plan.values import ActiveFlag, Latin1Text, OneOfNamedValues, UnsignedNumber, meaning_of
-from ...say.names_and_places import full_title, name_in_words, title
+from ...say.names_and_places import full_title, name_in_words, title_of
 from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
 from .codec import StructCodec
@@ -326,7 +326,7 @@ class RegisterCode:
                 yield ExplainingBits(
                     name=f"{self.stem}_{field.name}_IN_{register_name}".upper(),
                     bits=mask,
-                    register=title(self.device.register(register_name)),
+                    register=title_of(self.device.register(register_name)),
                 )
 
     # -- limits

@@ -12,7 +12,7 @@ from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant,
 from ...model.record import dataclass
 from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
 from ...plan.values import UnsignedNumber, ZeroMeans, parameters_in_measurement, widest_value
-from ...say.names_and_places import title
+from ...say.names_and_places import title_of
 from ...say.order_code import initial, timeouts_with_codes
 from ...say.text import hertz, nanoseconds
 from .. import TargetError
@@ -140,7 +140,7 @@ class VariantUpdater:
         register = register_parameters.register
         self.name = f"{context.prefix}_take_{register.name}"
         parameter_names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
-        self.about = f"Update {parameter_names} in a variant from the content of the {title(register)} register."
+        self.about = f"Update {parameter_names} in a variant from the content of the {title_of(register)} register."
         self.values = tuple(HeldValue(context, parameter) for parameter in register_parameters.parameters)
         self.switches = tuple(_yield_switches(self.values))
         #: Locals that the bits are read into: type, name and initial value.

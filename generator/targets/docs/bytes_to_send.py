@@ -33,7 +33,7 @@ from ...say.commands import Commands, commands_over
 from ...say.evidence import document
 from ...say.layout import name_as_words
 from ...say.markdown import code, escape, join_filled, link
-from ...say.names_and_places import addresses, bits, title
+from ...say.names_and_places import addresses, bits, title_of
 from ...say.order_code import PURPOSES, word_lengths
 from ...say.text import counted, microseconds
 
@@ -68,7 +68,7 @@ def sending_section(
     )
     facts = list(introduction)
     input_links = [
-        link(escape(title(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs
+        link(escape(title_of(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs
     ]
     if input_links:
         facts.append(f"Inputs: {', '.join(input_links)}.")
@@ -140,7 +140,7 @@ def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[st
     for register in possible_commands.registers:
         command_names: list[str] = []
         for field in register.layout.fields:
-            command_names += [code(title(command)) for command in field.values]
+            command_names += [code(title_of(command)) for command in field.values]
         yield f"Write a command to {_register_link(register)}: {', '.join(command_names)}."
     if possible_commands.settings:
         subject = "Other registers" if possible_commands.registers else "Registers"
@@ -149,7 +149,7 @@ def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[st
 
 
 def _register_link(register: Register) -> str:
-    return link(f"{addresses(register)} {escape(title(register))}", f"#register-{register.name}")
+    return link(f"{addresses(register)} {escape(title_of(register))}", f"#register-{register.name}")
 
 
 def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -> Iterator[str]:

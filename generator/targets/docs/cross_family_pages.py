@@ -14,7 +14,7 @@ from ...say import register as say_register
 from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
-from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses, name_in_words, title
+from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses, name_in_words, title_of
 from ...say.order_code import describe_settings, parameter_value
 from ...say.text import volts
 from .order_code_tables import order_codes
@@ -112,7 +112,7 @@ def _identity_rows(device: Device) -> Iterator[Row]:
     Their content is the same for the whole family, or the order code determines it.
     """
     for register, field in device.identity:
-        register_title = title(register)
+        register_title = title_of(register)
         if len(register.layout.fields) > 1:
             register_title += f", {name_in_words(field.name)}"
         yield (
@@ -217,7 +217,7 @@ def _byte_order_rows(device: Device) -> Iterator[Row]:
 
 
 def _register_link(device: Device, register: Register) -> str:
-    return link_to_register(device, register, f"{addresses(register)} {escape(title(register))}")
+    return link_to_register(device, register, f"{addresses(register)} {escape(title_of(register))}")
 
 
 def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
@@ -289,13 +289,13 @@ def _alarms_with_interfaces(device: Device) -> list[tuple[Alarm, Device, Interfa
 
 def _title_and_family(explained_alarm: tuple[Alarm, Device, Interface]) -> tuple[str, str]:
     alarm, device, _ = explained_alarm
-    return title(alarm).casefold(), device.name
+    return title_of(alarm).casefold(), device.name
 
 
 def _alarm_row(alarm: Alarm, device: Device, interface: Interface) -> Row:
     """Return a row of alarm, family, meaning, remedy, order codes that have it, source."""
     return (
-        link_to_alarm(device, interface, alarm, escape(title(alarm))),
+        link_to_alarm(device, interface, alarm, escape(title_of(alarm))),
         _family_link(device),
         escape(alarm.meaning) if alarm.implemented else "not implemented in this encoder",
         join_filled([escape(alarm.remedy), *links_to_steps(f"{device.name}/", alarm.by_hand)]),

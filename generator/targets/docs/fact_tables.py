@@ -34,7 +34,7 @@ from ...say.commands import describe_step, read_back
 from ...say.errata import changed, errata
 from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_filled, link
-from ...say.names_and_places import Titled, addresses, heading, hexadecimal, title
+from ...say.names_and_places import Titled, addresses, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
 from ...say.plain_text import counted, number, quantity
 from ...say.register import describe_value
@@ -252,7 +252,7 @@ Row = tuple[str, ...]
 
 def title_cell(titled_part: Titled) -> str:
     """Return a title in words, with the identifier for programmers in small type."""
-    return f"{escape(title(titled_part))} <small>{code(titled_part.name)}</small>"
+    return f"{escape(title_of(titled_part))} <small>{code(titled_part.name)}</small>"
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
@@ -311,7 +311,7 @@ def register_rows(device: Device) -> Iterator[Row]:
     for register in device.registers:
         default_bytes = register.default_bytes()
         default = f", default {code(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
-        register_link = link(escape(title(register)), f"#register-{register.name}")
+        register_link = link(escape(title_of(register)), f"#register-{register.name}")
         bank = "" if register.bank is None else f"{register.bank}"
         about = (
             f"{register_link} <small>{code(register.name)}</small> {say_register.describe_access(register)}{default}"

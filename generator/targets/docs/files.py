@@ -11,7 +11,7 @@ from ...model import Device
 from ...render import Templates, our_templates
 from ...say import markdown
 from ...say.markdown import escape, link
-from ...say.names_and_places import addresses, heading, title
+from ...say.names_and_places import addresses, heading, title_of
 from ...say.text import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from ..registry import licence_in
@@ -259,7 +259,7 @@ TEMPLATES = Templates(
         "cited_html": markdown.cited_html,
         "anchor": markdown.anchor,
         "sentence": sentence,
-        "titled": title,
+        "titled": title_of,
         "heading": heading,
         "addresses": addresses,
         "said": markdown.MARKDOWN.sentence,

@@ -37,7 +37,7 @@ from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
-from ...say.names_and_places import HasOtherNames, addresses, name_in_words, title
+from ...say.names_and_places import HasOtherNames, addresses, name_in_words, title_of
 from ...say.order_code import PURPOSES, initial
 from ...say.register import describe_measurement, describe_position_range, own_ranges
 from ...say.text import CodeText, Statement, list_parts, statement, volts
@@ -99,14 +99,14 @@ def page_sections(device: Device) -> Sections:
 
 
 def _alarm_section(device: Device, device_alarm: Alarm) -> Section:
-    return {"alarm": device_alarm, "title": title(device_alarm), "facts": report.alarm_facts(device, device_alarm)}
+    return {"alarm": device_alarm, "title": title_of(device_alarm), "facts": report.alarm_facts(device, device_alarm)}
 
 
 def _input_section(device: Device, device_input: Input) -> Section:
     """Return an input with its title and its facts."""
     return {
         "input": device_input,
-        "title": title(device_input),
+        "title": title_of(device_input),
         "facts": hardware_input.input_facts(device, device_input),
     }
 
@@ -255,7 +255,7 @@ def _register_section(device: Device, register: Register) -> Section:
     repeats_register = is_single_number and not meaning_cell and not source_cell
     return {
         "register": register,
-        "title": title(register),
+        "title": title_of(register),
         "access": say_register.describe_access(register),
         "head": say_register.head(device, register, CodeText(register.name)),
         "facts": say_register.describe_register_facts(device, register),
@@ -434,7 +434,7 @@ def _name_rows(device: Device) -> Iterator[Row]:
     """Yield rows of name, printed name, language, name in that language if it differs from the printed name."""
     for named_part in _parts_with_names(device):
         for language, name_in_language in named_part.names.items():
-            if name_in_language != title(named_part):
+            if name_in_language != title_of(named_part):
                 yield (
                     code(named_part.name),
                     escape(named_part.printed_name),

@@ -34,7 +34,7 @@ from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
 from ...say.layout import describe_size
 from ...say.markdown import MARKDOWN, citation, code, escape, link
-from ...say.names_and_places import field_at, heading, hexadecimal, title
+from ...say.names_and_places import field_at, heading, hexadecimal, title_of
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import counted, with_unit
 from ...say.register import describe_measurement, describe_position_range, own_ranges
@@ -349,7 +349,7 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
     family_layout = member_named(layouts_of_family, layout.name, "layout")
     verdict_head, verdict_rows = verdict_table(code_group.family, code_group.device, family_layout, variant)
     return {
-        "title": title(layout),
+        "title": title_of(layout),
         "name": layout.name,
         "size": MARKDOWN.phrase(statement(*describe_size(layout, code_group.device.alternatives))),
         "wide": pictures[f"wide-{layout.name}"],

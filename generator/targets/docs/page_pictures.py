@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from ...model import Connector, Contact, Device, Layout, Register
 from ...model.record import dataclass
-from ...say.names_and_places import Titled, title
+from ...say.names_and_places import Titled, title_of
 from ..palette import palette
 from . import layout_tables
 from .layout_pictures import (
@@ -154,7 +154,7 @@ def pictures_of_order_codes(family_device: Device, narrowed_family: Device, page
             pictures[f"wide-{layout.name}"] = Picture(
                 name=f"{page}-{layout.name}-wide.svg",
                 text=text_alternative(stacks),
-                svg=wide_picture(title(layout), shapes),
+                svg=wide_picture(title_of(layout), shapes),
             )
     for register in narrowed_family.registers:
         differs = len(layout_tables.register_stacks(family_device, register)) > 1
@@ -173,7 +173,7 @@ def _register_key(register: Register) -> str:
 
 
 def _draw_picture(name: str, titled: Titled, stacks: Sequence[Stack]) -> Picture:
-    return Picture(name, text_alternative(stacks), stacks_picture(title(titled), stacks))
+    return Picture(name, text_alternative(stacks), stacks_picture(title_of(titled), stacks))
 
 
 def _without_only_caption(stacks: Sequence[Stack]) -> list[Stack]:

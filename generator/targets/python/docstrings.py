@@ -27,7 +27,7 @@ from ...say import layout as say_layout
 from ...say import register as say_register
 from ...say.errata import describe_erratum, errata
 from ...say.evidence import grade, origin, other_editions, removals
-from ...say.names_and_places import full_title, heading, title
+from ...say.names_and_places import full_title, heading, title_of
 from ...say.order_code import describe_parameter
 from ...say.plain_text import counted, plain, wrapped
 from ...say.text import DOCSTRING_STYLE, Statement, sentence, spec_text, statement
@@ -322,7 +322,7 @@ def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
         *say_register.rules(device, data_field),
         *spec_text(data_field.note),
     ]
-    return DOCSTRING_STYLE.paragraph(statements) or sentence(title(data_field))
+    return DOCSTRING_STYLE.paragraph(statements) or sentence(title_of(data_field))
 
 
 #: Description of the member for unused bits.
