@@ -59,7 +59,7 @@ def title_of(titled: Titled) -> str:
     return titled.printed_name or heading(titled.name)
 
 
-def printed(named: HasOtherNames) -> str:
+def printed_name_of(named: HasOtherNames) -> str:
     """Return the name used in any edition of the manual, or an empty string."""
     return named.printed_name or ", ".join(named.names.values())
 

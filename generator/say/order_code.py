@@ -40,7 +40,7 @@ from ..model import (
 from ..model.expressions import Expression
 from ..model.order_codes import Restricted
 from .errata import describe_erratum, errata
-from .names_and_places import hexadecimal, name_in_words, printed, register_at, register_field
+from .names_and_places import hexadecimal, name_in_words, printed_name_of, register_at, register_field
 from .names_and_places import register_reference as reference_to_register
 from .plain_text import counted, number
 from .register import describe_range, describe_value
@@ -430,7 +430,7 @@ def control_field(bits_field: ControlField) -> Statement:
     if bits_field.meaning:
         width_and_meaning += f": {bits_field.meaning}"
     parts_of_values = [describe_value(named_value, bits_field.bits).parts for named_value in bits_field.values]
-    label = printed(bits_field) or name_in_words(bits_field.name)
+    label = printed_name_of(bits_field) or name_in_words(bits_field.name)
     return statement(
         *join_groups([(width_and_meaning,), *parts_of_values], "; "), label=label, source=bits_field.source
     )

@@ -30,7 +30,7 @@ from ..model import (
 from ..model.expressions import Expression
 from .commands import remedied
 from .errata import describe_erratum, errata, needed_answers
-from .names_and_places import HasOtherNames, hexadecimal, own_names, printed, register_at, register_field
+from .names_and_places import HasOtherNames, hexadecimal, own_names, printed_name_of, register_at, register_field
 from .names_and_places import register_reference as reference_to_register
 from .plain_text import formula
 from .text import (
@@ -205,7 +205,7 @@ def describe_field(device: Device, frame_field: Field) -> Iterator[Statement]:
 
 def describe_meaning(named_item: HasOtherNames, text: str) -> Iterator[Statement]:
     """Yield the meaning ``text``, labelled with the manual's name of a part, or the name alone if it is empty."""
-    manual_name = printed(named_item)
+    manual_name = printed_name_of(named_item)
     if text:
         yield statement(text, label=manual_name)
     elif manual_name:

@@ -23,7 +23,7 @@ from ...plan.verdicts import (
     reports_of,
 )
 from ...say.errata import describe_erratum, errata
-from ...say.names_and_places import name_in_words, printed, title_of
+from ...say.names_and_places import name_in_words, printed_name_of, title_of
 from ...say.register import describe_meaning
 from ...say.report import alarm_of, alarm_source, remedy
 from ...say.report import meaning as report_meaning
@@ -155,7 +155,7 @@ class Enumerations:
 def _describe_constant(value: Value) -> str:
     """Return the comment on a constant: the meaning of the value with its source, or else its name in words."""
     # Omit a printed name of one word that the constant already has. Keep longer names, for readers who search for them.
-    has_printed_name = printed(value).lower() == value.name
+    has_printed_name = printed_name_of(value).lower() == value.name
     statements = spec_text(value.meaning) if has_printed_name else describe_meaning(value, value.meaning)
     return HEADER_STYLE.paragraph(replace(statement, source=value.source) for statement in statements) or name_in_words(
         value.name
