@@ -91,7 +91,7 @@ def register_field(device: Device, path: str) -> Reference:
     return Reference("register", path, f"{title_of(owner.layout.field(field))} in {title_of(owner)}")
 
 
-def only(codes: str) -> Iterator[Statement]:
+def order_codes_text(codes: str) -> Iterator[Statement]:
     """Yield the order codes, unless the item applies to all of them."""
     if codes:
         yield statement("Only with ", CodeText(codes))

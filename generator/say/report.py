@@ -15,7 +15,7 @@ from ..model import (
 )
 from .commands import remedied, with_steps
 from .errata import describe_erratum, errata
-from .names_and_places import only, register_field, title_of
+from .names_and_places import order_codes_text, register_field, title_of
 from .register import short_number
 from .text import (
     CodeText,
@@ -59,7 +59,7 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     elif device_alarm.latch is False:
         yield statement("Clears itself when its cause is gone")
     yield from remedied(device_alarm.remedy, device_alarm.by_hand)
-    yield from only(device_alarm.only)
+    yield from order_codes_text(device_alarm.only)
     if device_alarm.cleared_by:
         procedures = [Reference("procedure", name, name) for name in device_alarm.cleared_by]
         yield statement(*list_parts(procedures, " or "), label="Cleared by")

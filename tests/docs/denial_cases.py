@@ -488,7 +488,11 @@ case(
 case("one_slave", lambda: network_text(False), lambda: network_text(True))
 case("no_reply", lambda: exchange_text(""), lambda: exchange_text("answer"))
 case("gaps", lambda: gaps_text("zero"), lambda: gaps_text(""))
-case("only", lambda: printed(names_and_places.only("A-x")), lambda: printed(names_and_places.only("")))
+case(
+    "only",
+    lambda: printed(names_and_places.order_codes_text("A-x")),
+    lambda: printed(names_and_places.order_codes_text("")),
+)
 case(
     "only_timing",
     lambda: PLAIN_STYLE.sentence(timing.describe_timing(a_timing("Pause", "A-x"))),
