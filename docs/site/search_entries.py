@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Protocol
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Field, Layout, Variant
 from codewheel.say.evidence import GRADES
-from codewheel.say.names_and_places import addresses, hexadecimal, name_in_words, title_of
+from codewheel.say.names_and_places import addresses_text, hexadecimal, name_in_words, title_of
 from codewheel.targets.docs.order_code_page import OrderCodes
 from sphinx.application import Sphinx
 from sphinx.domains import Domain
@@ -47,7 +47,7 @@ def entries(device: Device) -> Iterator[SearchEntry]:
     """Yield everything in a family that has a name or an address, except order codes and fields."""
     for register in device.registers:
         anchor = f"register-{register.name}"
-        description = f"register {title_of(register)}, {addresses(register)}"
+        description = f"register {title_of(register)}, {addresses_text(register)}"
         yield from _entries_of(register, description, anchor, register.interface)
         for address in range(register.address, register.last_address + 1):
             for spelling in (hexadecimal(address), f"0x{address:02X}"):

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 
 from ..model import Alternative, Device, Measurement, PlacedLayout, Variant
-from ..say.names_and_places import addresses
+from ..say.names_and_places import addresses_text
 from ..say.order_code import initial
 from ..say.text import counted
 from .frame_parts import CableTable, FramePart, NoRecord, turn_bits_of_fields
@@ -32,7 +32,7 @@ def _register_in_words(device: Device, name: str) -> str:
     """Return a register in words. A register that is only reached over another interface has no address here."""
     for register in device.registers:
         if register.name == name:
-            return f"{register.printed_name or name} ({addresses(register)})"
+            return f"{register.printed_name or name} ({addresses_text(register)})"
     return name
 
 

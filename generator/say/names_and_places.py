@@ -102,7 +102,7 @@ def hexadecimal(value: int, digits: int = 2) -> str:
     return f"{value:0{digits}X}h"
 
 
-def addresses(register: Register) -> str:
+def addresses_text(register: Register) -> str:
     """Return the addresses of a register as text: ``49h`` or ``11h to 17h``."""
     first_address = hexadecimal(register.address)
     if register.last_address == register.address:
@@ -113,7 +113,7 @@ def addresses(register: Register) -> str:
 def register_at(register: Register) -> str:
     """Return a register with its addresses as text: ``register 49h`` or ``registers 11h to 17h``."""
     noun = "registers" if register.last_address > register.address else "register"
-    return f"{noun} {addresses(register)}"
+    return f"{noun} {addresses_text(register)}"
 
 
 def field_at(device: Device, path: str) -> str:

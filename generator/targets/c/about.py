@@ -38,7 +38,7 @@ from ...say import order_code as say_parameter
 from ...say import register as say_field
 from ...say import register as say_register
 from ...say import report as say_report
-from ...say.names_and_places import addresses, bit_range, field_place, full_title, register_field, title_of
+from ...say.names_and_places import addresses_text, bit_range, field_place, full_title, register_field, title_of
 from ...say.text import CodeText, Statement, counted, list_parts, statement
 from .comments import HEADER_STYLE, Paragraph
 from .order_codes import unknown_parts
@@ -261,7 +261,7 @@ def about_access(device: Device, register: Register, writes: bool, read_state: s
     ends_with_kind = register_title.lower().endswith(("register", "registers"))
     kind = "" if ends_with_kind else " register"
     verb = "Write" if writes else "Read"
-    yield f"{verb} the {register_title}{kind} ({addresses(register)}){wait}."
+    yield f"{verb} the {register_title}{kind} ({addresses_text(register)}){wait}."
     selector = device.bank_selector(register)
     if selector:
         yield f"It first writes to {title_of(device.register(selector))} to select bank {register.bank}."

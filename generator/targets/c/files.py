@@ -24,7 +24,7 @@ from ...plan.operations import Check, JoinedNumber
 from ...render import Templates, our_templates, tests_for
 from ...say.layout import join as say_join
 from ...say.markdown import escape as markdown_text
-from ...say.names_and_places import addresses, name_in_words, title_of
+from ...say.names_and_places import addresses_text, name_in_words, title_of
 from ...say.plain_text import plain
 from ...say.text import TITLE_STYLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
@@ -117,7 +117,7 @@ def _count_bytes(count: int) -> str:
 
 
 FILTERS: dict[str, Callable[..., object]] = {
-    "addresses": addresses,
+    "addresses": addresses_text,
     "end_comment": end_comment,
     "bytes": _count_bytes,
     "c_name": c_name,

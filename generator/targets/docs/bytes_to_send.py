@@ -33,7 +33,7 @@ from ...say.commands import Commands, commands_over
 from ...say.evidence import document
 from ...say.layout import name_as_words
 from ...say.markdown import code, escape, join_filled, link
-from ...say.names_and_places import addresses, bits, title_of
+from ...say.names_and_places import addresses_text, bits, title_of
 from ...say.order_code import PURPOSES, word_lengths
 from ...say.text import counted, microseconds
 
@@ -149,7 +149,7 @@ def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[st
 
 
 def _register_link(register: Register) -> str:
-    return link(f"{addresses(register)} {escape(title_of(register))}", f"#register-{register.name}")
+    return link(f"{addresses_text(register)} {escape(title_of(register))}", f"#register-{register.name}")
 
 
 def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -> Iterator[str]:
@@ -196,7 +196,7 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
     return (
         f"Another position: write position{shift} as {counted(register.length, 'byte')}, {order}, to "
-        f"{link(addresses(register), f'#register-{register.name}')}. For {example_position:,}: {code(example_bytes)}."
+        f"{link(addresses_text(register), f'#register-{register.name}')}. For {example_position:,}: {code(example_bytes)}."
     )
 
 
@@ -326,16 +326,16 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
         case SendStep():
             return code(step.request.hex(" ").upper())
         case ReadStep():
-            return f"read {addresses(device.register(step.register))}"
+            return f"read {addresses_text(device.register(step.register))}"
         case PollStep():
-            return f"read {addresses(device.register(step.register))} until {code(step.field)} is {step.value}"
+            return f"read {addresses_text(device.register(step.register))} until {code(step.field)} is {step.value}"
         case ModifyStep():
             register = device.register(step.register)
             bit_value = "the new value" if step.value is None else f"{step.value}"
-            return f"{addresses(register)}: {_bits_of_field(register, step.field, variant)} = {bit_value}"
+            return f"{addresses_text(register)}: {_bits_of_field(register, step.field, variant)} = {bit_value}"
         case WriteStep():
             register = device.register(step.register)
-            return f"{addresses(register)}: {_bytes_to_write(device, register, step.value, variant)}"
+            return f"{addresses_text(register)}: {_bytes_to_write(device, register, step.value, variant)}"
         case _:
             assert_never(step)
 

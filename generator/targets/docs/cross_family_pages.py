@@ -14,7 +14,7 @@ from ...say import register as say_register
 from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
-from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses, name_in_words, title_of
+from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses_text, name_in_words, title_of
 from ...say.order_code import describe_settings, parameter_value
 from ...say.text import volts
 from .order_code_tables import order_codes
@@ -117,7 +117,7 @@ def _identity_rows(device: Device) -> Iterator[Row]:
             register_title += f", {name_in_words(field.name)}"
         yield (
             _family_link(device),
-            link_to_register(device, register, addresses(register)),
+            link_to_register(device, register, addresses_text(register)),
             escape(register_title),
             _documented_content(field),
             citation(field.source or register.source),
@@ -217,7 +217,7 @@ def _byte_order_rows(device: Device) -> Iterator[Row]:
 
 
 def _register_link(device: Device, register: Register) -> str:
-    return link_to_register(device, register, f"{addresses(register)} {escape(title_of(register))}")
+    return link_to_register(device, register, f"{addresses_text(register)} {escape(title_of(register))}")
 
 
 def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
@@ -241,7 +241,7 @@ def _register_row(register: Register, device: Device) -> Row:
     """Return a row of address, bank, register, family, access, default, meaning, source."""
     factory_default = register.default_bytes()
     return (
-        addresses(register),
+        addresses_text(register),
         "" if register.bank is None else f"{register.bank}",
         link_to_register(device, register, code(register.name)),
         _family_link(device),

@@ -34,7 +34,7 @@ from ...say.commands import describe_step, read_back
 from ...say.errata import changed, errata
 from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_filled, link
-from ...say.names_and_places import Titled, addresses, heading, hexadecimal, title_of
+from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
 from ...say.plain_text import counted, number, quantity
 from ...say.register import describe_value
@@ -316,7 +316,7 @@ def register_rows(device: Device) -> Iterator[Row]:
         about = (
             f"{register_link} <small>{code(register.name)}</small> {say_register.describe_access(register)}{default}"
         )
-        yield bank, addresses(register), about
+        yield bank, addresses_text(register), about
 
 
 def step_sentences(device: Device, procedure: Procedure) -> Iterator[str]:

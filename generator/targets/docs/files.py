@@ -11,7 +11,7 @@ from ...model import Device
 from ...render import Templates, our_templates
 from ...say import markdown
 from ...say.markdown import escape, link
-from ...say.names_and_places import addresses, heading, title_of
+from ...say.names_and_places import addresses_text, heading, title_of
 from ...say.text import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from ..registry import licence_in
@@ -261,7 +261,7 @@ TEMPLATES = Templates(
         "sentence": sentence,
         "titled": title_of,
         "heading": heading,
-        "addresses": addresses,
+        "addresses": addresses_text,
         "said": markdown.MARKDOWN.sentence,
     },
     functions={"table": markdown.table, "timing_rows": fact_tables.timing_rows, "table_rows": family_pages.table_rows},

@@ -37,7 +37,7 @@ from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
-from ...say.names_and_places import HasOtherNames, addresses, name_in_words, title_of
+from ...say.names_and_places import HasOtherNames, addresses_text, name_in_words, title_of
 from ...say.order_code import PURPOSES, initial
 from ...say.register import describe_measurement, describe_position_range, own_ranges
 from ...say.text import CodeText, Statement, list_parts, statement, volts
@@ -298,7 +298,7 @@ def _register_row(register: Register) -> tuple[str, ...]:
     default_bytes = register.default_bytes()
     return (
         "" if register.bank is None else f"{register.bank}",
-        addresses(register),
+        addresses_text(register),
         link(code(register.name), f"#register-{register.name}"),
         say_register.describe_access(register),
         f"`{default_bytes.hex(' ').upper()}`" if default_bytes is not None else "",
