@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .output_folder import WriteError, families_in
-from .say.plain_text import counted, first_of
+from .say.plain_text import count_with_unit, first_of
 from .write import FileChange
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ class Guard:
 
     def _examples(self, files: Sequence[str]) -> str:
         paths = [(self.folder / path).as_posix() for path in files]
-        return f"{counted(len(files), 'file')}: {first_of(paths, _MOST_SHOWN)}"
+        return f"{count_with_unit(len(files), 'file')}: {first_of(paths, _MOST_SHOWN)}"
 
     def _refuse_specs_inside(self, targets: Iterable[str]) -> None:
         """Refuse to write a folder that contains a spec, because no later run would search it for specs.

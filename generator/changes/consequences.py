@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from ..model import Field
 from ..model.expressions import Expression
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .family_pair import FamilyPair
 from .pairs import OldAndNew
 from .rules import RULES, Change, Impact
@@ -204,7 +204,7 @@ def with_consequences(change: Change) -> Change:
     text_and_consequences = [change.text]
     impacts = change.rule.impacts
     if change.moved_fields:
-        text_and_consequences.append(f"moves {counted(len(change.moved_fields), 'field')}")
+        text_and_consequences.append(f"moves {count_with_unit(len(change.moved_fields), 'field')}")
         impacts = _combine_impacts(impacts, RULES["field-moved"].impacts)
     if change.resized_frames:
         text_and_consequences.append(_resized_frames_text(change.resized_frames))
@@ -258,14 +258,14 @@ def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
     If frames gain different numbers of bits, or a gain depends on the order code (0), the text only says that their
     length differs.
     """
-    frames_text = "frame" if len(resized_frames) == 1 else counted(len(resized_frames), "frame")
+    frames_text = "frame" if len(resized_frames) == 1 else count_with_unit(len(resized_frames), "frame")
     different_gains = set(resized_frames.values())
     have_same_gain = len(different_gains) == 1
     gained_bits = different_gains.pop() if have_same_gain else 0
     if gained_bits > 0:
-        return f"{frames_text} {counted(gained_bits, 'bit')} longer"
+        return f"{frames_text} {count_with_unit(gained_bits, 'bit')} longer"
     if gained_bits < 0:
-        return f"{frames_text} {counted(-gained_bits, 'bit')} shorter"
+        return f"{frames_text} {count_with_unit(-gained_bits, 'bit')} shorter"
     return f"{frames_text} with a different length"
 
 

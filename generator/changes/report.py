@@ -15,7 +15,7 @@ from ..loading.overlays import Family
 from ..model import Release, ReleasedChange
 from ..say.markdown import code as in_code
 from ..say.markdown import escape as escaped
-from ..say.plain_text import WIDTH, counted, first_of, wrapped
+from ..say.plain_text import WIDTH, count_with_unit, first_of, wrapped
 from .names import NameChange
 from .rules import OUTPUTS, TITLES, Change, Impact, PackageVersions
 
@@ -85,7 +85,7 @@ def summary(changes: Sequence[Change]) -> str:
     """Return a summary such as ``5 changes: 2 breaking, 3 behaviour``."""
     counts = _counts_by_impact(changes)
     count_texts = [f"{counts[impact]} {impact.word}" for impact in reversed(Impact) if counts[impact]]
-    return f"{counted(len(changes), 'change')}: {', '.join(count_texts)}"
+    return f"{count_with_unit(len(changes), 'change')}: {', '.join(count_texts)}"
 
 
 def _counts_by_impact(changes: Sequence[Change]) -> Counter[Impact]:
@@ -299,7 +299,7 @@ def _result_lines(findings: DiffResult) -> Iterator[str]:
     if findings.files is not None:
         changed_count = len(findings.files.changed)
         verb = "changes" if changed_count == 1 else "change"
-        statements.append(f"{changed_count} of {counted(findings.files.count, 'file')} {verb}")
+        statements.append(f"{changed_count} of {count_with_unit(findings.files.count, 'file')} {verb}")
     statements += map(describe_versions, findings.packages)
     if statements:
         yield wrapped(f"generated: {'; '.join(statements)}", WIDTH, prefix="  ", first="")

@@ -11,7 +11,7 @@ from typing import Any
 from ..model import CodedValue, Device, Scale, Supply, Variant
 from ..model.expressions import Expression, ExpressionError
 from ..order_codes.parameters import with_changed
-from ..say.plain_text import counted, first_of, formula
+from ..say.plain_text import count_with_unit, first_of, formula
 from ..say.text import hertz, microseconds, volts
 
 Parameters = Mapping[str, int]
@@ -140,7 +140,7 @@ def describe_codes(device: Device, codes: Collection[str]) -> str:
     if not codes:
         return ""
     if len(codes) == len(variants):
-        return f"all {counted(len(variants), 'order code')}" if len(variants) > 1 else variants[0].code
+        return f"all {count_with_unit(len(variants), 'order code')}" if len(variants) > 1 else variants[0].code
     for interface in device.interfaces:
         interface_codes = [variant.code for variant in variants if variant.interface == interface.name]
         if len(interface_codes) > 1 and set(interface_codes) == set(codes):
@@ -202,7 +202,7 @@ _TEXT_MEMBERS = ("meaning", "note", "printed")
 _FORMATS: Mapping[str, Callable[[int], str]] = {
     # In whole bytes, which have two digits each: 0Ah, 01FFh.
     "hex": lambda value: f"{value:0{2 * max(1, (value.bit_length() + 7) // 8)}X}h",
-    "bytes": lambda value: counted(value, "byte"),
+    "bytes": lambda value: count_with_unit(value, "byte"),
     "mv": volts,
     "us": microseconds,
     "ms": lambda value: microseconds(1000 * value),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .arguments import Parser, add_specs_option
 from .terminal import CommandError
 
@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
         path.write_text("\n".join(lines), encoding="utf-8")
     except OSError as error:
         raise CommandError(f"cannot write {path}: {error.strerror or error}", 1) from None
-    gaps_text = counted(open_gaps(sheet_data), "gap")
-    texts_text = counted(len(sheet_data["texts"]), "text")
+    gaps_text = count_with_unit(open_gaps(sheet_data), "gap")
+    texts_text = count_with_unit(len(sheet_data["texts"]), "text")
     print(f"written    {path.as_posix()}: {gaps_text} to fill, in {texts_text}")
     return 0

@@ -287,14 +287,14 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
         CommandError: The specs do not exist, or have problems that prevent a comparison.
     """
     from ..loading.library import sound_families
-    from ..say.plain_text import counted
+    from ..say.plain_text import count_with_unit
 
     is_old = old_side is None
     families, report, file_names = _read_side(text, cache, old_side)
     problems = [replace(problem, file=file_names.get(problem.file, problem.file)) for problem in report.problems]
     if not problems:
         return _Side(tuple(families), file_names)
-    problems_text = counted(len(problems), "problem")
+    problems_text = count_with_unit(len(problems), "problem")
     if lenient and families:
         _print_first_problems(problems)
         omission = "The faulty parts are omitted and may be listed as new"
@@ -361,10 +361,10 @@ def _print_first_problems(problems: Sequence[Problem]) -> None:
 
 def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> CommandError:
     """Print the first problems of a side, and return the error to raise. For the old side, it suggests a remedy."""
-    from ..say.plain_text import counted
+    from ..say.plain_text import count_with_unit
 
     _print_first_problems(problems)
-    problems_text = counted(len(problems), "problem")
+    problems_text = count_with_unit(len(problems), "problem")
     if not is_old:
         return CommandError(f"{text} has {problems_text} and is not compared", 1)
     return CommandError(

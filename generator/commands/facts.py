@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .arguments import Parser, add_specs_option
 from .terminal import CommandError, print_json, problems
 
@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         for fact in facts:
             print(fact.shown)
-        print(f"{counted(len(facts), 'fact')} from {_section_and_page(section, page)}")
+        print(f"{count_with_unit(len(facts), 'fact')} from {_section_and_page(section, page)}")
     return 0 if facts else 1
 
 

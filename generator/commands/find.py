@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .arguments import Parser
 from .line_encoder import command_for_spec
 from .terminal import CommandError, print_json
@@ -104,7 +104,9 @@ def _read_recording(arguments: argparse.Namespace) -> RecordedFrames:
     if common_length > longest:
         raise CommandError(f"the frames have {common_length} bits; a line has at most {longest}", 2)
     if common_length < shortest:
-        raise CommandError(f"the frames have {counted(common_length, 'bit')}; a line has at least {shortest}", 2)
+        raise CommandError(
+            f"the frames have {count_with_unit(common_length, 'bit')}; a line has at least {shortest}", 2
+        )
     positions: tuple[float, ...] = ()
     if arguments.positions is not None:
         positions = _read_positions(arguments.positions, len(frame_texts))
@@ -206,7 +208,8 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
         ) from None
     if len(positions) != count:
         raise CommandError(
-            f"{counted(len(positions), 'position')} for {counted(count, 'frame')}; give one for each frame", 2
+            f"{count_with_unit(len(positions), 'position')} for {count_with_unit(count, 'frame')}; give one for each frame",
+            2,
         )
     if not all(map(isfinite, positions)):
         raise CommandError("a position is not a finite number; write it like --positions 0,45,90", 2)
@@ -235,7 +238,7 @@ def _proposal_data(proposal: PossibleLine) -> dict[str, Any]:
 
 def _text_lines(recording: RecordedFrames, proposals: Sequence[PossibleLine], first_frame: str) -> Iterator[str]:
     """Yield the proposals as lines of text, and the commands to continue with the first proposal."""
-    yield f"{counted(len(recording.frames), 'frame')} of {counted(recording.bits, 'bit')}, most likely layout first"
+    yield f"{count_with_unit(len(recording.frames), 'frame')} of {count_with_unit(recording.bits, 'bit')}, most likely layout first"
     for rank, proposal in enumerate(proposals, 1):
         yield ""
         yield f"{rank}. {proposal.line}"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cache import Cache
-from ..say.plain_text import counted, first_of
+from ..say.plain_text import count_with_unit, first_of
 from .arguments import bytes_by_address
 from .line_encoder import encoder_in_line, is_line, refuse_line
 from .specs_by_text import families_for, has_family, has_same_spec
@@ -190,7 +190,9 @@ def _refuse_hidden(device: Device, reports_with_problems: Iterable[ProblemReport
 
 def _print_skipped_files(report: ProblemReport) -> None:
     files = list(dict.fromkeys(problem.file for problem in report.problems))
-    notice = f"skipped, with {counted(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
+    notice = (
+        f"skipped, with {count_with_unit(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
+    )
     print(f"codewheel: {notice}", file=sys.stderr)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..one_line.line import EncoderLine, LineError
 from ..one_line.parse import is_line as is_line
 from ..one_line.parse import parse_line
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .terminal import CommandError
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def line_problems(error: LineError) -> CommandError:
 
     for column, message in error.problems:
         print(f"column {column}: {visible(message)}", *excerpt(error.text, column), sep="\n", file=sys.stderr)
-    return CommandError(f"{counted(len(error.problems), 'problem')} in the line", 2)
+    return CommandError(f"{count_with_unit(len(error.problems), 'problem')} in the line", 2)
 
 
 def refuse_line(text: str, action: str) -> None:

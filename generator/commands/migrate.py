@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .arguments import Parser, add_specs_argument
 from .terminal import CommandError
 
@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     for path in _specs_and_second_readings(paths):
         change_count += _migrate_file(path, only_check=arguments.check)
     if arguments.check:
-        print(f"{counted(change_count, 'change')} to apply")
+        print(f"{count_with_unit(change_count, 'change')} to apply")
         return 1 if change_count else 0
     return _print_decisions(paths, change_count)
 
@@ -58,8 +58,8 @@ def _print_decisions(paths: Sequence[Path], changes: int) -> int:
     problems = check_specs(paths, targets_named()).report.problems
     for problem in problems:
         print(problem.format())
-    decisions = f"{counted(len(problems), 'place')} to decide by hand" if problems else "nothing to decide"
-    print(f"{counted(changes, 'change')} applied, {decisions}")
+    decisions = f"{count_with_unit(len(problems), 'place')} to decide by hand" if problems else "nothing to decide"
+    print(f"{count_with_unit(changes, 'change')} applied, {decisions}")
     return 1 if problems else 0
 
 

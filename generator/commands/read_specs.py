@@ -27,7 +27,7 @@ from ..language.files import (
     packaged_families,
 )
 from ..loading.configuration import BUILT_IN, PYPROJECT, Configuration, Faulty
-from ..say.plain_text import counted, first_of
+from ..say.plain_text import count_with_unit, first_of
 from .terminal import CommandError, problems, refuse_missing
 
 if TYPE_CHECKING:
@@ -428,7 +428,7 @@ def read_line(
     skipped_text = f"; skipped: {first_of(skipped_files, _MOST_FILES)}" if skipped_files else ""
     if packaged:
         return f"{_packaged_text(families, report, packaged, packaged_files)}{skipped_text}"
-    return f"read {counted(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{skipped_text}"
+    return f"read {count_with_unit(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{skipped_text}"
 
 
 def _packaged_text(
@@ -447,4 +447,4 @@ def _packaged_text(
     user_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
     if not user_files:
         return beginning
-    return f"{beginning}, and {counted(len(user_files), 'spec')} of yours: {first_of(user_files, _MOST_FILES)}"
+    return f"{beginning}, and {count_with_unit(len(user_files), 'spec')} of yours: {first_of(user_files, _MOST_FILES)}"

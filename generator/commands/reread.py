@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from ..language.problems import joined_lines
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .arguments import Parser, a_path, add_specs_option
 from .facts import facts_data
 from .terminal import CommandError, Progress, print_json, problems
@@ -181,7 +181,7 @@ def _text_lines(
     cited_names = {name for changed_passage in changed_passages for name in changed_passage.section_names}
     citing_facts = [fact for fact in facts if not fact.sections.isdisjoint(cited_names)]
     yield ""
-    places = f"{counted(len(changed_passages), 'passage')} in {counted(len(sections), 'section')}"
+    places = f"{count_with_unit(len(changed_passages), 'passage')} in {count_with_unit(len(sections), 'section')}"
     yield f"{places}, cited by {len(citing_facts):,} of {len(facts):,} facts"
     yield _LIMITS
 
@@ -209,7 +209,7 @@ def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
     unlisted = changed_passage.facts_of_section - len(listed_facts)
     if unlisted:
         noun = "other fact" if listed_facts else "fact"
-        yield f"  and {counted(unlisted, noun)} from this section"
+        yield f"  and {count_with_unit(unlisted, noun)} from this section"
 
 
 def _groups_of_equal_facts(facts: Sequence[Citing]) -> list[list[Citing]]:

@@ -14,7 +14,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from ..say.plain_text import STAND_INS, counted
+from ..say.plain_text import STAND_INS, count_with_unit
 
 if TYPE_CHECKING:
     from ..language.problems import ProblemReport
@@ -188,7 +188,7 @@ def problems(report: ProblemReport) -> CommandError:
     """Print all problems to standard error, and return the ``CommandError`` to raise."""
     for problem in report.shown:
         print(problem.format(), file=sys.stderr)
-    return CommandError(counted(len(report.by_cause), "problem"), 1)
+    return CommandError(count_with_unit(len(report.by_cause), "problem"), 1)
 
 
 def has_colours() -> bool:

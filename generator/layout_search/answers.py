@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .checks import CrcForm, FoundCrc
 from .fields import MOST_BITS, FoundField, is_all_ones
 from .frames import RecordedFrames
@@ -146,7 +146,7 @@ def _equal_lines(recording: RecordedFrames, layout: FoundLayout, line_parts: _Pa
     if constant_bits:
         position = f"position={layout.split.width - constant_bits}"
         front = [*line_parts.front, f"unused={constant_bits}"]
-        reason = f"the first {counted(constant_bits, 'bit')} of the position did not change"
+        reason = f"the first {count_with_unit(constant_bits, 'bit')} of the position did not change"
         yield EqualLine(replace(line_parts, front=front, position=position).line(interface), reason)
     yield from _line_with_wider_position(recording, layout, line_parts)
     yield from _line_with_flags(recording, layout, line_parts)

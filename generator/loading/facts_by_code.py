@@ -12,7 +12,7 @@ from ..model import Biss, Clocked, Interface, Ssi, Variant
 from ..model.device import Device
 from ..model.order_codes import Restricted, facts_for_code, fits
 from ..model.record import dataclass
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .from_mapping import Raw
 
 
@@ -166,7 +166,7 @@ def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None
 
 def _codes_text(codes: Sequence[str]) -> str:
     """Return the first order code, and the number of other codes: ``the order code 'X-24' and 2 others``."""
-    others = f" and {counted(len(codes) - 1, 'other')}" if len(codes) > 1 else ""
+    others = f" and {count_with_unit(len(codes) - 1, 'other')}" if len(codes) > 1 else ""
     return f"the order code {quoted(codes[0])}{others}"
 
 

@@ -28,7 +28,7 @@ from ..model import (
     Timeout,
 )
 from ..model.expressions import Expression
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .fields import LayoutContext, LayoutSite, build_values
 from .from_mapping import Raw, record, sources
 from .layouts import build_layout
@@ -263,8 +263,8 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
         for frame_name, bits in _widths_of_value(device, interface, frame_names):
             needed_bytes = (bits + 7) // 8  # rounded up
             if needed_bytes != register.length:
-                register_text = f"'{register.name}' has {counted(register.length, 'byte')}"
-                message = f"{register_text}, but '{_DATA}' in '{frame_name}' has {counted(bits, 'bit')}"
+                register_text = f"'{register.name}' has {count_with_unit(register.length, 'byte')}"
+                message = f"{register_text}, but '{_DATA}' in '{frame_name}' has {count_with_unit(bits, 'bit')}"
                 remedy = "correct 'length', or describe each part as a register"
                 report.add("width-mismatch", ("registers", register.name, "length"), f"{message}; {remedy}")
                 break

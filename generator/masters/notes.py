@@ -8,7 +8,7 @@ from contextlib import suppress
 from ..model import Alternative, Device, Measurement, PlacedLayout, Variant
 from ..say.names_and_places import addresses_text
 from ..say.order_code import initial
-from ..say.text import counted
+from ..say.text import count_with_unit
 from .frame_parts import CableTable, FramePart, NoRecord, turn_bits_of_fields
 
 
@@ -81,7 +81,7 @@ def split_notes(
         for field in position_fields:
             highest_bits = turn_bits[field.name]
             if 0 < highest_bits < field.width:
-                parts = f"the revolutions in its highest {counted(highest_bits, 'bit')} and the rest below them"
+                parts = f"the revolutions in its highest {count_with_unit(highest_bits, 'bit')} and the rest below them"
                 yield f"'{field.name}' holds both parts of the position: {parts}."
 
 

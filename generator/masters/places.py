@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..language.master_items import TYPES
 from ..language.problems import listed
 from ..model.record import dataclass
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 
 Raw = Mapping[str, Any]
 
@@ -254,7 +254,7 @@ def _words_for_device(channel_places: Sequence[SettingPlace], *, in_hex: bool) -
     place = channel_places[0]
     data_type = place.type.replace("signed_n", "signed n")
     if place.type == "bits":
-        data_type = counted(place.bits or 0, "bit")
+        data_type = count_with_unit(place.bits or 0, "bit")
     default = "" if place.default is None else str(place.default)
     if isinstance(place.default, bool):
         default = default.upper()

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from ..language.master_items import NUMBERS, STEPS, WORDS
 from ..model.expressions import Expression, ExpressionError
 from ..say.plain_text import decimal
-from ..say.text import counted, hertz
+from ..say.text import count_with_unit, hertz
 from .frame_parts import FramePart
 from .record import EncoderFacts
 
@@ -108,7 +108,7 @@ def actual_value(name: str, record: EncoderFacts) -> str:
     number = record.known_numbers[name]
     if name in _COUNTED_BITS:
         bit, place = _COUNTED_BITS[name]
-        return f"{counted(number, bit)}{place}"
+        return f"{count_with_unit(number, bit)}{place}"
     if name == "crc_inverted":
         return "an inverted CRC" if number else "a plain CRC"
     if name.startswith("crc_polynomial"):

@@ -14,7 +14,7 @@ from ..order_codes.labels import LabelMatch
 from ..say.evidence import Topic, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
 from ..say.plain_text import WIDTH, two_columns, wrapped
-from ..say.text import PLAIN_STYLE, counted, hertz, microseconds, volts
+from ..say.text import PLAIN_STYLE, count_with_unit, hertz, microseconds, volts
 from .places import WriteCondition, place_lines, write_order
 from .record import EncoderFacts
 from .sheet import Master, MasterRefusal, Setting, SettingsSheet
@@ -58,7 +58,7 @@ def _frame_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
     if numbers["multiturn_bits"]:
         position_text += f": {numbers['multiturn_bits']} multiturn, {numbers['singleturn_bits']} singleturn"
     yield "Position bits", position_text
-    padding_before = counted(numbers["padding_left"] or 0, "zero bit")
+    padding_before = count_with_unit(numbers["padding_left"] or 0, "zero bit")
     yield "Padding", f"{padding_before} before the position, {numbers['padding_right']} after it"
     yield "Status bits", _status_bits_text(record)
     other_parts = [part.name for part in record.parts if part.role == "other"]

@@ -17,7 +17,7 @@ from ..language.read import read_document
 from ..language.schema_check import FileKind, check_schema
 from ..language.schema_files import word_sheet_path
 from ..loading.overlays import Family
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .texts import dotted_path, is_source, prose_texts
 
 RULE = "words-disagree"
@@ -184,7 +184,7 @@ def compare_words(spec: Document, sheet_document: Document, report: ProblemRepor
     for path, (place, cloze) in spec_texts.items():
         filled_text = sheet_texts.get(path)
         if filled_text is None:
-            word_count_text = counted(len(cloze.gaps), "turning word")
+            word_count_text = count_with_unit(len(cloze.gaps), "turning word")
             message = f"{sheet_name} lacks this text, which has {word_count_text}; {_advice_to_refill(spec)}"
             report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
             is_outdated = True

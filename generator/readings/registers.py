@@ -10,7 +10,7 @@ from ..model import (
 )
 from ..model.registers import name_with_limits
 from ..say.names_and_places import bits
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .frame_bits import word
 from .reading import (
     NOTHING,
@@ -66,7 +66,7 @@ def _add_names(subject: FactSubject, register: Register, facts: ComparedFacts) -
 
 def _register_facts(subject: FactSubject, register: Register) -> Iterator[ComparedFact]:
     """Yield the facts of a register: its address and length, its stated members, default, opener and limits."""
-    length_text = counted(register.length, "byte")
+    length_text = count_with_unit(register.length, "byte")
     yield subject.existence_fact(FactClass.ADDRESS, length_text, at="address", name=register.name)
     # A single byte has no byte order.
     members_without_fact = ("byte_order",) if register.length == 1 else ()

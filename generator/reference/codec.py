@@ -26,7 +26,7 @@ from ..model.device import PositionRange
 from ..model.record import dataclass
 from ..say import report
 from ..say.layout import as_one_number
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .bits import compute, documented_bits, from_gray, join_value, parity_bit, to_gray, unused_bits
 from .values import EncodeError as EncodeError
 from .values import Values as Values
@@ -109,7 +109,7 @@ def select_layout(
     first_layout = layouts[0]  # The message contains the value at the selector's place.
     selector_value = _selector_value(first_layout.place(variant.parameters), data)
     if selector_value is None:
-        message = report.too_few_bytes(counted(len(data), "byte"))
+        message = report.too_few_bytes(count_with_unit(len(data), "byte"))
         return None, (FrameProblem(Fault.LENGTH, field="", message=message),)
     choices = ", ".join(f"{value:X}" for value in sorted(valid_selector_values))
     message = report.no_frame(first_layout.selector, f"{selector_value:X}", choices)
@@ -150,7 +150,7 @@ def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> DecodedF
     """Decode a frame of whole bytes with a known layout."""
     number = number_from_bytes(placed.layout, data)
     if 8 * len(data) != placed.bits:
-        return _result_of_wrong_length(placed, number, counted(placed.bits // 8, "byte"), len(data))
+        return _result_of_wrong_length(placed, number, count_with_unit(placed.bits // 8, "byte"), len(data))
     return decode(device, placed, number)
 
 

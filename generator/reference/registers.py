@@ -24,7 +24,7 @@ from ..model.expressions import Expression
 from ..model.registers import bounds, name_with_limits
 from ..order_codes.parameters import RegisterError, after_write
 from ..say import report
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from ..say.report import register_length
 from . import codec
 
@@ -45,8 +45,8 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
         raise RegisterError(f"{variant.code} has no register '{name}'; {available}")
     register = registers[name.lower()]
     if len(data) != register.length:
-        needed = counted(register.length, "byte")
-        actual = counted(len(data), "byte")
+        needed = count_with_unit(register.length, "byte")
+        actual = count_with_unit(len(data), "byte")
         raise RegisterError(register_length(register.name, needed, actual))
     placed = register.layout.place(variant.parameters)
     return codec.decode(device, placed, number_from_bytes(register.layout, data))

@@ -22,7 +22,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from .errata import answer_names, deciding_alternatives, describe_erratum, errata, needed_answers
-from .plain_text import counted
+from .plain_text import count_with_unit
 from .report import conditions_text
 from .text import (
     VERDICT_CLAUSES,
@@ -55,7 +55,7 @@ def describe_size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> t
     """
     if not layout.in_bytes:
         return *_number_of_bits(layout, alternatives), " bits, most significant first"
-    length_text = counted(layout.widest // 8, "byte")
+    length_text = count_with_unit(layout.widest // 8, "byte")
     if layout.widest > 8:
         length_text += f", {layout.byte_order.replace('_', ' ')}"
     # The line may carry fewer bits than the bytes.
@@ -217,7 +217,7 @@ def describe_crc(device: Device, checksum: Crc) -> Iterator[Statement]:
 def crc_head(device: Device, checksum: Crc) -> Statement:
     """Return the name, the width and the parameters of a CRC in one sentence."""
     return statement(
-        f"CRC {checksum.name} of {counted(checksum.width, 'bit')}: {crc_parameters(device, checksum)}",
+        f"CRC {checksum.name} of {count_with_unit(checksum.width, 'bit')}: {crc_parameters(device, checksum)}",
         source=checksum.source,
     )
 

@@ -42,7 +42,7 @@ from ..model.order_codes import Restricted
 from .errata import describe_erratum, errata
 from .names_and_places import hexadecimal, name_in_words, printed_name_of, register_at, register_field
 from .names_and_places import register_reference as reference_to_register
-from .plain_text import counted, number
+from .plain_text import count_with_unit, number
 from .register import describe_range, describe_value
 from .text import (
     CodeText,
@@ -374,7 +374,7 @@ def _port_words(port: Port) -> str:
     """Return the settings of a serial port, such as ``115,200 Bd, 8 data bits, no parity, 1 stop bit, ...``."""
     parity = f"{port.parity.replace('none', 'no')} parity"
     flow_control = f"{port.flow_control.replace('none', 'no')} flow control"
-    stop_bits = counted(port.stop_bits, "stop bit")
+    stop_bits = count_with_unit(port.stop_bits, "stop bit")
     return f"{number(port.baud)} Bd, {port.data_bits} data bits, {parity}, {stop_bits}, {flow_control}"
 
 
@@ -426,7 +426,7 @@ def describe_exchange(request: Exchange) -> Statement:
 
 def control_field(bits_field: ControlField) -> Statement:
     """Return the width, the meaning and the values of a field of the control frame."""
-    width_and_meaning = counted(bits_field.bits, "bit")
+    width_and_meaning = count_with_unit(bits_field.bits, "bit")
     if bits_field.meaning:
         width_and_meaning += f": {bits_field.meaning}"
     parts_of_values = [describe_value(named_value, bits_field.bits).parts for named_value in bits_field.values]

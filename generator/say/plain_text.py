@@ -109,7 +109,7 @@ def _number_of_decimals(value: Fraction) -> int | None:
     return None
 
 
-def counted(count: int | str, unit: str) -> str:
+def count_with_unit(count: int | str, unit: str) -> str:
     """Return a count with its unit: ``1 bit``, ``8 bits`` or ``position_bits bits``."""
     return f"{count} {unit}" if count == 1 else f"{count} {unit}s"
 

@@ -8,7 +8,7 @@ from enum import Enum
 from ..model import PrintedTimeout, Sources, Timeout, Verdict, cite
 from ..model.expressions import Expression
 from ..model.record import dataclass
-from .plain_text import counted as counted
+from .plain_text import count_with_unit as counted
 from .plain_text import number as number
 from .plain_text import with_unit as with_unit
 

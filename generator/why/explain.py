@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..model import Crc, Device, PlacedLayout, Rs485, Variant
-from ..say.plain_text import counted
+from ..say.plain_text import count_with_unit
 from .diagnosis import (
     Diagnosis,
     Explanation,
@@ -146,7 +146,9 @@ def _missing_bytes(placed_layout: PlacedLayout, received_bits: int) -> str:
     received_bytes, frame_bytes = -(-received_bits // 8), -(-placed_layout.bits // 8)
     if received_bytes >= frame_bytes:
         return ""
-    return TEXTS["bytes_missing"].format(received_bytes, frame_bytes, counted(frame_bytes - received_bytes, "byte"))
+    return TEXTS["bytes_missing"].format(
+        received_bytes, frame_bytes, count_with_unit(frame_bytes - received_bytes, "byte")
+    )
 
 
 def _hypotheses_without_crc(

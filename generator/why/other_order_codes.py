@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ..model import Constant, Crc, Device, Layout, PlacedLayout, Variant
 from ..order_codes.parameters import possible_states, run_time_widths, with_changed
-from ..say.plain_text import counted, first_of
+from ..say.plain_text import count_with_unit, first_of
 from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 
 #: A truncated frame of another order code is recognised by the rest of its CRC. At most this many bits may be missing.
@@ -69,7 +69,7 @@ def _too_long_hypothesis(
     frame = number >> extra_bits
     shape = _possible_shape(shapes, frame)
     length_text = f"{shape.placed_layout.bits} bits"
-    mistake_text = f", read {counted(extra_bits, 'bit')} too long"
+    mistake_text = f", read {count_with_unit(extra_bits, 'bit')} too long"
     hypothesis = frame_hypothesis(
         _mistake_kind(shape.order_codes),
         f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
@@ -94,7 +94,7 @@ def _too_short_hypothesis(
     frame = number << lost_bits
     shape = _possible_shape(shapes, frame)
     length_text = f"{shape.placed_layout.bits} bits"
-    mistake_text = f", read {counted(lost_bits, 'bit')} too short"
+    mistake_text = f", read {count_with_unit(lost_bits, 'bit')} too short"
     hypothesis = frame_hypothesis(
         _mistake_kind(shape.order_codes),
         f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",

@@ -170,7 +170,7 @@ def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") 
     """
     if form in ("github", "sarif"):
         return _review_text(report, form)
-    from ...say.plain_text import counted
+    from ...say.plain_text import count_with_unit
     from ..placeholders import placeholder_lines
     from ..read_specs import read_line
 
@@ -178,7 +178,7 @@ def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") 
     lines += placeholder_lines(report.files)
     lines.append(read_line(families, report))
     if report:
-        lines.append(counted(len(report.by_cause), "problem"))
+        lines.append(count_with_unit(len(report.by_cause), "problem"))
     elif families:
         family_count = "1 family" if len(families) == 1 else f"{len(families)} families"
         lines.append(f"no problems in {family_count}: {', '.join(families)}")

@@ -31,7 +31,7 @@ from ...readings.second_readings import (
     compare_readings,
     read_beside,
 )
-from ...say.plain_text import counted
+from ...say.plain_text import count_with_unit
 from ...targets import Target
 from ..edition_devices import check_editions
 from ..outputs import report_unfit_parts
@@ -182,7 +182,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
     if report:
         for problem in report.shown:
             print(problem.format(), file=sys.stderr)
-        problems = f"'codewheel check --coverage' reports {counted(len(report.by_cause), 'problem')}"
+        problems = f"'codewheel check --coverage' reports {count_with_unit(len(report.by_cause), 'problem')}"
         raise CommandError(f"nothing {participle}: {problems}; correct them, or add --unchecked", 1)
 
 
@@ -269,5 +269,5 @@ def _lacking_lines(covered: Sequence[Coverage]) -> list[str]:
             line_number, column = spec.position(path)
             lines.append(f"{spec.file}:{line_number}:{column}: read once: {sort.value}, {spec.name_path(path)}")
     if lines:
-        lines.append(f"{counted(len(lines), 'fact')} to read a second time")
+        lines.append(f"{count_with_unit(len(lines), 'fact')} to read a second time")
     return lines

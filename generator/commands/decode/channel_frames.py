@@ -11,7 +11,7 @@ from ...reference import codec
 from ...reference.channels import ChannelFindings, channel_findings, decode_channels
 from ...reference.findings import Findings
 from ...say import report as say_report
-from ...say.plain_text import WIDTH, counted
+from ...say.plain_text import WIDTH, count_with_unit
 from ...say.text import VERDICT_CLAUSES
 from ...why.hypotheses import TypedFrame
 from .field_table import wrapped
@@ -137,7 +137,7 @@ def report_of_length(frame: PlacedChannels, bits: int) -> str:
     channels = " and ".join(f"{channel.name} ({channel.bits} bits)" for channel in frame.channels)
     bits_off = abs(frame.bits - bits)
     verb = "is" if bits_off == 1 else "are"
-    difference = f"{counted(bits_off, 'bit')} {verb} {'missing' if bits < frame.bits else 'too many'}"
+    difference = f"{count_with_unit(bits_off, 'bit')} {verb} {'missing' if bits < frame.bits else 'too many'}"
     return say_report.length_of_channels(channels, f"{frame.bits} bits", f"{bits}", difference)
 
 

@@ -19,7 +19,7 @@ from ...say.names_and_places import name_in_words
 from ...say.order_code import not_on_label
 from ...say.plain_text import WIDTH, decimal
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
-from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, counted, sentence
+from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, count_with_unit, sentence
 from .field_table import capitalized, field_table, wrapped
 from .frames import FrameLine, frame_number, is_frame_of_other_kind, undecorated
 
@@ -175,9 +175,9 @@ def _layout_line(placed_layout: PlacedLayout) -> str:
     layout = placed_layout.layout
     title = layout.printed_name or name_in_words(placed_layout.name)
     if layout.in_bytes:
-        length = counted(placed_layout.bits // 8, "byte")
+        length = count_with_unit(placed_layout.bits // 8, "byte")
     else:
-        length = counted(placed_layout.bits, "bit")
+        length = count_with_unit(placed_layout.bits, "bit")
     channel = f", data channel {layout.channel}" if layout.channel else ""
     return f"{title}, {length}{channel}"
 
@@ -355,7 +355,7 @@ def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
     """Return the mistakes that explain a frame, each with its chance, or a line that none does, and then hints."""
     whole_percent = round(100 * diagnosis.coincidence)
     percent = f"{whole_percent}" if whole_percent else "less than 1"
-    mistakes = counted(diagnosis.tried, "common mistake")
+    mistakes = count_with_unit(diagnosis.tried, "common mistake")
     chance = f"{mistakes} tried; {percent} of 100 random frames would match at least one"
     lines = []
     if diagnosis.explanations:

@@ -22,7 +22,7 @@ from ...loading.stored import digest_of as model_digest_of
 from ...model import Device
 from ...output_folder import WriteError
 from ...removable_outputs import Guard
-from ...say.plain_text import counted
+from ...say.plain_text import count_with_unit
 from ...targets import Library, TargetError
 from ...targets.registry import load_target
 from ...write import FileChange, changes, digest_of, digest_on_disk, left_stages, write
@@ -127,11 +127,11 @@ def _print_changes(file_changes: Sequence[FileChange], arguments: argparse.Names
 def _print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
     """Print the number of files. With ``--check``, raise an error with exit code 1 if ``changed`` of them differ."""
     if arguments.check and changed:
-        raise CommandError(f"{counted(changed, 'file')} out of date; run: {arguments.again}", 1)
+        raise CommandError(f"{count_with_unit(changed, 'file')} out of date; run: {arguments.again}", 1)
     if arguments.check:
-        print(f"{counted(count, 'file')} up to date")
+        print(f"{count_with_unit(count, 'file')} up to date")
     elif changed:
-        print(f"{counted(changed, 'file')} changed, {count - changed} unchanged")
+        print(f"{count_with_unit(changed, 'file')} changed, {count - changed} unchanged")
     else:
         print(f"all {count} files unchanged")
 
@@ -173,7 +173,7 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     for dtd_error in dtd_errors:
         print(dtd_error, file=sys.stderr)
     if dtd_errors:
-        raise CommandError(f"not valid against {dtd}: {counted(len(dtd_errors), 'error')}", 1)
+        raise CommandError(f"not valid against {dtd}: {count_with_unit(len(dtd_errors), 'error')}", 1)
     for name in idbiss_names:
         print(f"valid against {dtd}: {path_by_name[name]}")
 

@@ -40,7 +40,7 @@ from ...say.evidence import grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
 from ...say.order_code import describe_spelling, not_on_label, open_values
 from ...say.plain_text import WIDTH, decimal, two_columns, wrapped
-from ...say.text import PLAIN_STYLE, Style, counted, language
+from ...say.text import PLAIN_STYLE, Style, count_with_unit, language
 from ..decode.text import label_differences
 from .picture import picture
 
@@ -286,7 +286,7 @@ def _width_text(field: Field) -> str:
     width = field.width.constant if field.width.is_constant else field.width.render()
     if field.group:
         return f"{field.name} {width}"
-    return counted(width, "bit") + _fixed_value_text(field)
+    return count_with_unit(width, "bit") + _fixed_value_text(field)
 
 
 def _fixed_value_text(field: Field) -> str:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from ...model.expressions import Expression, ExpressionError
 from ...model.part import Prose
 from ...model.part import key as described_key
-from ...say.text import counted
+from ...say.text import count_with_unit
 from ..master_items import FILE_FORMATS, NUMBERS, WORDS
 from ..problems import DocumentReport, Path, listed, quoted, suggestion
 from ..written import WrittenPart
@@ -270,7 +270,9 @@ def _check_channels(place: WrittenPlace, master: WrittenMaster, report: Document
         for name in used_devices:
             count = channel_counts[name]
             if len(values_by_channel) != count:
-                message = f"'{key}' needs one entry for each channel of {name}, which has {counted(count, 'channel')}"
+                message = (
+                    f"'{key}' needs one entry for each channel of {name}, which has {count_with_unit(count, 'channel')}"
+                )
                 report.add("setting-shape", place.place_of(key), message, at_key=True)
 
 

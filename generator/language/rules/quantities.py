@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from ...model import Alarm, Quantity
-from ...say.text import counted, nanoseconds
+from ...say.text import count_with_unit, nanoseconds
 from ..document import ErratumTargets
 from ..problems import DocumentReport, Path, listed, quoted
 from ..written import LocatedPart
@@ -427,7 +427,7 @@ def check_column_units(spec: WrittenSpec, as_read: WrittenSpec, report: Document
         if not units:
             continue
         if len(units) != len(columns):
-            counts = f"{counted(len(columns), 'column')} but {counted(len(units), 'unit')}"
+            counts = f"{count_with_unit(len(columns), 'column')} but {count_with_unit(len(units), 'unit')}"
             report.add("column-units", (*table.path, "units"), f'the table has {counts}; give one for each, or ""')
             continue
         for row_index, cells in enumerate(table.part.rows):
@@ -444,7 +444,5 @@ def check_table_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         column_count = len(table.part.columns)
         for row_index, row in enumerate(table.part.rows):
             if len(row) != column_count:
-                message = (
-                    f"the row has {counted(len(row), 'cell')}, but the table has {counted(column_count, 'column')}"
-                )
+                message = f"the row has {count_with_unit(len(row), 'cell')}, but the table has {count_with_unit(column_count, 'column')}"
                 report.add("table-shape", (*table.path, "rows", row_index), message)

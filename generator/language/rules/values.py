@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations, pairwise
 
 from ...model import INTERFACES, CableLength, Clock, Revision, Supply
-from ...say.plain_text import counted
+from ...say.plain_text import count_with_unit
 from ..document import Path, is_placeholder
 from ..problems import DocumentReport, missing, quoted, suggestion
 from ..schema_files import is_second
@@ -94,7 +94,7 @@ def check_value_widths(spec: WrittenSpec, as_read: WrittenSpec, report: Document
                 # The number represented by zero is sent as zero. A constant is sent as it is.
                 is_sent_as_zero = number == field.zero_means and path != field.place_of("constant")
                 if is_too_wide and not is_sent_as_zero:
-                    message = f"{subject} {number:#x}, which does not fit into {counted(width, 'bit')}"
+                    message = f"{subject} {number:#x}, which does not fit into {count_with_unit(width, 'bit')}"
                     report.add("value-too-wide", path, message)
 
 

@@ -23,7 +23,7 @@ from ...say.errata import describe_erratum, errata
 from ...say.layout import crc_parameters
 from ...say.names_and_places import field_at
 from ...say.order_code import initial
-from ...say.plain_text import counted, in_ascii, plain
+from ...say.plain_text import count_with_unit, in_ascii, plain
 from ...say.text import PLAIN_STYLE
 from .identity import DataLength, IdBits, profile_ids
 
@@ -283,7 +283,7 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
 
 
 def _crc_text(device: Device, crc: Crc) -> str:
-    return f"{counted(crc.width, 'bit')}, {crc_parameters(device, crc)}"
+    return f"{count_with_unit(crc.width, 'bit')}, {crc_parameters(device, crc)}"
 
 
 def _other_channels(device: Device, layout: Layout) -> list[str]:

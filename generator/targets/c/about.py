@@ -39,7 +39,7 @@ from ...say import register as say_field
 from ...say import register as say_register
 from ...say import report as say_report
 from ...say.names_and_places import addresses_text, bit_range, field_place, full_title, register_field, title_of
-from ...say.text import CodeText, Statement, counted, list_parts, statement
+from ...say.text import CodeText, Statement, count_with_unit, list_parts, statement
 from .comments import HEADER_STYLE, Paragraph
 from .order_codes import unknown_parts
 from .structs import LayoutStruct
@@ -206,7 +206,7 @@ def _facts_without_member(struct: LayoutStruct, field: Field) -> str:
     if field.is_fixed:
         return HEADER_STYLE.paragraph(about)
     width = field.width.constant if field.width.is_constant else HEADER_STYLE.number(field.width)
-    return HEADER_STYLE.paragraph((statement(counted(width, "bit")), *about))
+    return HEADER_STYLE.paragraph((statement(count_with_unit(width, "bit")), *about))
 
 
 def _table_rows(struct: LayoutStruct) -> Iterator[tuple[str, str, str]]:

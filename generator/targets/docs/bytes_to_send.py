@@ -35,7 +35,7 @@ from ...say.layout import name_as_words
 from ...say.markdown import code, escape, join_filled, link
 from ...say.names_and_places import addresses_text, bits, title_of
 from ...say.order_code import PURPOSES, word_lengths
-from ...say.text import counted, microseconds
+from ...say.text import count_with_unit, microseconds
 
 Row = tuple[str, ...]
 
@@ -195,7 +195,7 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     example_position = min(1000, highest_position)
     example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
     return (
-        f"Another position: write position{shift} as {counted(register.length, 'byte')}, {order}, to "
+        f"Another position: write position{shift} as {count_with_unit(register.length, 'byte')}, {order}, to "
         f"{link(addresses_text(register), f'#register-{register.name}')}. For {example_position:,}: {code(example_bytes)}."
     )
 
@@ -238,7 +238,7 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
     sent_bytes = ", ".join([code(f"{data_id.control:02X}"), *part_names])
     reply_link = ""
     if reply is not None:
-        reply_link = f" → {link(counted(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
+        reply_link = f" → {link(count_with_unit(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
     procedures = _procedures_sending_only(device, data_id)
     repetitions = (_repetition_text(procedure) for procedure in procedures)
     description = join_filled([escape(data_id.meaning or data_id.purpose), *repetitions], ". ")

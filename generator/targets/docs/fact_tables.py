@@ -36,7 +36,7 @@ from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_filled, link
 from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
-from ...say.plain_text import counted, number, quantity
+from ...say.plain_text import count_with_unit, number, quantity
 from ...say.register import describe_value
 from ...say.text import sentence, statement
 from .layout_tables import (
@@ -108,7 +108,7 @@ def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
     yield "without its top bit", f"`0x{crc.poly:02X}`"
     if with_top_bit & 1:
         yield "without its trailing 1 (Koopman notation)", f"`0x{with_top_bit >> 1:X}`"
-    yield "Width", counted(crc.width, "bit")
+    yield "Width", count_with_unit(crc.width, "bit")
     yield "Start value", f"`0x{crc.init:X}`"
     yield "Input, output reflected", f"{_yes_or_no(device.reflects_input(crc))}, {_yes_or_no(crc.refout)}"
     yield "Final XOR", f"`0x{crc.xorout:X}` ({crc_sent(crc)})"
@@ -268,7 +268,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
 def _place_cell(device: Device, layout: Layout, field: Field) -> str:
     """Return the place of a field. If it has a container, the place includes padding, and the width follows."""
     place = field_place_cell(layout, field, device.alternatives_of(layout))
-    width = counted(MARKDOWN.number(field.width), "bit") if field.container else ""
+    width = count_with_unit(MARKDOWN.number(field.width), "bit") if field.container else ""
     return join_filled([place, width])
 
 

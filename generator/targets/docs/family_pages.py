@@ -11,7 +11,7 @@ from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, edition_test, grade, origin, other_editions
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.order_code import describe_settings
-from ...say.plain_text import counted
+from ...say.plain_text import count_with_unit
 from ...say.text import Statement, language
 from . import fact_tables, inline_errata, masters_page, order_code_tables, page_links, verdict_page
 from .interface_page import subjects
@@ -70,7 +70,7 @@ def _release_section(release: Release) -> dict[str, Any]:
         impact_changes = [change for change in release.changes if change.impact == impact]
         change_lines = [_change_line(change) for change in impact_changes]
         if impact == "documentation" and len(change_lines) > _MOST_DOCUMENTATION_CHANGES:
-            change_lines = [f"{counted(len(change_lines), 'change')} to wording, sources, errata and examples"]
+            change_lines = [f"{count_with_unit(len(change_lines), 'change')} to wording, sources, errata and examples"]
         if change_lines:
             impact_sections.append({"title": title, "lines": change_lines})
     if release.names:
@@ -166,7 +166,7 @@ def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]
         order_codes = [variant.code for variant in family_codes.device.variants_over(interface.name)]
         if order_codes:
             code_links = [family_codes.links[order_code] for order_code in order_codes]
-            yield f"{interface.title}: {counted(len(order_codes), 'order code')}", code_links
+            yield f"{interface.title}: {count_with_unit(len(order_codes), 'order code')}", code_links
 
 
 def _task_rows(device: Device) -> Iterator[tuple[str, str]]:

@@ -12,7 +12,7 @@ from ...render import Templates, our_templates
 from ...say import markdown
 from ...say.markdown import escape, link
 from ...say.names_and_places import addresses_text, heading, title_of
-from ...say.text import counted, sentence
+from ...say.text import count_with_unit, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from ..registry import licence_in
 from . import (
@@ -194,7 +194,7 @@ def _order_code_sections(family_codes: order_code_page.OrderCodes) -> Iterator[S
     for interface in device.interfaces:
         interface_codes = [variant.code for variant in device.variants_over(interface.name)]
         if interface_codes:
-            count = counted(len(interface_codes), "order code")
+            count = count_with_unit(len(interface_codes), "order code")
             yield {
                 "pages": family_codes.page_links(interface.name),
                 "counted": f"All {count}" if len(interface_codes) > 1 else "The order code",

@@ -36,7 +36,7 @@ from ...say.layout import describe_size
 from ...say.markdown import MARKDOWN, citation, code, escape, link
 from ...say.names_and_places import field_at, heading, hexadecimal, title_of
 from ...say.order_code import not_on_label, parameter_value
-from ...say.plain_text import counted, with_unit
+from ...say.plain_text import count_with_unit, with_unit
 from ...say.register import describe_measurement, describe_position_range, own_ranges
 from ...say.text import Statement, sentence, statement
 from ..registry import names_of_codes
@@ -296,9 +296,9 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
         "registers": [_register_section(device, section) for section in interface_sections["registers"]],
         "register_rows": list(fact_tables.register_rows(device)),
         "procedures": [_procedure_section(device, section) for section in interface_sections["procedures"]],
-        "procedures_summary": f"{counted(len(device.procedures), 'procedure')}, step by step",
+        "procedures_summary": f"{count_with_unit(len(device.procedures), 'procedure')}, step by step",
         "setting_lines": list(fact_tables.setting_lines(device, interface)),
-        "frames_summary": counted(len(interface.layouts), "frame") + (" with CRC" if device.crcs else ""),
+        "frames_summary": count_with_unit(len(interface.layouts), "frame") + (" with CRC" if device.crcs else ""),
         "registers_summary": _registers_summary(device),
         "time_rows": list(fact_tables.time_rows(interface.timings + device.timings)),
         "by_hand": manual_procedures(device),
@@ -385,7 +385,7 @@ def _registers_summary(device: Device) -> str:
         return ""
     lowest = min(register.address for register in device.registers)
     highest = max(register.last_address for register in device.registers)
-    return f"{counted(len(device.registers), 'register')} from {hexadecimal(lowest)} to {hexadecimal(highest)}"
+    return f"{count_with_unit(len(device.registers), 'register')} from {hexadecimal(lowest)} to {hexadecimal(highest)}"
 
 
 def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:

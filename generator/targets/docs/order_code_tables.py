@@ -30,7 +30,7 @@ from ...say.layout import crc_inverted, crc_reflected
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
-from ...say.plain_text import counted, number
+from ...say.plain_text import count_with_unit, number
 from ...say.register import covered_by_parity_bit, describe_measurement, describe_position_range, own_ranges
 from ...say.report import deciding_bits
 from .page_links import style_in_folder
@@ -410,7 +410,7 @@ def crc_line(family_device: Device, crc: Crc) -> str:
         f"init {crc.init:#x}" if crc.init else "init 0",
         crc_reflected(family_device, crc),
         crc_inverted(crc),
-        counted(crc.width, "bit"),
+        count_with_unit(crc.width, "bit"),
         "over everything before it",
     ]
     xor_sentence = ". It equals the XOR of these bytes" if crc.is_xor else ""

@@ -17,7 +17,7 @@ from ...say.evidence import Topic, document, place_of_mention
 from ...say.layout import DATA, box_colour
 from ...say.names_and_places import name_in_words
 from ...say.order_code import REPLIES, bounds_with_codes, timeouts_with_codes, word_lengths
-from ...say.text import counted, microseconds
+from ...say.text import count_with_unit, microseconds
 from .layout_pictures import create_picture, draw_box, draw_text, number
 from .layout_pictures import text_width as text_width
 
@@ -244,9 +244,9 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
     """Return a request with its reply, and a repetition of the request."""
     request_lengths, reply_lengths = _byte_counts(interface, "master"), _byte_counts(interface, "encoder")
     at_least = "at least " if len(request_lengths) > 1 else ""
-    request_size = f"{at_least}{counted(request_lengths[0], 'byte')}"
+    request_size = f"{at_least}{count_with_unit(request_lengths[0], 'byte')}"
     up_to = "up to " if len(reply_lengths) > 1 else ""
-    reply_size = f"{up_to}{counted(reply_lengths[-1], 'byte')}"
+    reply_size = f"{up_to}{count_with_unit(reply_lengths[-1], 'byte')}"
     request_label = f"request, {request_size}"
     master = [
         SignalPart(Trace.UP, width=40),

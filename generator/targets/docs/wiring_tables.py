@@ -26,7 +26,7 @@ from ...model.record import dataclass
 from ...say.evidence import Topic, document, mentions
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, link
 from ...say.order_code import bounds_with_codes, clock_words, describe_settings
-from ...say.plain_text import counted
+from ...say.plain_text import count_with_unit
 from ...say.text import PLAIN_STYLE, hertz, list_parts, nanoseconds, sentence, statement, timeout_words, volts
 
 Row = tuple[str, ...]
@@ -376,7 +376,7 @@ def _baud_section(family_device: Device, device: Device, interface: Rs485) -> Sp
     reply_sizes = sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"})
     durations = []
     for size in (1, *reply_sizes):
-        durations.append(f"{counted(size, 'byte')} {_duration_text(size * bits_per_byte, port.baud)}")
+        durations.append(f"{count_with_unit(size, 'byte')} {_duration_text(size * bits_per_byte, port.baud)}")
     # The first setting of a serial interface is its baud rate.
     baud_rate = MARKDOWN.phrase(next(iter(describe_settings(device, interface))))
     facts = (

@@ -29,7 +29,7 @@ from ...say.errata import describe_erratum, errata
 from ...say.evidence import grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title_of
 from ...say.order_code import describe_parameter
-from ...say.plain_text import counted, plain, wrapped
+from ...say.plain_text import count_with_unit, plain, wrapped
 from ...say.text import DOCSTRING_STYLE, Statement, sentence, spec_text, statement
 from .line_breaks import WIDTH
 from .names import is_one_choice
@@ -345,4 +345,4 @@ def of_value(named_value: Field | Value) -> str:
 
 
 def of_run(digit_run: Digits) -> str:
-    return sentence(digit_run.meaning or counted(digit_run.digits, "digit"))
+    return sentence(digit_run.meaning or count_with_unit(digit_run.digits, "digit"))
