@@ -35,7 +35,7 @@ from jinja2 import (
 from jinja2.bccache import Bucket, BytecodeCache
 
 from .language.problems import TEMPLATE_SUFFIX, TemplateFault
-from .say.plain_text import plain, wrapped
+from .say.plain_text import text_on_one_line, wrapped
 
 
 class CompiledTemplates(BytecodeCache):
@@ -83,7 +83,7 @@ def _head(bucket: Bucket) -> bytes:
 
 
 #: Filters of all targets.
-COMMON_FILTERS: Mapping[str, Callable[..., object]] = {"plain": plain, "wrapped": wrapped}
+COMMON_FILTERS: Mapping[str, Callable[..., object]] = {"plain": text_on_one_line, "wrapped": wrapped}
 #: Prefix for template names that selects the target's own template, even if the user overrides it.
 _SHIPPED = "shipped"
 
@@ -212,9 +212,9 @@ def _place(error: Exception, own_folder: Path) -> str:
 def _reason(error: Exception) -> str:
     """Return the message of an error in a template, with the name of its class unless it is one of Jinja's own."""
     if isinstance(error, TemplateNotFound):
-        return f"there is no template '{plain(error.name)}'"
+        return f"there is no template '{text_on_one_line(error.name)}'"
     if isinstance(error, UnicodeEncodeError):
         return f"the text contains U+{ord(error.object[error.start]):04X}, which is not a character"
     module = type(error).__module__
     kind = "" if module.startswith("jinja2") else f"{type(error).__name__}: "
-    return f"{kind}{plain(error)}"
+    return f"{kind}{text_on_one_line(error)}"

@@ -10,7 +10,7 @@ from functools import lru_cache
 from html import escape as escape_xml
 
 from ..model import Source, Sources, cite
-from .plain_text import one_line, plain
+from .plain_text import one_line, text_on_one_line
 from .text import Reference, Style
 
 _MARKS = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})
@@ -24,7 +24,7 @@ _BLOCK_START = re.compile(r"^(\d+)([.)])(?=\s|$)|^([-+#=])")
 
 def escape(value: object) -> str:
     """Return one line of text with all Markdown and HTML markup escaped."""
-    return _escape_markdown(plain(value))
+    return _escape_markdown(text_on_one_line(value))
 
 
 @lru_cache(4096)
@@ -34,7 +34,7 @@ def _escape_markdown(value: str) -> str:
 
 def code(value: object) -> str:
     """Return a code span that is safe inside a table, where a vertical bar would end the cell."""
-    return _code_span(plain(value))
+    return _code_span(text_on_one_line(value))
 
 
 @lru_cache(4096)
@@ -89,7 +89,7 @@ _SECTION_NUMBER = re.compile(r"\d+(?![\dx])")
 
 def escape_html(value: object) -> str:
     """Return one line of text for an HTML element or attribute, with Markdown characters escaped as entities."""
-    return escape_xml(plain(value)).translate(_ENTITIES)
+    return escape_xml(text_on_one_line(value)).translate(_ENTITIES)
 
 
 def link(label: str, target: str) -> str:

@@ -192,7 +192,7 @@ def one_line(text: object) -> str:
     return line if line.isprintable() else _CONTROL.sub(" ", line)
 
 
-def plain(text: object) -> str:
+def text_on_one_line(text: object) -> str:
     """Return the text on one line, without spaces at its ends."""
     return one_line(text).strip()
 
@@ -202,7 +202,7 @@ def wrapped(text: object, width: int, prefix: str = "", first: str | None = None
 
     Lines start with ``prefix``, the first with ``first`` if it is given. A text without words is empty.
     """
-    words = [word for word in plain(text).split(" ") if word]
+    words = [word for word in text_on_one_line(text).split(" ") if word]
     if not words:
         return ""
     lines: list[str] = []

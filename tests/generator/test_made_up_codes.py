@@ -6,7 +6,7 @@ import json
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.say.plain_text import plain
+from codewheel.say.plain_text import text_on_one_line
 from codewheel.targets import Library
 from codewheel.targets.browser.files import family_data
 from codewheel.targets.c.files import generate as generate_c
@@ -50,7 +50,7 @@ def test_packages_say_it(every_encoder: Library, order_codes_are_made_up: bool) 
         for text in (python_readme, c_files["c/README.md"], *programs):
             named_label = "order code on the label" in text or "order code from the label" in text
             assert named_label is not order_codes_are_made_up, device.name
-        first_words = plain(device.order_code.not_on_label).partition(".")[0]
+        first_words = text_on_one_line(device.order_code.not_on_label).partition(".")[0]
         assert first_words in python_readme
         assert first_words in c_files["c/README.md"]
 

@@ -12,7 +12,7 @@ from typing import Annotated, TypedDict
 
 from codewheel.model import Biss, Device, Ssi, Variant
 from codewheel.render import Templates
-from codewheel.say.plain_text import plain
+from codewheel.say.plain_text import text_on_one_line
 from codewheel.targets import NO_OPTIONS, Library, Options, Target
 from codewheel.targets.registry import licence_in, names_of_codes
 
@@ -111,7 +111,7 @@ def _protocol(device: Device, variant: Variant) -> tuple[int, str] | None:
 TEMPLATES = Templates(
     Path(__file__).parent / "templates",
     values={"type_plate.xml.jinja": Plate},
-    filters={"text": plain},
+    filters={"text": text_on_one_line},
     autoescape=True,
 )
 TARGET = Target(

@@ -9,7 +9,7 @@ from codewheel.model import BitSlice, Device, Field, Parameter, assert_never
 from codewheel.model.expressions import Expression, Factor, Term
 from codewheel.plan import values
 from codewheel.plan.codec import characters
-from codewheel.say.plain_text import plain
+from codewheel.say.plain_text import text_on_one_line
 
 from .names import snake
 
@@ -64,7 +64,7 @@ def pattern(numbers: Collection[int]) -> str:
 
 def quoted(text: str) -> str:
     """Return a literal of text on one line."""
-    return json.dumps(plain(text), ensure_ascii=False)
+    return json.dumps(text_on_one_line(text), ensure_ascii=False)
 
 
 def widened(value: str, type_: str) -> str:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 
 from codewheel.model import Device, Spi, Variant
-from codewheel.say.plain_text import plain
+from codewheel.say.plain_text import text_on_one_line
 from codewheel.targets.c.codec import StructCodec
 from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.names import c_name
@@ -17,7 +17,7 @@ BUSES = ("biss", "ssi", "spi")
 
 def quoted(text: str) -> str:
     """Return text in double quotes for YAML and Kconfig."""
-    return json.dumps(plain(text).replace('"', "'").replace("$", ""), ensure_ascii=True)
+    return json.dumps(text_on_one_line(text).replace('"', "'").replace("$", ""), ensure_ascii=True)
 
 
 def setting(name: str) -> str:

@@ -23,7 +23,7 @@ from ...say.errata import describe_erratum, errata
 from ...say.layout import crc_parameters
 from ...say.names_and_places import field_at
 from ...say.order_code import initial
-from ...say.plain_text import count_with_unit, in_ascii, plain
+from ...say.plain_text import count_with_unit, in_ascii, text_on_one_line
 from ...say.text import PLAIN_STYLE
 from .identity import DataLength, IdBits, profile_ids
 
@@ -34,7 +34,7 @@ _SPELLED_SIGNS = {"±": "+/-", "→": "to", "°": " deg", "\N{OHM SIGN}": "Ohm"}
 
 def ascii_only(text: object) -> str:
     """Return ``text`` in ASCII for comments, where XML allows no character references."""
-    return in_ascii(plain(text), _SPELLED_SIGNS)
+    return in_ascii(text_on_one_line(text), _SPELLED_SIGNS)
 
 
 def comment_text(text: object) -> Markup:
@@ -81,7 +81,7 @@ def _wrapped_lines(paragraph: str, width: int) -> Sequence[str]:
 
 def ascii_text(text: object) -> Markup:
     """Return ``text`` for an element, in ASCII, with character references such as ``&#176;`` for other characters."""
-    escaped_text = str(escape(without_invalid_characters(plain(text))))
+    escaped_text = str(escape(without_invalid_characters(text_on_one_line(text))))
     return Markup(escaped_text.encode("ascii", "xmlcharrefreplace").decode())
 
 
@@ -157,7 +157,7 @@ def _data_label(device: Device, layout: Layout) -> str:
     Unlike the label of a device, it does not start with a comma.
     """
     measurement = device.measurement_of(Biss.name)
-    return measurement.of if measurement is not None else plain(layout.name.replace("_", " "))
+    return measurement.of if measurement is not None else text_on_one_line(layout.name.replace("_", " "))
 
 
 _LENGTH_NOTE = (

@@ -39,7 +39,7 @@ from ...say.evidence import GRADES, grade, lowest_grade, mark_in_lists, origin
 from ...say.markdown import escape
 from ...say.names_and_places import field_at
 from ...say.order_code import not_on_label
-from ...say.plain_text import plain
+from ...say.plain_text import text_on_one_line
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
 from ...why import MOST_FRAMES
 from ...why.channels import LEAST_CRC_BITS
@@ -296,7 +296,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the page, the script and the README."""
     codes = [variant.code for device in library.devices for variant in device.variants]
     page: Page = {
-        "title": listed(plain(manufacturer.title) for manufacturer, _ in library.by_manufacturer()),
+        "title": listed(text_on_one_line(manufacturer.title) for manufacturer, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
         "example": linked_frame(library.devices),
         "table": script_table(library),

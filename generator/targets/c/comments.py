@@ -6,7 +6,7 @@ import re
 import textwrap
 from collections.abc import Iterator, Sequence
 
-from ...say.plain_text import in_ascii, plain
+from ...say.plain_text import in_ascii, text_on_one_line
 from ...say.text import TITLE_STYLE, Statement, Style
 from .names import string
 
@@ -23,7 +23,7 @@ _ASCII_SPELLINGS = {"±": "+/-", "°": " deg ", "Ω": "ohm"}
 
 def ascii_text(text: object) -> str:
     """Return text in ASCII, with single spaces."""
-    return re.sub(" +", " ", in_ascii(plain(text).replace("N°", "No."), _ASCII_SPELLINGS)).strip()
+    return re.sub(" +", " ", in_ascii(text_on_one_line(text).replace("N°", "No."), _ASCII_SPELLINGS)).strip()
 
 
 def in_comment(text: object) -> str:

@@ -25,7 +25,7 @@ from ...render import Templates, our_templates, tests_for
 from ...say.layout import join as say_join
 from ...say.markdown import escape as markdown_text
 from ...say.names_and_places import addresses_text, name_in_words, title_of
-from ...say.plain_text import plain
+from ...say.plain_text import text_on_one_line
 from ...say.text import TITLE_STYLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
 from ..registry import licence_in
@@ -323,7 +323,7 @@ def _render_template(library: Library, template: str, template_values: Mapping[s
 
 def _format_json(value: object) -> str:
     """Return text of a spec as a JSON string."""
-    return json.dumps(plain(value))
+    return json.dumps(text_on_one_line(value))
 
 
 TEMPLATES = Templates(

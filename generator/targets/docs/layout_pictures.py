@@ -16,7 +16,7 @@ from ...model.record import dataclass
 from ...plan.values import ActiveFlag, meaning_of
 from ...say.layout import box_colour, box_label, name_as_words
 from ...say.names_and_places import bit_range
-from ...say.plain_text import plain
+from ...say.plain_text import text_on_one_line
 from ..palette import palette
 
 #: Width that fits on the screen of a phone: 375 pixels minus the margins of a page.
@@ -52,7 +52,7 @@ def create_picture(title: str, body: Sequence[str], width: float, height: float,
     """Return a picture of this size. ``description`` is its text alternative."""
     svg_start = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
-        f'viewBox="0 0 {number(width)} {number(height)}" role="img" aria-label="{html.escape(plain(title))}" '
+        f'viewBox="0 0 {number(width)} {number(height)}" role="img" aria-label="{html.escape(text_on_one_line(title))}" '
         'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
     )
     size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
@@ -63,7 +63,7 @@ def create_picture(title: str, body: Sequence[str], width: float, height: float,
 
 def _escape_xml(words: str) -> str:
     """Return words as the content of an element."""
-    return html.escape(plain(words), quote=False)
+    return html.escape(text_on_one_line(words), quote=False)
 
 
 def draw_box(x: float, top: float, box_width: float, box_height: float, fill: str) -> str:
@@ -106,7 +106,7 @@ def text_width(words: str, size: float) -> float:
 def wrap_to_width(words: str, room: float, size: float) -> list[str]:
     """Return text as lines no wider than ``room``, with at least one character in each."""
     letters_per_line = int(room / (size * _LETTER_WIDTH))
-    return wrap(plain(words), max(1, letters_per_line))
+    return wrap(text_on_one_line(words), max(1, letters_per_line))
 
 
 def number(value: float) -> str:

@@ -21,7 +21,7 @@ from ...model import Device
 from ...render import Templates, our_templates
 from ...say.evidence import grade_below_manual, titled_in_lists
 from ...say.markdown import escape as escape_markdown
-from ...say.plain_text import plain, wrapped
+from ...say.plain_text import text_on_one_line, wrapped
 from ...say.text import PLAIN_STYLE
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
@@ -158,7 +158,7 @@ def comment(paragraphs: Sequence[str], prefix: str) -> str:
 
 def note(text: object) -> str:
     """Return text that cannot end a one-line comment in XML or C, without double hyphens, which XML does not allow."""
-    comment_line = plain(text).replace("*/", "* /")
+    comment_line = text_on_one_line(text).replace("*/", "* /")
     # Of three hyphens, one pass leaves two next to each other.
     while "--" in comment_line:
         comment_line = comment_line.replace("--", "- -")

@@ -20,7 +20,7 @@ from ...plan.values import (
     ZeroMeans,
     meaning_of,
 )
-from ...say.plain_text import plain
+from ...say.plain_text import text_on_one_line
 from .literals import (
     Atom,
     Not,
@@ -311,7 +311,7 @@ def purpose_of_constant(field: Field, place: str) -> str:
     Return only the place if both are too long for a comment at the end of a line.
     """
     # Texts of the spec can have several lines.
-    meaning_on_one_line = " ".join(plain(field.meaning).split())
+    meaning_on_one_line = " ".join(text_on_one_line(field.meaning).split())
     first_sentence = meaning_on_one_line.partition(". ")[0].rstrip(".")
     comment = ": ".join(filter(None, [place, first_sentence]))
     return comment if len(comment) < _LONG_COMMENT else place

@@ -29,7 +29,7 @@ from ...say.errata import describe_erratum, errata
 from ...say.evidence import grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title_of
 from ...say.order_code import describe_parameter
-from ...say.plain_text import count_with_unit, plain, wrapped
+from ...say.plain_text import count_with_unit, text_on_one_line, wrapped
 from ...say.text import DOCSTRING_STYLE, Statement, sentence, spec_text, statement
 from .line_breaks import WIDTH
 from .names import is_one_choice
@@ -100,7 +100,7 @@ def _in_docstring_line(line: str) -> str:
 
 
 def _in_docstring(text: str) -> str:
-    return plain(text).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+    return text_on_one_line(text).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
 
 
 #: End of a sentence that is followed by another sentence.
@@ -119,7 +119,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
         " Python end in an underscore.",
         ("Contents", [group for group in contents if group[1]]),
         *example,
-        f"Version {device.manufacturer.version}, generated from the manual “{plain(manual.title)}”, {plain(revision)}."
+        f"Version {device.manufacturer.version}, generated from the manual “{text_on_one_line(manual.title)}”, {text_on_one_line(revision)}."
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
         " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
         DOCSTRING_STYLE.sentence(grade(device)),

@@ -27,7 +27,7 @@ from ...plan.codec import LayoutPlan, codec_of
 from ...plan.limits import powers_of_two
 from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
-from ...say.plain_text import plain
+from ...say.plain_text import text_on_one_line
 from ...say.report import alarm_of, alarm_source, flag_state_meanings, meaning, remedy
 from .literals import CallLiteral, EnumMember, Literal, SourceText, literal_call, of_facts, quoted, record
 from .records import record_of, records_of
@@ -85,9 +85,9 @@ def family(device: Device) -> CallLiteral:
     return literal_call(
         "Family",
         device.name,
-        plain(device.title),
+        text_on_one_line(device.title),
         EnumMember("Movement", device.movement),
-        plain(device.manufacturer.title),
+        text_on_one_line(device.manufacturer.title),
     )
 
 

@@ -18,7 +18,7 @@ from ...model import Device, Manufacturer, Rs485, Spi, first_of
 from ...plan import operations, steps
 from ...plan.limits import Refusal
 from ...render import Templates, our_templates, tests_for
-from ...say.plain_text import plain
+from ...say.plain_text import text_on_one_line
 from ...say.text import sentence
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
 from ..registry import copied_files, licence_in, our_runtime
@@ -210,10 +210,10 @@ def _package_values(
     return {
         "package": maker.python_package,
         "distribution": maker.distribution,
-        "title": plain(maker.title),
+        "title": text_on_one_line(maker.title),
         "maker": maker,
-        "notices": [plain(trademark) for trademark in maker.trademarks],
-        "header": _header_comment(f"the specifications of {plain(maker.title)}'s encoders"),
+        "notices": [text_on_one_line(trademark) for trademark in maker.trademarks],
+        "header": _header_comment(f"the specifications of {text_on_one_line(maker.title)}'s encoders"),
         "modules": modules,
         "start": shown_example,
         "shown_family": shown_family,
@@ -292,7 +292,7 @@ def _files_of_family(device: Device, library: Library, options: Options) -> Iter
 def _module_text(module: Module, package: str, template: str, user_templates: Path | None) -> str:
     """Return the text of a module, with imports of the names that it uses."""
     family: Family = {
-        "header": _header_comment(f"the specification of {plain(module.device.title)}"),
+        "header": _header_comment(f"the specification of {text_on_one_line(module.device.title)}"),
         "package": package,
         "module": module,
         "imports": [],
@@ -314,12 +314,12 @@ def _header_comment(source: str) -> str:
 
 def _toml_string(text: str) -> str:
     """Return ``text`` as a TOML string."""
-    return '"' + plain(text).replace("\\", "\\\\").replace('"', '\\"') + '"'
+    return '"' + text_on_one_line(text).replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
 def _escape_markdown(text: str) -> str:
     """Return text of a spec, escaped for Markdown."""
-    return plain(text).translate({ord(character): f"\\{character}" for character in _MARKUP})
+    return text_on_one_line(text).translate({ord(character): f"\\{character}" for character in _MARKUP})
 
 
 _GUIDE_FILES = tuple(f"{guide}.md" for guide in _GUIDES)

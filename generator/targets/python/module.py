@@ -11,7 +11,7 @@ from ...model import Device, Field, Interface, Register, Spi, Value
 from ...model.record import dataclass
 from ...plan.frames import FrameDispatch, dispatches, identities
 from ...say.names_and_places import name_in_words
-from ...say.plain_text import plain
+from ...say.plain_text import text_on_one_line
 from . import docstrings, facts
 from .bits import from_pieces
 from .channel_examples import ChannelExample, channel_example
@@ -101,7 +101,7 @@ class FrameDispatcher:
     @property
     def selector_title(self) -> str:
         """Printed name of the selector."""
-        return plain(self.plan.selector.printed_name or name_in_words(self.plan.selector.name))
+        return text_on_one_line(self.plan.selector.printed_name or name_in_words(self.plan.selector.name))
 
 
 @dataclass(frozen=True)
