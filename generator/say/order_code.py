@@ -42,7 +42,7 @@ from ..model.order_codes import Restricted
 from .errata import describe_erratum, errata
 from .names_and_places import hexadecimal, name_in_words, printed_name_of, register_at, register_field
 from .names_and_places import register_reference as reference_to_register
-from .plain_text import count_with_unit, number
+from .plain_text import count_with_unit, group_digits
 from .register import describe_range, describe_value
 from .text import (
     CodeText,
@@ -175,7 +175,7 @@ def initial(device: Device) -> str:
 
 def parameter_value(device_parameter: Parameter, count: int) -> str:
     """Return the value of a parameter for an order code. IDs and other codes are hexadecimal, such as ``3Fh``."""
-    return hexadecimal(count) if device_parameter.hexadecimal else number(count)
+    return hexadecimal(count) if device_parameter.hexadecimal else group_digits(count)
 
 
 def describe_timing(printed_time: Timing) -> Statement:
@@ -375,7 +375,7 @@ def _port_words(port: Port) -> str:
     parity = f"{port.parity.replace('none', 'no')} parity"
     flow_control = f"{port.flow_control.replace('none', 'no')} flow control"
     stop_bits = count_with_unit(port.stop_bits, "stop bit")
-    return f"{number(port.baud)} Bd, {port.data_bits} data bits, {parity}, {stop_bits}, {flow_control}"
+    return f"{group_digits(port.baud)} Bd, {port.data_bits} data bits, {parity}, {stop_bits}, {flow_control}"
 
 
 def _network_words(network: Network) -> str:

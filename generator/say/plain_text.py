@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _ROUNDED = 6
 
 
-def number(value: int) -> str:
+def group_digits(value: int) -> str:
     """Return a number in groups of three digits."""
     return f"{value:,}"
 

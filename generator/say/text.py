@@ -9,7 +9,7 @@ from ..model import PrintedTimeout, Sources, Timeout, Verdict, cite
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .plain_text import count_with_unit as counted
-from .plain_text import number as number
+from .plain_text import group_digits as number
 from .plain_text import with_unit as with_unit
 
 _RULE = {"follows_clock": "varies with the clock", "fixed": "fixed"}
@@ -250,7 +250,7 @@ class Style:
         """Return a number, or as code an expression that still contains parameters after known values are filled in."""
         resolved = self.resolve(expression)
         if resolved.is_constant:
-            return number(resolved.constant)
+            return group_digits(resolved.constant)
         return self.code(resolved.render())
 
     def _write_part(self, part: TextPart) -> str:

@@ -36,7 +36,7 @@ from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_filled, link
 from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
-from ...say.plain_text import count_with_unit, number, quantity
+from ...say.plain_text import count_with_unit, group_digits, quantity
 from ...say.register import describe_value
 from ...say.text import sentence, statement
 from .layout_tables import (
@@ -168,11 +168,11 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
             for name, value in example.arguments.items():
                 # A single digit is the same in both notations.
                 in_hexadecimal = f" ({hexadecimal(value)})" if value > 9 else ""
-                yield f"Argument {code(name)}", f"{number(value)}{in_hexadecimal}"
+                yield f"Argument {code(name)}", f"{group_digits(value)}{in_hexadecimal}"
             yield "Writes", ", ".join(f"`{write.address:02X}h: {write.value:02X}`" for write in example.writes)
         case MeasureExample():
             yield "Order code", code(example.order_code)
-            yield "Length", f"{number(example.counts)} counts are {number(example.micrometres)} µm"
+            yield "Length", f"{group_digits(example.counts)} counts are {group_digits(example.micrometres)} µm"
         case _:
             assert_never(example)
 
@@ -196,8 +196,8 @@ def _value_text(value: int | str | bool, scale: Scale | None) -> str:
     if not isinstance(value, int):
         return code(value)
     if scale is None:
-        return number(value)
-    return f"{number(value)} ({escape(quantity(scale, value))})"
+        return group_digits(value)
+    return f"{group_digits(value)} ({escape(quantity(scale, value))})"
 
 
 def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:

@@ -30,7 +30,7 @@ from ...say.layout import crc_inverted, crc_reflected
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
-from ...say.plain_text import count_with_unit, number
+from ...say.plain_text import count_with_unit, group_digits
 from ...say.register import covered_by_parity_bit, describe_measurement, describe_position_range, own_ranges
 from ...say.report import deciding_bits
 from .page_links import style_in_folder
@@ -388,7 +388,7 @@ def _verdict_facts(
 def _range_of_signed_number(family_device: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return a signed field with its range, such as ``position, in two's complement, -512 to 511``."""
     lowest, highest = family_device.signed_range(placed_field, placed_layout)
-    return f"{code(placed_field.name)}, in two's complement, {number(lowest)} to {number(highest)}"
+    return f"{code(placed_field.name)}, in two's complement, {group_digits(lowest)} to {group_digits(highest)}"
 
 
 def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
