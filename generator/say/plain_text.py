@@ -39,7 +39,7 @@ def decimal(value: Fraction) -> str:
     return f"≈ {decimal_text}" if exact_decimals is None else decimal_text
 
 
-def quantity(scale: Scale, value: int) -> str:
+def quantity_text(scale: Scale, value: int) -> str:
     """Return the quantity that a number represents: ``26.9 °C``. Begin with ``≈`` if the decimals are rounded."""
     text = f"{scale.decimal(value)} {scale.unit}"
     return text if scale.is_exact(value) else f"≈ {text}"

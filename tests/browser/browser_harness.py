@@ -18,7 +18,7 @@ import pytest
 from codewheel.model import Device, Layout, PlacedLayout, Register, Variant, number_to_bytes
 from codewheel.reference import codec
 from codewheel.reference.findings import findings, strange_values
-from codewheel.say.plain_text import quantity
+from codewheel.say.plain_text import quantity_text
 from rust_frames import numbers
 from test_c_codec import run_time_variants
 from working_tools import require
@@ -103,7 +103,7 @@ class Case:
 
 
 def _field_row(field: codec.DecodedField) -> Sequence[object]:
-    amount = quantity(field.scale, int(field.value)) if field.scale is not None else ""
+    amount = quantity_text(field.scale, int(field.value)) if field.scale is not None else ""
     return (field.name, field.raw, _value_text(field.value), field.unit, amount, field.meaning, field.high, field.low)
 
 

@@ -13,7 +13,7 @@ from codewheel.commands.cli import main
 from codewheel.language.schema_check import load_schema
 from codewheel.model import Scale
 from codewheel.model.kinds import WIDEST
-from codewheel.say.plain_text import formula, quantity
+from codewheel.say.plain_text import formula, quantity_text
 from codewheel_runtime import facts
 
 ENCODERS = Path(__file__).parents[2] / "specs"
@@ -62,10 +62,10 @@ def test_the_formula_of_the_tle5012b() -> None:
     -72 is the number in the example in section 4.4 of the user's manual, revision 1.2.
     """
     assert [TLE5012B.quantity(number) for number in (-152, 195, -72)] == [0, 125, Fraction(10_000, 347)]
-    assert quantity(TLE5012B, -152) == "0.00 °C"
-    assert quantity(TLE5012B, 195) == "125.00 °C"
+    assert quantity_text(TLE5012B, -152) == "0.00 °C"
+    assert quantity_text(TLE5012B, 195) == "125.00 °C"
     # One count is 0.36 °C, so a tenth of it needs two decimals.
-    assert quantity(TLE5012B, -72) == "≈ 28.82 °C"
+    assert quantity_text(TLE5012B, -72) == "≈ 28.82 °C"
 
 
 def test_rounding_is_away_from_zero_and_never_negative_zero() -> None:

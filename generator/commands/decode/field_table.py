@@ -9,7 +9,7 @@ from ...model import PlacedLayout
 from ...reference import codec
 from ...say import report as say_report
 from ...say.names_and_places import bit_place
-from ...say.plain_text import WIDTH, quantity
+from ...say.plain_text import WIDTH, quantity_text
 from ...say.plain_text import wrapped as wrapped_anew
 from ...say.text import sentence, with_unit
 
@@ -87,7 +87,7 @@ def _value_text(field: codec.DecodedField) -> str:
         value_with_unit = with_unit(str(field.value), field.unit)
     if field.scale is None:
         return value_with_unit
-    return f"{value_with_unit} ({quantity(field.scale, int(field.value))})"
+    return f"{value_with_unit} ({quantity_text(field.scale, int(field.value))})"
 
 
 def capitalized(text: str) -> str:

@@ -36,7 +36,7 @@ from ...say.layout import crc_sent
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_filled, link
 from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
-from ...say.plain_text import count_with_unit, group_digits, quantity
+from ...say.plain_text import count_with_unit, group_digits, quantity_text
 from ...say.register import describe_value
 from ...say.text import sentence, statement
 from .layout_tables import (
@@ -197,7 +197,7 @@ def _value_text(value: int | str | bool, scale: Scale | None) -> str:
         return code(value)
     if scale is None:
         return group_digits(value)
-    return f"{group_digits(value)} ({escape(quantity(scale, value))})"
+    return f"{group_digits(value)} ({escape(quantity_text(scale, value))})"
 
 
 def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
