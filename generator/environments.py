@@ -35,7 +35,7 @@ from jinja2 import (
 from jinja2.bccache import Bucket, BytecodeCache
 
 from .language.problems import TEMPLATE_SUFFIX, TemplateFault
-from .say.plain_text import text_on_one_line, wrapped
+from .say.plain_text import text_on_one_line, wrap_text
 
 
 class CompiledTemplates(BytecodeCache):
@@ -83,7 +83,7 @@ def _head(bucket: Bucket) -> bytes:
 
 
 #: Filters of all targets.
-COMMON_FILTERS: Mapping[str, Callable[..., object]] = {"plain": text_on_one_line, "wrapped": wrapped}
+COMMON_FILTERS: Mapping[str, Callable[..., object]] = {"plain": text_on_one_line, "wrapped": wrap_text}
 #: Prefix for template names that selects the target's own template, even if the user overrides it.
 _SHIPPED = "shipped"
 

@@ -15,7 +15,7 @@ from ..loading.overlays import Family
 from ..model import Release, ReleasedChange
 from ..say.markdown import code as in_code
 from ..say.markdown import escape as escaped
-from ..say.plain_text import WIDTH, count_with_unit, first_of, wrapped
+from ..say.plain_text import WIDTH, count_with_unit, first_of, wrap_text
 from .names import NameChange
 from .rules import OUTPUTS, TITLES, Change, Impact, PackageVersions
 
@@ -255,8 +255,8 @@ def as_text(findings: DiffResult) -> str:
 def _change_lines(change: Change) -> Iterator[str]:
     """Yield two wrapped texts about a change: what changed, after the word of its impact, and its effect and rule."""
     indent = " " * _TEXT_COLUMN
-    yield wrapped(change.text, WIDTH, prefix=indent, first=_first_column(change.rule.word))
-    yield wrapped(f"{describe_effect(change)} [{change.rule.name}]", WIDTH, prefix=indent)
+    yield wrap_text(change.text, WIDTH, prefix=indent, first=_first_column(change.rule.word))
+    yield wrap_text(f"{describe_effect(change)} [{change.rule.name}]", WIDTH, prefix=indent)
 
 
 def _first_column(word: str) -> str:
@@ -270,7 +270,7 @@ def _documentation_lines(changes: Sequence[Change]) -> Iterator[str]:
         changes_of_rule = [change for change in changes if change.rule is rule]
         places = first_of([_place_or_text(change) for change in changes_of_rule], between="; ")
         line_beginning = _first_column(rule.word)
-        yield wrapped(f"{places} [{rule.name}]", WIDTH, prefix=" " * _TEXT_COLUMN, first=line_beginning)
+        yield wrap_text(f"{places} [{rule.name}]", WIDTH, prefix=" " * _TEXT_COLUMN, first=line_beginning)
 
 
 def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
@@ -280,7 +280,7 @@ def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
     names_text = "; ".join(name_texts[:_MOST_NAMES])
     if len(name_texts) > _MOST_NAMES:
         names_text += f"; and {len(name_texts) - _MOST_NAMES} more, all with --markdown"
-    yield wrapped(names_text, WIDTH, prefix=" " * _TEXT_COLUMN, first=_first_column("names"))
+    yield wrap_text(names_text, WIDTH, prefix=" " * _TEXT_COLUMN, first=_first_column("names"))
 
 
 def _place_or_text(change: Change) -> str:
@@ -302,7 +302,7 @@ def _result_lines(findings: DiffResult) -> Iterator[str]:
         statements.append(f"{changed_count} of {count_with_unit(findings.files.count, 'file')} {verb}")
     statements += map(describe_versions, findings.packages)
     if statements:
-        yield wrapped(f"generated: {'; '.join(statements)}", WIDTH, prefix="  ", first="")
+        yield wrap_text(f"generated: {'; '.join(statements)}", WIDTH, prefix="  ", first="")
 
 
 #: The version of a manufacturer's package in its file, whose first group precedes the number.

@@ -92,14 +92,14 @@ def _list_rules(examples: dict[str, RuleExample]) -> str:
     ``examples`` contains an example of each rule of check about a single file, by the name of the rule.
     """
     from ..changes.rules import RULES
-    from ..say.plain_text import WIDTH, wrapped
+    from ..say.plain_text import WIDTH, wrap_text
 
     lines = ["Rules of diff:", ""]
     for rule in RULES.values():
         # In columns as wide as the longest name and the longest impact.
         name_and_impact = f"{rule.name:<22} {rule.impact.word:<14} "
         indent = " " * len(name_and_impact)
-        lines.append(wrapped(rule.when, WIDTH, prefix=indent, first=name_and_impact))
+        lines.append(wrap_text(rule.when, WIDTH, prefix=indent, first=name_and_impact))
     rules_of_one_file, rules_of_several_files = examples.keys(), _SEVERAL_FILES.keys()
     names_of_check_rules = ", ".join(sorted([*rules_of_one_file, *rules_of_several_files]))
     lines += ["", "Rules of check:", "", textwrap.fill(names_of_check_rules, WIDTH, break_on_hyphens=False)]
@@ -108,14 +108,14 @@ def _list_rules(examples: dict[str, RuleExample]) -> str:
 
 def _describe_rule_of_check(name: str, examples: dict[str, RuleExample]) -> list[str]:
     """Return the description of a rule of check as one text, or an empty list if there is no such rule."""
-    from ..say.plain_text import WIDTH, wrapped
+    from ..say.plain_text import WIDTH, wrap_text
 
     if name in _SEVERAL_FILES:
-        return [wrapped(_SEVERAL_FILES[name], WIDTH, prefix="  ", first=f"{name}, a rule of check: ")]
+        return [wrap_text(_SEVERAL_FILES[name], WIDTH, prefix="  ", first=f"{name}, a rule of check: ")]
     if name not in examples:
         return []
     example = examples[name]
-    message = wrapped(f"{example['message']}.", WIDTH, prefix="  ")
+    message = wrap_text(f"{example['message']}.", WIDTH, prefix="  ")
     heading = f"{name}, a rule of check. Example message:"
     return ["\n".join([heading, message, "", "for these lines:", "", *example["lines"]])]
 
@@ -123,11 +123,11 @@ def _describe_rule_of_check(name: str, examples: dict[str, RuleExample]) -> list
 def _describe_rule_of_diff(name: str) -> list[str]:
     """Return a rule of diff with its impact on each output and its reason, or an empty list if there is none."""
     from ..changes.rules import OUTPUTS, RULES, TITLES
-    from ..say.plain_text import WIDTH, wrapped
+    from ..say.plain_text import WIDTH, wrap_text
 
     rule = RULES.get(name)
     if rule is None:
         return []
     impacts = [f"  {TITLES[output]:<7} {impact.word}" for output, impact in zip(OUTPUTS, rule.impacts, strict=True)]
-    heading = wrapped(f"{rule.when}.", WIDTH, prefix="  ", first=f"{rule.name}: ")
-    return ["\n".join([heading, *impacts, wrapped(rule.why, WIDTH, prefix="  ")])]
+    heading = wrap_text(f"{rule.when}.", WIDTH, prefix="  ", first=f"{rule.name}: ")
+    return ["\n".join([heading, *impacts, wrap_text(rule.why, WIDTH, prefix="  ")])]

@@ -161,7 +161,7 @@ def _pattern_or_codes(family: FamilyRow) -> str:
 
 def as_text(families: Sequence[FamilyRow]) -> str:
     """Return a heading and four lines of facts about each family, at most 80 columns wide."""
-    from ..say.plain_text import WIDTH, two_columns, wrapped
+    from ..say.plain_text import WIDTH, two_columns, wrap_text
 
     lines = []
     for family in families:
@@ -174,6 +174,6 @@ def as_text(families: Sequence[FamilyRow]) -> str:
             ("manual", f"{manual['title']}, revision {manual['revision']}{date}"),
             ("evidence", family["evidence"]),
         ]
-        lines.append(wrapped(heading, WIDTH, prefix=" " * 10, first=f"{family['family']:<8}  "))
+        lines.append(wrap_text(heading, WIDTH, prefix=" " * 10, first=f"{family['family']:<8}  "))
         lines += [*two_columns(facts, indent=10), ""]
     return "\n".join(lines).rstrip()

@@ -13,7 +13,7 @@ from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import LabelMatch
 from ..say.evidence import Topic, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
-from ..say.plain_text import WIDTH, two_columns, wrapped
+from ..say.plain_text import WIDTH, two_columns, wrap_text
 from ..say.text import PLAIN_STYLE, count_with_unit, hertz, microseconds, volts
 from .places import WriteCondition, place_lines, write_order
 from .record import EncoderFacts
@@ -226,7 +226,7 @@ def _lines_of_needed_values(rule: WriteCondition, master: Master, indent: str) -
     lines: list[str] = []
     for write in (*rule.needs, *rule.then):
         places = place_lines(write.places, write.text, master.devices)
-        lines += (wrapped(f"{write.title}: {place}", WIDTH, prefix=f"{indent}  ", first=indent) for place in places)
+        lines += (wrap_text(f"{write.title}: {place}", WIDTH, prefix=f"{indent}  ", first=indent) for place in places)
     return lines
 
 
@@ -244,22 +244,22 @@ def sheet_text(device: Device, code_match: LabelMatch, record: EncoderFacts, she
         return "\n".join(lines)
     is_single_master = len(sheets) == 1
     legend = legend_of_marks([sheet.master for sheet in sheets], sheets, with_places=is_single_master)
-    lines += ["", wrapped(legend, WIDTH)]
+    lines += ["", wrap_text(legend, WIDTH)]
     usable_sheets = [sheet for sheet in sheets if not sheet.refusals]
     for sheet in usable_sheets:
         lines += ["", *_sheet_lines(sheet, with_documents=is_single_master)]
     # Masters that are not described for the interface are only listed.
     refusing_sheets = [sheet for sheet in sheets if sheet.refusals and sheet.is_described]
     if refusing_sheets:
-        lines += ["", wrapped(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
+        lines += ["", wrap_text(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
     for sheet in refusing_sheets:
-        lines.append(wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="    ", first="  "))
-        lines += [wrapped(refusal_text(reason), WIDTH, prefix="      ", first="    ") for reason in sheet.refusals]
+        lines.append(wrap_text(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="    ", first="  "))
+        lines += [wrap_text(refusal_text(reason), WIDTH, prefix="      ", first="    ") for reason in sheet.refusals]
     undescribed_titles = [sheet.master.title for sheet in sheets if not sheet.is_described]
     if undescribed_titles:
         title = INTERFACES[record.words["interface"]].title
         sentence = f"These masters are not described for {title}: {'; '.join(undescribed_titles)}."
-        lines += ["", wrapped(sentence, WIDTH, prefix="  ", first="")]
+        lines += ["", wrap_text(sentence, WIDTH, prefix="  ", first="")]
     if usable_sheets and len(sheets) > 1:
         example = usable_sheets[0].master.name
         lines += ["", f"--master NAME shows one of them with its documents, such as {example}."]
@@ -268,27 +268,27 @@ def sheet_text(device: Device, code_match: LabelMatch, record: EncoderFacts, she
 
 def _record_lines(device: Device, code_match: LabelMatch, record: EncoderFacts) -> list[str]:
     """Return the order code, notes about how its label is written, and the record."""
-    lines = [wrapped(f"{code_match.variant.code}: {device.title}", WIDTH, prefix="  ", first="")]
+    lines = [wrap_text(f"{code_match.variant.code}: {device.title}", WIDTH, prefix="  ", first="")]
     if code_match.written_as_in:
-        lines.append(wrapped(f"the label is written as in {code_match.written_as_in}", WIDTH, prefix="  "))
+        lines.append(wrap_text(f"the label is written as in {code_match.written_as_in}", WIDTH, prefix="  "))
     if code_match.unlisted:
         lines.append(
-            wrapped(
+            wrap_text(
                 f"accepted, although not listed in the manual: {', '.join(code_match.unlisted)}", WIDTH, prefix="  "
             )
         )
     statements = (*grade_below_manual(device), *origin(device))
-    lines += [wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ") for statement in statements]
+    lines += [wrap_text(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ") for statement in statements]
     if code_match.special:
-        lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, prefix="  "))
+        lines.append(wrap_text("A code that ends in /Sxxx may differ from the manual.", WIDTH, prefix="  "))
     lines += two_columns(record_facts(record), indent=2)
-    lines += [wrapped(note, WIDTH, prefix="  ") for note in record.notes]
+    lines += [wrap_text(note, WIDTH, prefix="  ") for note in record.notes]
     return lines
 
 
 def _sheet_lines(sheet: SettingsSheet, with_documents: bool) -> list[str]:
     """Return the settings of a master, with the places of settings, files and documents if ``with_documents``."""
-    lines = [wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="  ", first="")]
+    lines = [wrap_text(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="  ", first="")]
     longest_name = max((len(setting.name) for setting in sheet.settings), default=0)
     longest_value = max((len(_setting_text(setting)) for setting in sheet.settings), default=0)
     name_width, value_width = min(longest_name, _WIDEST_NAME), min(longest_value, _WIDEST_VALUE)
@@ -296,11 +296,11 @@ def _sheet_lines(sheet: SettingsSheet, with_documents: bool) -> list[str]:
         lines += _setting_lines(setting, sheet, name_width, value_width)
         if with_documents:
             lines += _lines_of_places(setting, sheet)
-    lines += [wrapped(refusal_text(gap), WIDTH, prefix="    ", first="  - ") for gap in sheet.gaps]
+    lines += [wrap_text(refusal_text(gap), WIDTH, prefix="    ", first="  - ") for gap in sheet.gaps]
     for rule in sheet.shared_writing:
-        lines.append(wrapped(condition_text(rule), WIDTH, prefix="    ", first="  - "))
+        lines.append(wrap_text(condition_text(rule), WIDTH, prefix="    ", first="  - "))
         lines += _lines_of_needed_values(rule, sheet.master, "    ") if with_documents else []
-    lines += [wrapped(note, WIDTH, prefix="    ", first="  - ") for note in sheet.notes]
+    lines += [wrap_text(note, WIDTH, prefix="    ", first="  - ") for note in sheet.notes]
     if with_documents:
         lines += _lines_of_files_and_documents(sheet.master)
     return lines
@@ -315,19 +315,19 @@ def _setting_lines(setting: Setting, sheet: SettingsSheet, name_width: int, valu
     if len(row) > WIDTH:
         name_and_place = f"{setting.name}, {setting.at}" if setting.at else setting.name
         lines = [
-            wrapped(name_and_place, WIDTH, prefix="      ", first="  "),
-            wrapped(_setting_text(setting), WIDTH, prefix="      "),
+            wrap_text(name_and_place, WIDTH, prefix="      ", first="  "),
+            wrap_text(_setting_text(setting), WIDTH, prefix="      "),
         ]
     if setting.note:
-        lines.append(wrapped(setting.note, WIDTH, prefix="      "))
-    lines += [wrapped(sentence, WIDTH, prefix="      ") for sentence in condition_texts(setting, sheet)]
+        lines.append(wrap_text(setting.note, WIDTH, prefix="      "))
+    lines += [wrap_text(sentence, WIDTH, prefix="      ") for sentence in condition_texts(setting, sheet)]
     return lines
 
 
 def _lines_of_places(setting: Setting, sheet: SettingsSheet) -> list[str]:
     """Return the places of a setting, and of the values that its conditions need."""
     places = place_lines(setting.places, setting.text, sheet.master.devices)
-    lines = [wrapped(line, WIDTH, prefix="        ", first="      ") for line in places]
+    lines = [wrap_text(line, WIDTH, prefix="        ", first="      ") for line in places]
     for rule in sheet.writing_of(setting):
         lines += _lines_of_needed_values(rule, sheet.master, "      ")
     return lines
@@ -338,10 +338,10 @@ def _lines_of_files_and_documents(master: Master) -> list[str]:
     lines = []
     if master.files:
         formats = listed((file["format"] for file in master.files), "or")
-        lines.append(wrapped(f"file: --format {formats}", WIDTH, prefix="      ", first="  "))
+        lines.append(wrap_text(f"file: --format {formats}", WIDTH, prefix="      ", first="  "))
     for document in master.documents:
         title = f"{document.title}, {document.url}" if document.url else document.title
-        lines.append(wrapped(title, WIDTH, prefix="      ", first=f"  {document.key}: "))
+        lines.append(wrap_text(title, WIDTH, prefix="      ", first=f"  {document.key}: "))
     return lines
 
 

@@ -197,7 +197,7 @@ def text_on_one_line(text: object) -> str:
     return one_line(text).strip()
 
 
-def wrapped(text: object, width: int, prefix: str = "", first: str | None = None) -> str:
+def wrap_text(text: object, width: int, prefix: str = "", first: str | None = None) -> str:
     """Return a paragraph of at most ``width`` columns, or wider if a word needs that.
 
     Lines start with ``prefix``, the first with ``first`` if it is given. A text without words is empty.
@@ -236,7 +236,7 @@ def two_columns(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
     for name, text in row_list:
         if text:
             name_column = f"{margin}{name.ljust(name_width)}  "
-            lines.append(wrapped(text, WIDTH, prefix=text_margin, first=name_column))
+            lines.append(wrap_text(text, WIDTH, prefix=text_margin, first=name_column))
         else:
             lines.append(f"{margin}{name}")
     return lines

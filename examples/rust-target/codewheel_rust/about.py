@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from codewheel.model import Device, Field, Interface, Layout, Register, cite
 from codewheel.say import layout, register
 from codewheel.say.names_and_places import field_place, title_of
-from codewheel.say.plain_text import wrapped
+from codewheel.say.plain_text import wrap_text
 from codewheel.say.text import Statement, Style
 
 _MARKUP = re.compile(r"[\\`*<\[\]]")
@@ -33,7 +33,7 @@ def doc(statements: Iterable[Statement | str] | Statement, indent: int = 0, mark
     lead = f"{' ' * indent}{mark} "
     listed = [statements] if isinstance(statements, Statement) else statements
     texts = [_STYLE.sentence(statement) if isinstance(statement, Statement) else statement for statement in listed]
-    paragraphs = (_LIST.sub(r"\1\\\2", wrapped(text, 100 - len(lead))) for text in texts)
+    paragraphs = (_LIST.sub(r"\1\\\2", wrap_text(text, 100 - len(lead))) for text in texts)
     return "\n".join(f"{lead}{line}".rstrip() for line in "\n\n".join(paragraphs).split("\n"))
 
 

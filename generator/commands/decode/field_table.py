@@ -10,7 +10,7 @@ from ...reference import codec
 from ...say import report as say_report
 from ...say.names_and_places import bit_place
 from ...say.plain_text import WIDTH, quantity_text
-from ...say.plain_text import wrapped as wrapped_anew
+from ...say.plain_text import wrap_text as wrapped_anew
 from ...say.text import sentence, with_unit
 
 #: Most paragraphs are the same for all frames.

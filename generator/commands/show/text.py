@@ -39,7 +39,7 @@ from ...say.errata import describe_question, needed_answers
 from ...say.evidence import grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
 from ...say.order_code import describe_spelling, not_on_label, open_values
-from ...say.plain_text import WIDTH, decimal, two_columns, wrapped
+from ...say.plain_text import WIDTH, decimal, two_columns, wrap_text
 from ...say.text import PLAIN_STYLE, Style, count_with_unit, language
 from ..decode.text import label_differences
 from .picture import picture
@@ -47,7 +47,7 @@ from .picture import picture
 
 def device_text(device: Device) -> str:
     """Return the text about a family: order codes, interfaces, registers, procedures and errata."""
-    lines = [wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH)]
+    lines = [wrap_text(f"{device.title} ({device.manufacturer.title})", WIDTH)]
     lines += [*_manual_lines(device), *_order_code_lines(device)]
     parameters = [(parameter.name, _about_parameter(device, parameter)) for parameter in device.parameters]
     if parameters:
@@ -71,7 +71,7 @@ def variant_text(device: Device, code_match: LabelMatch) -> str:
     """Return the text about an order code: its parameters, interface, frames, registers, procedures and errata."""
     variant = code_match.variant
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
-    lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, prefix="  ", first="")]
+    lines = [wrap_text(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, prefix="  ", first="")]
     lines += [*label_differences(device, code_match), *_manual_lines(device), *_parameter_lines(device, variant)]
     lines += alternative_lines(reduced_device)
     lines += _position_lines([("", device.measurement_of(variant.interface))], variant.parameters)
@@ -101,7 +101,7 @@ def _manual_lines(device: Device) -> list[str]:
     if device.editions:
         revisions = ", ".join(edition.revision for edition in device.editions)
         sentences.append(f"--edition shows the others: {revisions}")
-    return [wrapped(sentence, WIDTH, prefix="  ") for sentence in sentences]
+    return [wrap_text(sentence, WIDTH, prefix="  ") for sentence in sentences]
 
 
 def _order_code_lines(device: Device) -> Iterator[str]:
@@ -109,19 +109,19 @@ def _order_code_lines(device: Device) -> Iterator[str]:
     yield ""
     yield f"Order codes: {device.order_code.pattern}"
     for statement in not_on_label(device):
-        yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="    ", first="  ")
+        yield wrap_text(PLAIN_STYLE.sentence(statement), WIDTH, prefix="    ", first="  ")
     for part in device.order_code.parts:
-        yield wrapped(part.meaning, WIDTH, prefix="    ", first=f"  {part.name}: ")
+        yield wrap_text(part.meaning, WIDTH, prefix="    ", first=f"  {part.name}: ")
         yield from two_columns(((option.text, option.meaning) for option in part.values), indent=4)
         for statement in open_values(part):
             yield _indented_paragraph(PLAIN_STYLE.sentence(statement))
     for also_written in device.order_code.also_written:
-        yield wrapped(PLAIN_STYLE.sentence(describe_spelling(also_written)), WIDTH, prefix="    ", first="  ")
+        yield wrap_text(PLAIN_STYLE.sentence(describe_spelling(also_written)), WIDTH, prefix="    ", first="  ")
 
 
 def _indented_paragraph(text: str) -> str:
     """Return text about something that has a heading, whose further lines are indented."""
-    return wrapped(text, WIDTH, prefix="      ", first="    ")
+    return wrap_text(text, WIDTH, prefix="      ", first="    ")
 
 
 # -- parameters and questions
@@ -145,7 +145,7 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
         # A calculated parameter has no register of its own.
         registers_read = [device.register(parameter.register) for parameter in in_registers if parameter.read_from]
         example = f"--register 0x{registers_read[0].address:02X}=0x.."
-        lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, prefix="  "))
+        lines.append(wrap_text(f"decode accepts other values, one byte at a time: {example}", WIDTH, prefix="  "))
     return lines
 
 
@@ -175,7 +175,7 @@ def alternative_lines(device: Device) -> list[str]:
     lines = ["", "Left open by the manual, for you to choose"]
     for alternative in device.alternatives:
         lines.append(
-            wrapped(
+            wrap_text(
                 PLAIN_STYLE.sentence(describe_question(alternative)),
                 WIDTH,
                 prefix="      ",
@@ -270,7 +270,7 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
         name = field.group or field.name
         widths_by_name.setdefault(name, []).append(_width_text(field))
     heading = PLAIN_STYLE.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
-    lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
+    lines = [wrap_text(heading, WIDTH, prefix="    ", first="  ")]
     width_rows = [(name, ", ".join(widths)) for name, widths in widths_by_name.items()]
     lines += two_columns(width_rows, indent=4)
     for statement in (*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)):
@@ -315,8 +315,8 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
         notes.append(f"The widths are the {say_order_code.initial(device)} in {register_fields}.")
     if layout.gray_of:
         notes.append(_position_code_note(device, placed))
-    lines = [wrapped(heading, WIDTH, prefix="  ", first=""), *picture(placed)]
-    return lines + [wrapped(note, WIDTH, prefix="  ", first="  ") for note in notes]
+    lines = [wrap_text(heading, WIDTH, prefix="  ", first=""), *picture(placed)]
+    return lines + [wrap_text(note, WIDTH, prefix="  ", first="  ") for note in notes]
 
 
 def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterator[str]:
@@ -365,13 +365,13 @@ def _lines_about_register(device: Device, register: Register, variant: Variant |
     """
     style = style_with(variant.parameters if variant is not None else None)
     heading = style.sentence(say_register.head(device, register, register.name))
-    lines = [wrapped(heading, WIDTH, prefix="    ", first="  ")]
+    lines = [wrap_text(heading, WIDTH, prefix="    ", first="  ")]
     fields = register.layout.fields
     facts = list(say_register.describe_register_facts(device, register))
     if len(fields) == 1:
         facts += say_field.rules(device, fields[0])
     if facts:
-        lines.append(wrapped(style.paragraph(facts), WIDTH, prefix="    "))
+        lines.append(wrap_text(style.paragraph(facts), WIDTH, prefix="    "))
     if variant is not None and len(fields) > 1:
         field_rows = []
         for placed_field in register.layout.place(variant.parameters).fields:
@@ -432,8 +432,8 @@ def _errata_lines(device: Device) -> list[str]:
             wording_count += 1
             continue
         heading, *details = PLAIN_STYLE.lines(say_errata.describe_erratum(erratum, whole=True))
-        lines += [wrapped(heading, WIDTH, prefix="    ", first="  "), *map(_indented_paragraph, details)]
+        lines += [wrap_text(heading, WIDTH, prefix="    ", first="  "), *map(_indented_paragraph, details)]
     if wording_count:
         summary = f"and {wording_count} about wording only, listed by --json and the documentation"
-        lines.append(wrapped(summary, WIDTH, prefix="    ", first="  "))
+        lines.append(wrap_text(summary, WIDTH, prefix="    ", first="  "))
     return lines

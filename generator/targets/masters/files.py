@@ -21,7 +21,7 @@ from ...model import Device
 from ...render import Templates, our_templates
 from ...say.evidence import grade_below_manual, titled_in_lists
 from ...say.markdown import escape as escape_markdown
-from ...say.plain_text import text_on_one_line, wrapped
+from ...say.plain_text import text_on_one_line, wrap_text
 from ...say.text import PLAIN_STYLE
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
@@ -147,12 +147,12 @@ def _names_with_mark(file_content: Content, mark: str) -> list[str]:
 def comment(paragraphs: Sequence[str], prefix: str) -> str:
     """Return paragraphs as a comment whose lines begin with ``prefix``, which is ``<!--`` in XML."""
     if prefix == "<!--":
-        lines = [wrapped(note(paragraph), _WIDTH, prefix="       ", first="     ") for paragraph in paragraphs]
+        lines = [wrap_text(note(paragraph), _WIDTH, prefix="       ", first="     ") for paragraph in paragraphs]
         return "\n".join(["<!--", *lines, "-->"])
     if prefix == "//":
         # A backslash at the end of a line would continue it.
         paragraphs = [paragraph.replace("\\", "/") for paragraph in paragraphs]
-    lines = [wrapped(paragraph, _WIDTH, prefix=f"{prefix}   ", first=f"{prefix} ") for paragraph in paragraphs]
+    lines = [wrap_text(paragraph, _WIDTH, prefix=f"{prefix}   ", first=f"{prefix} ") for paragraph in paragraphs]
     return "\n".join(lines)
 
 

@@ -29,7 +29,7 @@ from ...say.errata import describe_erratum, errata
 from ...say.evidence import grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title_of
 from ...say.order_code import describe_parameter
-from ...say.plain_text import count_with_unit, text_on_one_line, wrapped
+from ...say.plain_text import count_with_unit, text_on_one_line, wrap_text
 from ...say.text import DOCSTRING_STYLE, Statement, sentence, spec_text, statement
 from .line_breaks import WIDTH
 from .names import is_one_choice
@@ -56,7 +56,7 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     pad = " " * indent
     # Without blocks, the closing quotes are on the line of the summary.
     summary_width = WIDTH if any(blocks) else WIDTH - len('"""')
-    docstring_lines = [wrapped(_in_docstring(summary), summary_width, prefix=pad, first=f'{pad}"""')]
+    docstring_lines = [wrap_text(_in_docstring(summary), summary_width, prefix=pad, first=f'{pad}"""')]
     for block in blocks:
         block_lines = _block_lines(block, pad)
         if block_lines:
@@ -73,13 +73,16 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
 def _block_lines(block: Block, pad: str) -> list[str]:
     """Return the lines of a block, or none if it has no text or no entries."""
     if isinstance(block, str):
-        return [wrapped(_in_docstring(block), WIDTH, pad)] if block else []
+        return [wrap_text(_in_docstring(block), WIDTH, pad)] if block else []
     if isinstance(block, Lines):
         return [f"{pad}    {_in_docstring_line(line)}" for line in block.lines]
     title, entries = block
     if not entries:
         return []
-    return [wrapped(_in_docstring(f"{title}:"), WIDTH, pad), *(_block_entry(name, text, pad) for name, text in entries)]
+    return [
+        wrap_text(_in_docstring(f"{title}:"), WIDTH, pad),
+        *(_block_entry(name, text, pad) for name, text in entries),
+    ]
 
 
 def _block_entry(name: str, text: str, pad: str) -> str:
@@ -89,7 +92,7 @@ def _block_entry(name: str, text: str, pad: str) -> str:
     """
     first_prefix = f"{pad}    {_in_docstring(name)}: " if name else f"{pad}    "
     further_prefix = f"{pad}        " if name else first_prefix
-    return wrapped(_in_docstring(text), WIDTH, prefix=further_prefix, first=first_prefix)
+    return wrap_text(_in_docstring(text), WIDTH, prefix=further_prefix, first=first_prefix)
 
 
 def _in_docstring_line(line: str) -> str:
