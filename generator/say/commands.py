@@ -32,7 +32,17 @@ from ..model.record import dataclass
 from .errata import describe_erratum, errata
 from .names_and_places import heading, register_at, register_field
 from .names_and_places import register_reference as reference_to_register
-from .text import CodeText, Reference, Statement, TextPart, list_parts, microseconds, sentence, spec_text, statement
+from .text import (
+    CodeText,
+    Reference,
+    Statement,
+    TextPart,
+    list_parts,
+    make_statement,
+    microseconds,
+    sentence,
+    spec_text,
+)
 
 
 def describe_procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
@@ -56,20 +66,22 @@ def describe_argument(device: Device, parameter: Argument) -> Statement:
     sentence_parts.append(reference_to_register(device, parameter.of))
     if parameter.meant_as:
         sentence_parts += [" as its ", CodeText(parameter.meant_as)]
-    return statement(*sentence_parts)
+    return make_statement(*sentence_parts)
 
 
 def describe_step(device: Device, procedure_step: Step) -> Statement:
     """Return a step as an instruction, such as ``Wait at least 20 ms`` or ``Write save to command, address 77h``."""
     match procedure_step:
         case WaitStep():
-            return statement(f"Wait at least {microseconds(procedure_step.microseconds)}")
+            return make_statement(f"Wait at least {microseconds(procedure_step.microseconds)}")
         case SendStep():
             request_bytes = CodeText(procedure_step.request.hex(" ").upper())
             repetition = _repetition_text(procedure_step)
-            return statement("Send the request ", CodeText(procedure_step.data_id), f"{repetition}: ", request_bytes)
+            return make_statement(
+                "Send the request ", CodeText(procedure_step.data_id), f"{repetition}: ", request_bytes
+            )
         case _:
-            return statement(*_register_access(device, procedure_step))
+            return make_statement(*_register_access(device, procedure_step))
 
 
 def _repetition_text(send_step: SendStep) -> str:
@@ -90,7 +102,7 @@ def _repetition_text(send_step: SendStep) -> str:
 def read_back(device: Device, register: Register, field: str) -> Statement:
     """Return the read-back check that generated code makes before a written value takes effect."""
     register_or_field = _register_or_field(device, register.name, field)
-    return statement(
+    return make_statement(
         "Read back ", register_or_field, f", {register_at(register)}, and stop unless it holds the written value"
     )
 
@@ -271,7 +283,7 @@ def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
         return
     steps = list_parts([Reference("by-hand", name, heading(name)) for name in names], " or ")
     introduction = f"{sentence(text)} Steps: " if text else "Steps: "
-    yield statement(introduction, *steps, label="Remedy")
+    yield make_statement(introduction, *steps, label="Remedy")
 
 
 def with_steps(text: str, names: Sequence[str]) -> str:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 
 from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout, layer_in_words
-from .text import CodeText, Reference, Statement, TextPart, list_parts, sentence, statement
+from .text import CodeText, Reference, Statement, TextPart, list_parts, make_statement, sentence
 
 #: Top-level parts of a spec that are not lists of named items.
 _TOP = {
@@ -217,7 +217,7 @@ def _labelled_statements(labelled_texts: Iterable[tuple[str, str]]) -> Iterator[
     """Yield a statement for each pair of a label and a text, without those whose text is empty."""
     for label, text in labelled_texts:
         if text:
-            yield statement(text, label=label)
+            yield make_statement(text, label=label)
 
 
 def _change_statement(correction: Erratum) -> Statement:
@@ -255,12 +255,12 @@ def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
 
 def describe_question(alternative: Alternative) -> Statement:
     """Return the question."""
-    return statement(alternative.meaning, source=alternative.source)
+    return make_statement(alternative.meaning, source=alternative.source)
 
 
 def describe_answer(choice: Answer) -> Statement:
     """Return one answer, preceded by its name."""
-    return statement(CodeText(choice.name), f": {choice.meaning}", source=choice.source)
+    return make_statement(CodeText(choice.name), f": {choice.meaning}", source=choice.source)
 
 
 def needed_answers(device: Device, layout: Layout) -> Iterator[Statement]:
@@ -268,7 +268,7 @@ def needed_answers(device: Device, layout: Layout) -> Iterator[Statement]:
     for alternative in device.alternatives_of(layout):
         answers = list_parts([CodeText(choice.name) for choice in alternative.answers], " or ")
         choice = Reference("alternative", alternative.name, alternative.name)
-        yield statement("The positions of its fields depend on your choice of ", choice, ": ", *answers)
+        yield make_statement("The positions of its fields depend on your choice of ", choice, ": ", *answers)
 
 
 def answer_names(answers: Sequence[Answer]) -> Iterator[TextPart]:

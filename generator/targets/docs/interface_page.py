@@ -40,7 +40,7 @@ from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
 from ...say.names_and_places import HasOtherNames, addresses_text, name_in_words, title_of
 from ...say.order_code import PURPOSES, initial
 from ...say.register import describe_measurement, describe_position_range, own_ranges
-from ...say.text import CodeText, Statement, list_parts, statement, volts
+from ...say.text import CodeText, Statement, list_parts, make_statement, volts
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
 from .order_code_tables import order_codes
@@ -234,7 +234,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, CodeText(layout.name), device.alternatives),
-        "size": MARKDOWN.phrase(statement(*say_layout.describe_size(layout, device.alternatives))),
+        "size": MARKDOWN.phrase(make_statement(*say_layout.describe_size(layout, device.alternatives))),
         "facts": [*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),
@@ -364,7 +364,7 @@ def _contents_by_subject(device: Device) -> dict[str, list[str]]:
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
     """Return the values of the page about a subject. ``page`` contains the values of the page of its interface."""
     contents = _contents_by_subject(page["device"])[subject]
-    return {**page, "subject": subject, "contents": MARKDOWN.phrase(statement(*list_parts(contents)))}
+    return {**page, "subject": subject, "contents": MARKDOWN.phrase(make_statement(*list_parts(contents)))}
 
 
 def interface_values(

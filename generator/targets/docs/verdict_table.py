@@ -11,7 +11,7 @@ from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.report import alarm_of, conditions_text, deciding_bits, manual_steps, remedy_text
-from ...say.text import VERDICT_CLAUSES, sentence, statement
+from ...say.text import VERDICT_CLAUSES, make_statement, sentence
 
 Row = tuple[str, ...]
 #: Verdicts as cells of the table.
@@ -184,7 +184,7 @@ def verdict_line(judgement: VerdictRules, variant: Variant, has_crc: bool) -> st
     causes_by_verdict = applicable_causes(judgement, variant)
     conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
     if not conditional_verdicts:
-        return MARKDOWN.phrase(statement(VERDICT_CLAUSES[judgement.otherwise]))
+        return MARKDOWN.phrase(make_statement(VERDICT_CLAUSES[judgement.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
     return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
 
