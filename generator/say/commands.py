@@ -37,10 +37,10 @@ from .text import (
     Reference,
     Statement,
     TextPart,
+    as_sentence,
     list_parts,
     make_statement,
     microseconds,
-    sentence,
     spec_text,
 )
 
@@ -61,7 +61,7 @@ def about_procedure(sequence: Procedure) -> Iterator[Statement]:
 def describe_argument(device: Device, parameter: Argument) -> Statement:
     """Return the meaning of an argument, the register to which it is written, and which of its meanings applies."""
     sentence_parts: list[TextPart] = [
-        f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "
+        f"{as_sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "
     ]
     sentence_parts.append(reference_to_register(device, parameter.of))
     if parameter.meant_as:
@@ -282,7 +282,7 @@ def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
         yield from spec_text(text, label="Remedy")
         return
     steps = list_parts([Reference("by-hand", name, heading(name)) for name in names], " or ")
-    introduction = f"{sentence(text)} Steps: " if text else "Steps: "
+    introduction = f"{as_sentence(text)} Steps: " if text else "Steps: "
     yield make_statement(introduction, *steps, label="Remedy")
 
 
@@ -291,4 +291,4 @@ def with_steps(text: str, names: Sequence[str]) -> str:
     if not names:
         return text
     titles = " or ".join(map(heading, names))
-    return f"{sentence(text)} Steps on the hardware page: {titles}".strip()
+    return f"{as_sentence(text)} Steps on the hardware page: {titles}".strip()

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 
 from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout, layer_in_words
-from .text import CodeText, Reference, Statement, TextPart, list_parts, make_statement, sentence
+from .text import CodeText, Reference, Statement, TextPart, as_sentence, list_parts, make_statement
 
 #: Top-level parts of a spec that are not lists of named items.
 _TOP = {
@@ -186,9 +186,9 @@ def describe_erratum(correction: Erratum, *, whole: bool = False) -> Statement:
         return _change_statement(correction)
     may_send_wrong_bytes = correction.severity == "wrong_data"
     shows_reason = whole or may_send_wrong_bytes or len(correction.why) <= _SHORT
-    used = sentence(correction.used)
+    used = as_sentence(correction.used)
     if correction.only:
-        used += " " + sentence(f"Only with {correction.only}")
+        used += " " + as_sentence(f"Only with {correction.only}")
     severity = correction.severity.replace("_", " ")
     label = f"Erratum: {correction.title} ({correction.status}, {severity})"
     brief_needs_all = may_send_wrong_bytes and correction.status == "open"

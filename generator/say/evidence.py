@@ -13,7 +13,7 @@ from functools import lru_cache
 from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest, Interface
 from .errata import describe_erratum
 from .names_and_places import name_in_words
-from .text import CodeText, Reference, Statement, make_statement, sentence
+from .text import CodeText, Reference, Statement, as_sentence, make_statement
 
 _MEANING = {
     "manual": "all pages of the manufacturer's document were read",
@@ -144,7 +144,7 @@ def edition_test(revision: str, test: EditionTest) -> Statement:
     register = Reference("register", test.register, name_in_words(test.register))
     return make_statement(
         register,
-        f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Any other value means that the encoder is "
+        f": {test.run} is {test.min} to {test.max}. {as_sentence(test.why)} Any other value means that the encoder is "
         f"older than edition {revision}. A value in this range is not conclusive",
         source=test.source,
     )

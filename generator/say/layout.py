@@ -29,10 +29,10 @@ from .text import (
     CodeText,
     Statement,
     TextPart,
+    as_sentence,
     join_groups,
     list_parts,
     make_statement,
-    sentence,
     spec_text,
 )
 
@@ -161,7 +161,7 @@ def describe_combination(layout: Layout, sign: Sign, value_combination: Combinat
     value_parts = conditions_text((layout.field(name), value) for name, value in sign.conditions).parts
     manual_texts = (value_combination.meaning, value_combination.remedy, value_combination.note)
     # A statement has no full stop at its end.
-    description = " ".join(sentence(manual_text) for manual_text in manual_texts if manual_text).removesuffix(".")
+    description = " ".join(as_sentence(manual_text) for manual_text in manual_texts if manual_text).removesuffix(".")
     return make_statement(
         "While ",
         *value_parts,

@@ -49,13 +49,13 @@ from .text import (
     Reference,
     Statement,
     TextPart,
+    as_sentence,
     hertz,
     join_groups,
     list_parts,
     make_statement,
     microseconds,
     printed_timeout_words,
-    sentence,
     spec_text,
     timeout_words,
 )
@@ -407,7 +407,7 @@ def describe_data_id(request: DataId) -> Statement:
 
 
 def memory_access(access: MemoryAccess) -> Statement:
-    text = f"{sentence(access.meaning)} Address: {access.address}. Data: {access.data}"
+    text = f"{as_sentence(access.meaning)} Address: {access.address}. Data: {access.data}"
     return make_statement(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
 
 

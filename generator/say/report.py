@@ -22,10 +22,10 @@ from .text import (
     Reference,
     Statement,
     TextPart,
+    as_sentence,
     join_groups,
     list_parts,
     make_statement,
-    sentence,
     spec_text,
     volts,
 )
@@ -97,12 +97,12 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     """
     if isinstance(field.kind, Unused):
         difference = f"unused bits differ from the documented value {short_number(field.kind.value)}"
-        return f"{difference}. {sentence(field.meaning)}" if field.meaning else difference
+        return f"{difference}. {as_sentence(field.meaning)}" if field.meaning else difference
     when_active, _ = flag_state_meanings(field)
     if not field.implemented:
         return when_active or "active, although the manual says that this encoder does not have it"
     if when_active and field.meaning:
-        return f"{sentence(when_active)} {sentence(field.meaning)}"
+        return f"{as_sentence(when_active)} {as_sentence(field.meaning)}"
     alarm_meaning = alarm.meaning if alarm is not None else ""
     return when_active or field.meaning or alarm_meaning or "active"
 

@@ -87,7 +87,7 @@ def language(key: str) -> str:
     return _LANGUAGES.get(key, key)
 
 
-def sentence(text: str) -> str:
+def as_sentence(text: str) -> str:
     """Return the text with a full stop, unless it already ends with punctuation."""
     return text if not text or text.endswith((".", "!", "?", ":")) else f"{text}."
 
@@ -227,9 +227,9 @@ class Style:
         phrase = self.phrase(statement)
         source = self.cited(statement.source)
         if not source:
-            return f"{label}{sentence(phrase)}"
+            return f"{label}{as_sentence(phrase)}"
         # ``sentence`` adds a full stop only to a text without punctuation at its end.
-        ends_with_punctuation = sentence(phrase) == phrase
+        ends_with_punctuation = as_sentence(phrase) == phrase
         return f"{label}{phrase} {source}" if ends_with_punctuation else f"{label}{phrase} {source}."
 
     def head(self, statement: Statement) -> str:

@@ -11,7 +11,7 @@ from ...say import report as say_report
 from ...say.names_and_places import bit_place
 from ...say.plain_text import WIDTH, quantity_text
 from ...say.plain_text import wrap_text as wrapped_anew
-from ...say.text import sentence, with_unit
+from ...say.text import as_sentence, with_unit
 
 #: Most paragraphs are the same for all frames.
 wrapped = lru_cache(maxsize=1024)(wrapped_anew)
@@ -76,7 +76,7 @@ def _meaning_text(placed_layout: PlacedLayout, field: codec.DecodedField) -> str
     if field.name not in gray_names or not isinstance(field.value, int):
         return field.meaning
     gray_text = say_report.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
-    return f"{sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
+    return f"{as_sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
 
 
 def _value_text(field: codec.DecodedField) -> str:

@@ -19,7 +19,7 @@ from ...say.names_and_places import name_in_words
 from ...say.order_code import not_on_label
 from ...say.plain_text import WIDTH, decimal
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
-from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, count_with_unit, sentence
+from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, as_sentence, count_with_unit
 from .field_table import capitalized, field_table, wrapped
 from .frames import FrameLine, frame_number, is_frame_of_other_kind, undecorated
 
@@ -84,7 +84,7 @@ def described_frame(
     if diagnosis is not None:
         yield from _why_lines(diagnosis, decoded.layout)
     elif _is_corrupted(decoded) and not other_frames:
-        yield from ("", sentence(say_report.NO_EXPLANATION))
+        yield from ("", as_sentence(say_report.NO_EXPLANATION))
 
 
 def _is_corrupted(decoded: codec.DecodedFrame) -> bool:
@@ -119,10 +119,10 @@ def _other_position_lines(
     readings = [f"{position} {reason}" for reason, position in other_readings]
     if readings:
         suggestion = say_report.looks_wrong(position_name(device, variant), ", ".join(readings))
-        yield wrapped(sentence(suggestion), WIDTH, prefix="  ", first="")
+        yield wrapped(as_sentence(suggestion), WIDTH, prefix="  ", first="")
     request_name = own_request(device, variant, placed_layout, decoded.number)
     if request_name:
-        yield wrapped(sentence(capitalized(say_report.own_request(request_name))), WIDTH, prefix="  ", first="")
+        yield wrapped(as_sentence(capitalized(say_report.own_request(request_name))), WIDTH, prefix="  ", first="")
 
 
 def line_prefix(line: FrameLine) -> str:
@@ -265,7 +265,7 @@ def _report_text(report: FrameReport) -> str:
     name = f"{report.field} ({report.printed_name})" if report.printed_name else report.field
     if not report.remedy:
         return f"{name}: {report.meaning}"
-    return f"{name}: {sentence(report.meaning)} {sentence(report.remedy)}"
+    return f"{name}: {as_sentence(report.meaning)} {as_sentence(report.remedy)}"
 
 
 def _position_text(device: Device, variant: Variant, decoded: codec.DecodedFrame, verdict: Verdict | None) -> str:
@@ -326,9 +326,9 @@ def _why_lines(diagnosis: Diagnosis, placed_layout: PlacedLayout | None) -> list
     """Return the lines that explain the frame: only the dead line if that is it, else disturbed bits and mistakes."""
     is_line_stuck = [explanation.kind for explanation in diagnosis.explanations] == ["line_stuck"]
     if is_line_stuck:
-        explanation = sentence(capitalized(diagnosis.explanations[0].text))
+        explanation = as_sentence(capitalized(diagnosis.explanations[0].text))
         return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
-    missing = sentence(capitalized(diagnosis.missing)) if diagnosis.missing else ""
+    missing = as_sentence(capitalized(diagnosis.missing)) if diagnosis.missing else ""
     missing_lines = ["", wrapped(missing, WIDTH, prefix="  ", first="")] if missing else []
     return [*missing_lines, *_disturbed_lines(diagnosis.disturbed, placed_layout), *_mistake_lines(diagnosis)]
 
@@ -375,10 +375,10 @@ def _hint_lines(diagnosis: Diagnosis) -> list[str]:
     """Return whether another frame would help, and what the CRC cannot detect."""
     lines = []
     if diagnosis.explanations and diagnosis.explanations[0].hides_shift:
-        lines.append(wrapped(sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first=""))
+        lines.append(wrapped(as_sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first=""))
     if diagnosis.equal_readings:
         equal_readings = say_report.equal_readings(f"{diagnosis.equal_readings}")
-        lines.append(wrapped(sentence(equal_readings), WIDTH, prefix="  ", first=""))
+        lines.append(wrapped(as_sentence(equal_readings), WIDTH, prefix="  ", first=""))
     if diagnosis.needs_another_frame:
         lines.append(wrapped(ANOTHER_FRAME, WIDTH, prefix="  ", first=""))
     if diagnosis.cannot_see:
@@ -399,7 +399,7 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
         chance = f"; matches by chance in {_frequency_text(mistake.one_in)}" if mistake.one_in > 1 else ""
         yield wrapped(f"{mistake.text}{chance}", WIDTH, prefix=" " * 6, first="    - ")
     if mistakes[0].hides_shift:
-        yield wrapped(sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first="")
+        yield wrapped(as_sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first="")
     yield ""
 
 

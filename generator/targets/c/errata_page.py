@@ -8,7 +8,7 @@ from typing import Annotated, TypedDict
 from ...model import Device, Erratum, Manufacturer, cite, layer_in_words
 from ...model.record import dataclass
 from ...say.errata import changed, paths_in_words
-from ...say.text import sentence
+from ...say.text import as_sentence
 from .device import manual_title
 from .names import errata_page_name
 
@@ -82,7 +82,7 @@ def _erratum_text(erratum: Erratum) -> ErratumText:
     rows = tuple((label, text) for label, text in labelled_texts if text)
     return ErratumText(
         title=erratum.title,
-        standing=sentence(f"{erratum.name}: {erratum.status}, {severity}"),
+        standing=as_sentence(f"{erratum.name}: {erratum.status}, {severity}"),
         rows=(*rows, *_reason_and_source(erratum)),
     )
 

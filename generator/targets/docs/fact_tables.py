@@ -38,7 +38,7 @@ from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal
 from ...say.order_code import bounds_with_codes, describe_settings
 from ...say.plain_text import count_with_unit, group_digits, quantity_text
 from ...say.register import describe_value
-from ...say.text import make_statement, sentence
+from ...say.text import as_sentence, make_statement
 from .layout_tables import (
     field_cell,
     field_place_cell,
@@ -352,7 +352,7 @@ def led_rows(device: Device) -> Iterator[Row]:
             order_codes = [f"Only with {code(state.only)}."] if state.only else []
             yield (
                 escape(state.state),
-                join_filled([escape(sentence(state.meaning)), *order_codes, *step_links], " "),
+                join_filled([escape(as_sentence(state.meaning)), *order_codes, *step_links], " "),
             )
 
 

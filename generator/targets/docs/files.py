@@ -12,7 +12,7 @@ from ...render import Templates, our_templates
 from ...say import markdown
 from ...say.markdown import escape, link
 from ...say.names_and_places import addresses_text, heading, title_of
-from ...say.text import count_with_unit, sentence
+from ...say.text import as_sentence, count_with_unit
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from ..registry import licence_in
 from . import (
@@ -258,7 +258,7 @@ TEMPLATES = Templates(
         "cited": markdown.citation,
         "cited_html": markdown.cited_html,
         "anchor": markdown.anchor,
-        "sentence": sentence,
+        "sentence": as_sentence,
         "titled": title_of,
         "heading": heading,
         "addresses": addresses_text,

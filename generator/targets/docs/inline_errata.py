@@ -10,7 +10,7 @@ from ...model import Device, Erratum
 from ...say.errata import describe_erratum as erratum_statement
 from ...say.errata import errata
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, escape_html, link, link_list
-from ...say.text import sentence
+from ...say.text import as_sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
 
@@ -195,7 +195,7 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
     if listed_erratum.overlay:
         reasons = map(MARKDOWN.sentence, erratum_statement(listed_erratum).below)
         return " ".join([f"{title_link} {MARKDOWN.cited(listed_erratum.source)}:", *reasons])
-    return f"{title_link}: {escape(_shorten_sentences(sentence(listed_erratum.used)))}"
+    return f"{title_link}: {escape(_shorten_sentences(as_sentence(listed_erratum.used)))}"
 
 
 def _shorten_sentences(sentences: str) -> str:

@@ -38,7 +38,7 @@ from ...say.names_and_places import field_at, heading, hexadecimal, title_of
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import count_with_unit, with_unit
 from ...say.register import describe_measurement, describe_position_range, own_ranges
-from ...say.text import Statement, make_statement, sentence
+from ...say.text import Statement, as_sentence, make_statement
 from ..registry import names_of_codes
 from . import bytes_to_send, fact_tables, order_code_tables, wide_pictures, wiring_tables
 from .inline_errata import ErrataLinks
@@ -335,7 +335,7 @@ def lead_sentences(note: str) -> str:
         if len(longer_text) > _LONGEST_LEAD:
             break
         sentences = longer_text
-    return sentence(sentences)
+    return as_sentence(sentences)
 
 
 def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
@@ -404,7 +404,7 @@ def _quantity_row(code_group: CodeGroup, parameter: Parameter, is_set_by_registe
     """Return a row of value, meaning for a quantity that the order code or a register sets."""
     # All order codes of a group set the same quantities, so the first represents all.
     quantity = parameter_value(parameter, code_group.variants[0].parameters[parameter.name])
-    meaning = escape(sentence(meaning_without_range(code_group.family, parameter)))
+    meaning = escape(as_sentence(meaning_without_range(code_group.family, parameter)))
     origin = _origin_of_quantity(code_group.family, parameter, is_set_by_registers)
     name_and_source = f"<small>{code(parameter.name)}</small> <small>{citation(parameter.source)}</small>"
     return with_unit(quantity, escape(parameter.unit)), f"{meaning}{origin} {name_and_source}"

@@ -11,7 +11,7 @@ from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.report import alarm_of, conditions_text, deciding_bits, manual_steps, remedy_text
-from ...say.text import VERDICT_CLAUSES, make_statement, sentence
+from ...say.text import VERDICT_CLAUSES, as_sentence, make_statement
 
 Row = tuple[str, ...]
 #: Verdicts as cells of the table.
@@ -109,7 +109,7 @@ def _remedy_cell(device: Device, field: Field) -> str:
     """Return the remedy of a flag, with links to those steps by hand that the page of the hardware describes."""
     alarm = alarm_of(device, field)
     remedy = remedy_text(field, alarm)
-    sentences = [escape(sentence(remedy) if remedy else "")]
+    sentences = [escape(as_sentence(remedy) if remedy else "")]
     described_names = {characteristic.name for characteristic in device.characteristics}
     for name in manual_steps(field, alarm):
         if name in described_names:

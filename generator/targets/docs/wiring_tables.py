@@ -27,7 +27,7 @@ from ...say.evidence import Topic, document, mentions
 from ...say.markdown import MARKDOWN, anchor, citation, code, escape, link
 from ...say.order_code import bounds_with_codes, clock_words, describe_settings
 from ...say.plain_text import count_with_unit
-from ...say.text import PLAIN_STYLE, hertz, list_parts, make_statement, nanoseconds, sentence, timeout_words, volts
+from ...say.text import PLAIN_STYLE, as_sentence, hertz, list_parts, make_statement, nanoseconds, timeout_words, volts
 
 Row = tuple[str, ...]
 
@@ -102,7 +102,7 @@ def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
     for note_sentence in first_note:
         is_common = all(note_sentence in other_note for other_note in other_notes)
         if note_sentence and is_common:
-            common_sentences.append(escape(sentence(note_sentence)))
+            common_sentences.append(escape(as_sentence(note_sentence)))
     return common_sentences
 
 

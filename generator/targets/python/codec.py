@@ -25,7 +25,7 @@ from ...plan.values import (
     meaning_of,
 )
 from ...say.names_and_places import name_in_words
-from ...say.text import sentence
+from ...say.text import as_sentence
 from . import docstrings
 from .bits import BitsEncoder
 from .decode import Decoder, attribute_values
@@ -409,7 +409,7 @@ class LayoutClass:
         else:
             interface = device.interface_of(self.layout)
             description, kind = docstrings.of_layout(device, interface, self.layout), "frame"
-        attributes = [(question.name, sentence(question.alternative.meaning)) for question in self.questions]
+        attributes = [(question.name, as_sentence(question.alternative.meaning)) for question in self.questions]
         attributes += [(attribute.name, attribute.meaning) for attribute in self.attributes]
         unused_bits = []
         for reserved in self.plan.reserved:

@@ -30,7 +30,7 @@ from ...say.evidence import grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title_of
 from ...say.order_code import describe_parameter
 from ...say.plain_text import count_with_unit, text_on_one_line, wrap_text
-from ...say.text import DOCSTRING_STYLE, Statement, make_statement, sentence, spec_text
+from ...say.text import DOCSTRING_STYLE, Statement, as_sentence, make_statement, spec_text
 from .line_breaks import WIDTH
 from .names import is_one_choice
 
@@ -117,7 +117,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
     manual = device.manual
     revision = f"revision {manual.revision}" + (f" of {manual.date}" if manual.date else "") + f" ({manual.language})"
     return docstring(
-        sentence(f"{device.title}, by {device.manufacturer.title}"),
+        as_sentence(f"{device.title}, by {device.manufacturer.title}"),
         "Start with lookup(), which accepts every order code. Names follow the manual. Names that are reserved in"
         " Python end in an underscore.",
         ("Contents", [group for group in contents if group[1]]),
@@ -171,9 +171,9 @@ def _short_erratum(statement: Statement) -> tuple[str, str]:
     # Changes by overlays and other editions have no short form.
     is_erratum_of_manual = bool(statement.brief) and "Used" in phrases_by_label
     if is_erratum_of_manual:
-        return title_of_erratum, sentence(correction)
+        return title_of_erratum, as_sentence(correction)
     first_sentence = _END_OF_SENTENCE.split(correction)[0]
-    return title_of_erratum, sentence(first_sentence)
+    return title_of_erratum, as_sentence(first_sentence)
 
 
 def notes(device: Device, interface: Interface) -> list[list[str]]:
@@ -198,7 +198,7 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
         *quantities,
         ("unlisted", "Names of the parts whose values the manual does not list."),
         ("tail", "Text that followed the order code on the label."),
-        ("special_code", f"Suffix /Sxxx of the label, or empty. {sentence(device.order_code.special)}".strip()),
+        ("special_code", f"Suffix /Sxxx of the label, or empty. {as_sentence(device.order_code.special)}".strip()),
         ("written_as_in", "Document that uses the label's spelling of the order code, if it is not the usual one."),
     ]
     return docstring(
@@ -272,9 +272,9 @@ def of_register(device: Device, device_register: Register) -> tuple[str, list[Bl
         facts += say_register.rules(device, device_register.layout.fields[0])
     register_errata = of_errata(device, f"registers.{device_register.name}")
     blocks: list[Block] = [
-        sentence(device_register.meaning),
+        as_sentence(device_register.meaning),
         DOCSTRING_STYLE.paragraph(facts),
-        sentence(device_register.note),
+        as_sentence(device_register.note),
         *register_errata,
     ]
     summary = DOCSTRING_STYLE.sentence(say_register.head(device, device_register, full_title(device_register)))
@@ -325,7 +325,7 @@ def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
         *say_register.rules(device, data_field),
         *spec_text(data_field.note),
     ]
-    return DOCSTRING_STYLE.paragraph(statements) or sentence(title_of(data_field))
+    return DOCSTRING_STYLE.paragraph(statements) or as_sentence(title_of(data_field))
 
 
 #: Description of the member for unused bits.
@@ -348,4 +348,4 @@ def of_value(named_value: Field | Value) -> str:
 
 
 def of_run(digit_run: Digits) -> str:
-    return sentence(digit_run.meaning or count_with_unit(digit_run.digits, "digit"))
+    return as_sentence(digit_run.meaning or count_with_unit(digit_run.digits, "digit"))

@@ -19,7 +19,7 @@ from ...plan import operations, steps
 from ...plan.limits import Refusal
 from ...render import Templates, our_templates, tests_for
 from ...say.plain_text import text_on_one_line
-from ...say.text import sentence
+from ...say.text import as_sentence
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
 from ..registry import copied_files, licence_in, our_runtime
 from .bits import place_in_bytes, purpose_of_constant
@@ -61,7 +61,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "operand": in_parentheses,
     "place_in_bytes": place_in_bytes,
     "purpose": purpose_of_constant,
-    "sentence": sentence,
+    "sentence": as_sentence,
 }
 FUNCTIONS: Mapping[str, Callable[..., object]] = {
     "constant": constant,

@@ -12,7 +12,7 @@ from ...model.record import dataclass
 from ...plan.crcs import CoveredData, CrcFunction, carriers, crc_functions
 from ...plan.values import is_named, meaning_of
 from ...plan.verdicts import ReportsAndVerdict, reportings
-from ...say.text import sentence
+from ...say.text import as_sentence
 from .literals import ParameterExpressions, coded
 
 #: Names that can be imported, by the module that has them: ``{"enum": ("Enum", "IntEnum")}``.
@@ -277,7 +277,7 @@ class OpenQuestion:
     @property
     def about(self) -> str:
         """Description of the argument for functions that decode several kinds of frames."""
-        return f"{sentence(self.alternative.meaning)} Required only for frames that depend on it."
+        return f"{as_sentence(self.alternative.meaning)} Required only for frames that depend on it."
 
 
 class ModuleContext:
