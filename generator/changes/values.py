@@ -12,7 +12,7 @@ from ..model import CodedValue, Device, Scale, Supply, Variant
 from ..model.expressions import Expression, ExpressionError
 from ..order_codes.parameters import with_changed
 from ..say.plain_text import count_with_unit, first_of, formula
-from ..say.text import hertz, microseconds, volts
+from ..say.text import hertz, time_text, volts
 
 Parameters = Mapping[str, int]
 
@@ -204,8 +204,8 @@ _FORMATS: Mapping[str, Callable[[int], str]] = {
     "hex": lambda value: f"{value:0{2 * max(1, (value.bit_length() + 7) // 8)}X}h",
     "bytes": lambda value: count_with_unit(value, "byte"),
     "mv": volts,
-    "us": microseconds,
-    "ms": lambda value: microseconds(1000 * value),
+    "us": time_text,
+    "ms": lambda value: time_text(1000 * value),
     "hz": hertz,
 }
 

@@ -14,7 +14,7 @@ from ..order_codes.labels import LabelMatch
 from ..say.evidence import Topic, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
 from ..say.plain_text import WIDTH, two_columns, wrap_text
-from ..say.text import PLAIN_STYLE, count_with_unit, hertz, microseconds, volts
+from ..say.text import PLAIN_STYLE, count_with_unit, hertz, time_text, volts
 from .places import WriteCondition, place_lines, write_order
 from .record import EncoderFacts
 from .sheet import Master, MasterRefusal, Setting, SettingsSheet
@@ -119,7 +119,7 @@ def _supply_text(record: EncoderFacts) -> str:
 
 
 def _time_limit_text(time_us: int | None, bound: str) -> str:
-    return f"{bound} {microseconds(time_us)}" if time_us is not None else ""
+    return f"{bound} {time_text(time_us)}" if time_us is not None else ""
 
 
 def _status_bits_text(record: EncoderFacts) -> str:

@@ -40,8 +40,8 @@ from .text import (
     as_sentence,
     list_parts,
     make_statement,
-    microseconds,
     spec_text,
+    time_text,
 )
 
 
@@ -73,7 +73,7 @@ def describe_step(device: Device, procedure_step: Step) -> Statement:
     """Return a step as an instruction, such as ``Wait at least 20 ms`` or ``Write save to command, address 77h``."""
     match procedure_step:
         case WaitStep():
-            return make_statement(f"Wait at least {microseconds(procedure_step.microseconds)}")
+            return make_statement(f"Wait at least {time_text(procedure_step.microseconds)}")
         case SendStep():
             request_bytes = CodeText(procedure_step.request.hex(" ").upper())
             repetition = _repetition_text(procedure_step)
@@ -93,7 +93,7 @@ def _repetition_text(send_step: SendStep) -> str:
         return ""
     repetition_text = f" {send_step.times} times"
     if send_step.microseconds:
-        repetition_text += f", at least {microseconds(send_step.microseconds)} apart"
+        repetition_text += f", at least {time_text(send_step.microseconds)} apart"
     if send_step.in_succession:
         repetition_text += ", with no other request between them"
     return repetition_text

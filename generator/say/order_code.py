@@ -54,9 +54,9 @@ from .text import (
     join_groups,
     list_parts,
     make_statement,
-    microseconds,
     printed_timeout_words,
     spec_text,
+    time_text,
     timeout_words,
 )
 
@@ -202,11 +202,11 @@ def bounds(printed_time: Timing) -> str:
     """Return the limits of a duration and its typical value as text, such as ``at least 12 µs, typically 20 µs``."""
     limit_texts = []
     if printed_time.at_least_us is not None:
-        limit_texts.append(f"at least {microseconds(printed_time.at_least_us)}")
+        limit_texts.append(f"at least {time_text(printed_time.at_least_us)}")
     if printed_time.typical_us is not None:
-        limit_texts.append(f"typically {microseconds(printed_time.typical_us)}")
+        limit_texts.append(f"typically {time_text(printed_time.typical_us)}")
     if printed_time.at_most_us is not None:
-        limit_texts.append(f"at most {microseconds(printed_time.at_most_us)}")
+        limit_texts.append(f"at most {time_text(printed_time.at_most_us)}")
     return ", ".join(limit_texts)
 
 
@@ -443,7 +443,7 @@ def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
     yield from spec_text(hardware_input.low, label="Low level")
     yield from spec_text(hardware_input.high, label="High level")
     if hardware_input.pulse_at_least_us is not None:
-        yield make_statement(f"at least {microseconds(hardware_input.pulse_at_least_us)}", label="Pulse")
+        yield make_statement(f"at least {time_text(hardware_input.pulse_at_least_us)}", label="Pulse")
     if hardware_input.inverts:
         yield make_statement("A high level inverts ", register_field(device, hardware_input.inverts))
     if hardware_input.needs:

@@ -43,7 +43,7 @@ def volts(millivolts: int) -> str:
     return f"{millivolts / 1000:g} V"
 
 
-def microseconds(value: int) -> str:
+def time_text(value: int) -> str:
     """Return a time in the largest unit in which it is a whole number: 1500 is ``1500 µs``, and 2000 is ``2 ms``."""
     for factor, unit in ((1_000_000, "s"), (1_000, "ms")):
         if value >= factor and value % factor == 0:
@@ -54,7 +54,7 @@ def microseconds(value: int) -> str:
 def nanoseconds(value: int) -> str:
     """Return a time in ns or, if it is at least 1 µs, in µs. Whole numbers of µs may also be in ms or s."""
     if value % 1000 == 0:
-        return microseconds(value // 1000)
+        return time_text(value // 1000)
     return f"{value / 1000:g} µs" if value > 1000 else f"{value} ns"
 
 

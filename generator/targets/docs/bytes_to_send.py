@@ -35,7 +35,7 @@ from ...say.layout import name_as_words
 from ...say.markdown import code, escape, join_filled, link
 from ...say.names_and_places import addresses_text, bits, title_of
 from ...say.order_code import PURPOSES, word_lengths
-from ...say.text import count_with_unit, microseconds
+from ...say.text import count_with_unit, time_text
 
 Row = tuple[str, ...]
 
@@ -274,9 +274,9 @@ def _requests_sent(procedure: Procedure) -> list[str]:
 def _repetition_text(procedure: Procedure) -> str:
     """Return how often a procedure repeats its only request, such as ``Send it 10 times, at least 40 µs apart``."""
     send_step = next(step for step in procedure.steps if isinstance(step, SendStep))
-    waits = [f"wait {microseconds(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
+    waits = [f"wait {time_text(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
     times = link(f"{send_step.times} times", f"#procedure-{procedure.name}")
-    interval = f"at least {microseconds(send_step.microseconds)} apart" if send_step.microseconds else ""
+    interval = f"at least {time_text(send_step.microseconds)} apart" if send_step.microseconds else ""
     return "Send it " + join_filled([times, interval, *waits], ", ")
 
 
@@ -322,7 +322,7 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
     """Return a step of a procedure in short, such as ``wait 1 ms`` or an address with the bytes to write."""
     match step:
         case WaitStep():
-            return f"wait {microseconds(step.microseconds)}"
+            return f"wait {time_text(step.microseconds)}"
         case SendStep():
             return code(step.request.hex(" ").upper())
         case ReadStep():

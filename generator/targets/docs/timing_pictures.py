@@ -17,7 +17,7 @@ from ...say.evidence import Topic, document, place_of_mention
 from ...say.layout import DATA, box_colour
 from ...say.names_and_places import name_in_words
 from ...say.order_code import REPLIES, bounds_with_codes, timeouts_with_codes, word_lengths
-from ...say.text import count_with_unit, microseconds
+from ...say.text import count_with_unit, time_text
 from .layout_pictures import create_picture, draw_box, draw_text, number
 from .layout_pictures import text_width as text_width
 
@@ -261,7 +261,7 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
     if pause_us:
         repetition_width = 60.0
         first_repetition_end = request_end + 270 + repetition_width
-        pause = f"between repeated requests: at least {microseconds(pause_us)}"
+        pause = f"between repeated requests: at least {time_text(pause_us)}"
         first, second = (
             SignalPart(Trace.EITHER, width=repetition_width, label=name, fill="choice") for name in ("1st", "2nd")
         )
