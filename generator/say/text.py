@@ -82,7 +82,7 @@ def timeout_words(timeout: Timeout) -> str:
     return ", ".join(rule_and_limits)
 
 
-def language(key: str) -> str:
+def language_name(key: str) -> str:
     """Return the name of a language, or its code if there is no name for it."""
     return _LANGUAGES.get(key, key)
 

@@ -40,7 +40,7 @@ from ...say.evidence import grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
 from ...say.order_code import describe_spelling, not_on_label, open_values
 from ...say.plain_text import WIDTH, decimal, two_columns, wrap_text
-from ...say.text import PLAIN_STYLE, Style, count_with_unit, language
+from ...say.text import PLAIN_STYLE, Style, count_with_unit, language_name
 from ..decode.text import label_differences
 from .picture import picture
 
@@ -96,7 +96,9 @@ def _manual_lines(device: Device) -> list[str]:
     """Return the lines about the manual, its other editions, and the evidence for what it says."""
     manual = device.manual
     date = f" of {manual.date}" if manual.date else ""
-    sentences = [f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"]
+    sentences = [
+        f"from the manual {manual.title}, revision {manual.revision}{date}, in {language_name(manual.language)}"
+    ]
     sentences += [PLAIN_STYLE.sentence(statement) for statement in (grade(device), *origin(device))]
     if device.editions:
         revisions = ", ".join(edition.revision for edition in device.editions)

@@ -12,7 +12,7 @@ from ...say.evidence import basis, edition_test, grade, origin, other_editions
 from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
 from ...say.order_code import describe_settings
 from ...say.plain_text import count_with_unit
-from ...say.text import Statement, language
+from ...say.text import Statement, language_name
 from . import fact_tables, inline_errata, masters_page, order_code_tables, page_links, verdict_page
 from .interface_page import subjects
 from .order_code_page import ManualProcedure, OrderCodes, manual_procedures
@@ -274,7 +274,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     manual = device.manual
     yield "Manual", escape(manual.title)
     yield "Revision", revision_and_date(manual)
-    yield "Language", escape(language(manual.language))
+    yield "Language", escape(language_name(manual.language))
     yield "Publisher", escape(manual.publisher)
     if device.manufacturer.website:
         yield "Website", escape(device.manufacturer.website)
@@ -283,7 +283,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield evidence.label, MARKDOWN.phrase(replace(evidence, label=""))
     yield "Manufacturer", escape(device.manufacturer.title)
     for edition in manual.editions:
-        language_and_title = [escape(language(edition.language)), escape(edition.title)]
+        language_and_title = [escape(language_name(edition.language)), escape(edition.title)]
         yield (
             "Other edition",
             join_filled([*language_and_title, f"revision {escape(edition.revision)}", edition.date], ", "),
