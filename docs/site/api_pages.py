@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from codewheel.say.markdown import code, escape
+from codewheel.say.markdown import code_span, escape
 
 HEADERS = "generated/c/include"
 MODULES = "generated/python"
@@ -63,7 +63,7 @@ def api_pages(root: Path) -> Iterator[tuple[str, str]]:
 
 
 def _index(kind: str, title: str, folder: str, files: list[Path]) -> str:
-    rows = "".join(f"- [{code(path.name)}]({kind}/{path.stem}.md)\n" for path in files)
+    rows = "".join(f"- [{code_span(path.name)}]({kind}/{path.stem}.md)\n" for path in files)
     return (
         f"# {title}: reference\n\nEach file has a page with its declarations and their comments. "
         f"Start with the [README](../{folder}/README.md).\n"

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from codewheel.changes.rules import OUTPUTS, RULES, TITLES, ChangeRule, Impact
 from codewheel.language.problems import listed
-from codewheel.say.markdown import code, escape, link, table
+from codewheel.say.markdown import code_span, escape, link, table
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER, DATA = ROOT / "docs/transcribe", ROOT / "generator" / "language" / "rules.json"
@@ -80,7 +80,7 @@ def rules_pages() -> dict[str, str]:
     for first, last in _LETTERS:
         page, title = f"rules-{first}-to-{last}.md", f"Rules of check: {first.upper()} to {last.upper()}"
         rules = [rule for rule in shown_examples if first <= rule[0] <= last]
-        links = ", ".join(link(code(rule), f"{page}#{rule}") for rule in rules)
+        links = ", ".join(link(code_span(rule), f"{page}#{rule}") for rule in rules)
         list_items.append(f"- {link(title, page)}: {links}")
         sections = [_example_section(shown_examples[rule]) for rule in rules]
         pages[page] = [f"# {title}", f"The {link('list of rules', 'rules.md')} explains this page.", *sections]
@@ -102,7 +102,7 @@ def _diff_rules() -> Iterator[str]:
     for rule in RULES.values():
         rules_by_impacts.setdefault(rule.impacts, []).append(rule)
     for impacts in sorted(rules_by_impacts, key=lambda impacts: (max(impacts), *impacts), reverse=True):
-        rows = [(code(rule.name), escape(rule.when), escape(rule.why)) for rule in rules_by_impacts[impacts]]
+        rows = [(code_span(rule.name), escape(rule.when), escape(rule.why)) for rule in rules_by_impacts[impacts]]
         yield f"## {_impacts_in_words(impacts)}"
         yield table(["Rule", "When", "Why"], rows)
 

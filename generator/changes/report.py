@@ -13,7 +13,7 @@ from ..language.files import top_keys
 from ..loading.evidence import history_beside, history_text, with_release
 from ..loading.overlays import Family
 from ..model import Release, ReleasedChange
-from ..say.markdown import code as in_code
+from ..say.markdown import code_span as in_code
 from ..say.markdown import escape as escaped
 from ..say.plain_text import WIDTH, count_with_unit, first_of, wrap_text
 from .names import NameChange

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..say.markdown import anchor, code, escape, link, paragraph, table
+from ..say.markdown import anchor, code_span, escape, link, paragraph, table
 from .problems import listed
 from .schema_files import NO_FACTS, ONLY_SECOND, PROSE, load_schema
 
@@ -125,7 +125,7 @@ def _list_of_pages(names: Iterable[str]) -> str:
     """Return a list of links to the other pages, with the definitions that each describes."""
     list_items = []
     for page, (title, own_names) in _PAGES.items():
-        keys = ", ".join(link(code(name), f"{page}#{name}") for name in names if name in own_names)
+        keys = ", ".join(link(code_span(name), f"{page}#{name}") for name in names if name in own_names)
         list_items.append(f"- {link(title, page)}: {keys}")
     list_items.append(f"- {link(_OTHER_FILES_TITLE, _OTHER_FILES)}")
     introduction = "This page describes the device file as a whole, its manual and its order codes. The others:"
@@ -195,7 +195,7 @@ def _definitions_in_order(schema: Shape) -> list[str]:
 
 def _describe_definition(name: str, shape: Shape, definitions: Shape) -> Iterator[str]:
     """Yield the parts of the section on a definition: its meaning, and its keys or else its type and limits."""
-    yield from (anchor(name), f"### {code(name)}", paragraph(escape(shape.get("description", ""))))
+    yield from (anchor(name), f"### {code_span(name)}", paragraph(escape(shape.get("description", ""))))
     if "properties" in shape:
         yield _format_table(shape, definitions)
     else:
@@ -228,7 +228,7 @@ def _yield_rows(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[
         definition = definitions.get(_definition_name(inner), {})
         meaning = inner.get("description") or definition.get("description", "")
         required_text = "required" if name in required_keys else ""
-        yield code(prefix + name), required_text, type_and_limits, escape(meaning)
+        yield code_span(prefix + name), required_text, type_and_limits, escape(meaning)
         is_one_or_more = "properties" in inner and "items" in inner
         if not is_one_or_more:  # Otherwise, the section of its items lists the keys.
             yield from _yield_rows(inner, definitions, f"{prefix}{name}.")
@@ -242,11 +242,11 @@ def _describe_type(shape: Shape, plural: bool = False) -> str:
     """Return the type of a value in words, in the plural for items of a list. A definition is a link to its section."""
     reference = _definition_name(shape)
     if reference:
-        return link(code(reference), f"{_PAGE_OF.get(reference, FIRST_PAGE)}#{reference}")
+        return link(code_span(reference), f"{_PAGE_OF.get(reference, FIRST_PAGE)}#{reference}")
     if "const" in shape:
-        return code(json.dumps(shape["const"]))
+        return code_span(json.dumps(shape["const"]))
     if "enum" in shape:
-        return ", ".join(code(value) for value in shape["enum"])
+        return ", ".join(code_span(value) for value in shape["enum"])
     if not shape.keys() - {"description"}:
         return "any value"
     types = shape.get("type", "string")
@@ -270,7 +270,7 @@ def _describe_limits(shape: Shape) -> str:
     if "minimum" in shape or "maximum" in shape:
         limit_texts.append(_range_in_words(shape.get("minimum"), shape.get("maximum")))
     if "pattern" in shape:
-        limit_texts.append(f"pattern {code(shape['pattern'])}")
+        limit_texts.append(f"pattern {code_span(shape['pattern'])}")
     if shape.get("maxLength"):
         limit_texts.append(f"at most {shape['maxLength']} characters")
     if shape.get("minItems", 0) > 0:

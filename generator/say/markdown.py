@@ -32,7 +32,7 @@ def _escape_markdown(value: str) -> str:
     return _EDGE_UNDERSCORE.sub(r"\\_", value.translate(_MARKS))
 
 
-def code(value: object) -> str:
+def code_span(value: object) -> str:
     """Return a code span that is safe inside a table, where a vertical bar would end the cell."""
     return _code_span(text_on_one_line(value))
 
@@ -134,13 +134,13 @@ def reference(ref: Reference) -> str:
     """Return a name with a link to its description. Manual steps are on the hardware page."""
     if ref.kind == "by-hand":
         return link(escape(ref.title), f"hardware.md#{ref.anchor}")
-    return link(code(ref.name), f"#{ref.anchor}")
+    return link(code_span(ref.name), f"#{ref.anchor}")
 
 
 #: Style of statements on a Markdown page.
 MARKDOWN = Style(
     text=lambda part: _escape_markdown(one_line(part)),
-    code=code,
+    code=code_span,
     ref=reference,
     cited=lambda sources: f"({citation(sources)})" if sources else "",
 )

@@ -13,7 +13,7 @@ import pytest
 from codewheel.dump.plain import device_dump
 from codewheel.loading.library import load_library
 from codewheel.model import Biss, Device, Rs485
-from codewheel.say.markdown import citation, code, escape
+from codewheel.say.markdown import citation, code_span, escape
 from codewheel.say.names_and_places import heading
 from codewheel.targets import Library
 from codewheel.targets.docs.files import generate
@@ -208,7 +208,7 @@ def test_every_text_of_the_plain_data_is_on_the_page(library: Library, files: Fi
 
 
 def is_on_page(value: str, page: str) -> bool:
-    written = (" ".join(escape(value).split()), code(value), f"{value}", value.replace("_", " "))
+    written = (" ".join(escape(value).split()), code_span(value), f"{value}", value.replace("_", " "))
     return any(form in page for form in written)
 
 
@@ -356,7 +356,7 @@ def test_places_as_worked_out_by_hand(files: Files) -> None:
     page = family_pages_text(files, "amm5")
     assert "| `AMM5A21/65KSC1`, `AMM5B21/65KSC1` | 45 | 44:29 | 28:8 |" in page
     assert "| `AMM5A17/1SC1`, `AMM5B17/1SC1` | – | 48:33 | 32:16 | 15:0 |" in page
-    assert f"| with its top bit | {code('0x43')} = 67 = {code('1000011b')} |" in page
+    assert f"| with its top bit | {code_span('0x43')} = 67 = {code_span('1000011b')} |" in page
     assert "| without its trailing 1 (Koopman notation) | `0x21` |" in page
     # If the manual leaves it open, each place has its answer.
     assert "| bits 7:1 (`as_printed`)<br>bits 6:0 (`as_t_format`) |" in page

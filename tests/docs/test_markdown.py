@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from codewheel.loading.from_mapping import parse_sources
 from codewheel.model import cite
-from codewheel.say.markdown import citation, code, escape, paragraph, table
+from codewheel.say.markdown import citation, code_span, escape, paragraph, table
 
 
 @pytest.mark.parametrize(
@@ -28,7 +28,7 @@ def test_text(plain: str, markdown: str) -> None:
     ("plain", "markdown"), [("x", "`x`"), ("a`b", "``a`b``"), ("`", "`` ` ``"), ("a|b", "`a\\|b`"), ("", "")]
 )
 def test_code(plain: str, markdown: str) -> None:
-    assert code(plain) == markdown
+    assert code_span(plain) == markdown
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ from ...plan.values import TwosComplement, UnsignedNumber, meaning_of
 from ...say.commands import Commands, commands_over
 from ...say.evidence import document
 from ...say.layout import name_as_words
-from ...say.markdown import code, escape, join_filled, link
+from ...say.markdown import code_span, escape, join_filled, link
 from ...say.names_and_places import addresses_text, bits, title_of
 from ...say.order_code import PURPOSES, word_lengths
 from ...say.text import count_with_unit, time_text
@@ -140,7 +140,7 @@ def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[st
     for register in possible_commands.registers:
         command_names: list[str] = []
         for field in register.layout.fields:
-            command_names += [code(title_of(command)) for command in field.values]
+            command_names += [code_span(title_of(command)) for command in field.values]
         yield f"Write a command to {_register_link(register)}: {', '.join(command_names)}."
     if possible_commands.settings:
         subject = "Other registers" if possible_commands.registers else "Registers"
@@ -196,7 +196,7 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
     return (
         f"Another position: write position{shift} as {count_with_unit(register.length, 'byte')}, {order}, to "
-        f"{link(addresses_text(register), f'#register-{register.name}')}. For {example_position:,}: {code(example_bytes)}."
+        f"{link(addresses_text(register), f'#register-{register.name}')}. For {example_position:,}: {code_span(example_bytes)}."
     )
 
 
@@ -215,7 +215,7 @@ def _exchange_row(exchange: RequestAndReply) -> Row:
     Without a purpose, it is the first sentence of the note on the request. The size of words that have one follows.
     """
     layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
-    frame_links = [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
+    frame_links = [link(code_span(layout.name), f"#layout-{layout.name}") for layout in layouts]
     first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")
     description = PURPOSES[exchange.exchange.purpose] or escape(first_sentence_of_note)
     word_bits = exchange.exchange.word_bits
@@ -235,14 +235,14 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
     request = _layout_with_data_id(interface, "master", data_id.id)
     reply = _layout_with_data_id(interface, "encoder", data_id.id)
     part_names = _names_after_control_field(request) if request is not None else []
-    sent_bytes = ", ".join([code(f"{data_id.control:02X}"), *part_names])
+    sent_bytes = ", ".join([code_span(f"{data_id.control:02X}"), *part_names])
     reply_link = ""
     if reply is not None:
         reply_link = f" → {link(count_with_unit(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
     procedures = _procedures_sending_only(device, data_id)
     repetitions = (_repetition_text(procedure) for procedure in procedures)
     description = join_filled([escape(data_id.meaning or data_id.purpose), *repetitions], ". ")
-    identifier = f"<small>Data ID {data_id.id:X} {code(data_id.name)}</small>"
+    identifier = f"<small>Data ID {data_id.id:X} {code_span(data_id.name)}</small>"
     errata_links = errata_at(*(f"procedures.{procedure.name}" for procedure in procedures))
     return sent_bytes + reply_link, join_filled([f"{description}.", identifier, errata_links], " ")
 
@@ -324,11 +324,13 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
         case WaitStep():
             return f"wait {time_text(step.microseconds)}"
         case SendStep():
-            return code(step.request.hex(" ").upper())
+            return code_span(step.request.hex(" ").upper())
         case ReadStep():
             return f"read {addresses_text(device.register(step.register))}"
         case PollStep():
-            return f"read {addresses_text(device.register(step.register))} until {code(step.field)} is {step.value}"
+            return (
+                f"read {addresses_text(device.register(step.register))} until {code_span(step.field)} is {step.value}"
+            )
         case ModifyStep():
             register = device.register(step.register)
             bit_value = "the new value" if step.value is None else f"{step.value}"
@@ -345,13 +347,13 @@ def _bytes_to_write(device: Device, register: Register, value: int | None, varia
     register_bytes = bytes_of_zero_position(device, register, variant) if value is None else register.bytes_of(value)
     if register_bytes is None:
         return "the new value"
-    return code(register_bytes.hex(" ").upper())
+    return code_span(register_bytes.hex(" ").upper())
 
 
 def _bits_of_field(register: Register, name: str, variant: Variant) -> str:
     """Return the bits of a field in a register, or its name if the order code lacks it."""
     placed_field = register.layout.place(variant.parameters).find_field(name)
-    return bits(placed_field.high, placed_field.low) if placed_field is not None else code(name)
+    return bits(placed_field.high, placed_field.low) if placed_field is not None else code_span(name)
 
 
 def bytes_of_zero_position(device: Device, register: Register, variant: Variant) -> bytes | None:

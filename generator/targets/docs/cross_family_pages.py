@@ -13,7 +13,7 @@ from ...order_codes.reduction import for_interface
 from ...say import register as say_register
 from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
-from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link
 from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses_text, name_in_words, title_of
 from ...say.order_code import describe_settings, parameter_value
 from ...say.text import volts
@@ -132,7 +132,7 @@ def _documented_content(field: Field) -> str:
             digits = (field.widest + 3) // 4
             return f"`{field.equals:0{digits}X}h`"
         case str():
-            return code(field.equals)
+            return code_span(field.equals)
         case None:
             return ""
         case expression:
@@ -166,7 +166,7 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
             yield (
                 interface.title,
                 _family_link(device),
-                link_to_layout(device, layout, code(layout.name)),
+                link_to_layout(device, layout, code_span(layout.name)),
                 _range_of_lengths(device, interface, layout),
                 byte_order if layout.in_bytes else "most significant bit first",
                 escape(" or ".join([*crcs, *without_crc])),
@@ -243,10 +243,10 @@ def _register_row(register: Register, device: Device) -> Row:
     return (
         addresses_text(register),
         "" if register.bank is None else f"{register.bank}",
-        link_to_register(device, register, code(register.name)),
+        link_to_register(device, register, code_span(register.name)),
         _family_link(device),
         say_register.describe_access(register),
-        code(factory_default.hex(" ").upper()) if factory_default is not None else "",
+        code_span(factory_default.hex(" ").upper()) if factory_default is not None else "",
         escape(register.meaning),
         citation(register.source),
     )
@@ -273,7 +273,7 @@ def _led_rows(device: Device) -> Iterator[Row]:
                 escape(state.state),
                 _family_link(device),
                 join_filled([escape(state.meaning), *links_to_steps(f"{device.name}/", state.by_hand)]),
-                code(state.only),
+                code_span(state.only),
                 citation(led.source),
             )
 
@@ -299,7 +299,7 @@ def _alarm_row(alarm: Alarm, device: Device, interface: Interface) -> Row:
         _family_link(device),
         escape(alarm.meaning) if alarm.implemented else "not implemented in this encoder",
         join_filled([escape(alarm.remedy), *links_to_steps(f"{device.name}/", alarm.by_hand)]),
-        code(alarm.only),
+        code_span(alarm.only),
         citation(alarm.source),
     )
 

@@ -33,7 +33,7 @@ from ...say import register as say_register
 from ...say.commands import describe_step, read_back
 from ...say.errata import changed, errata
 from ...say.layout import crc_sent
-from ...say.markdown import MARKDOWN, anchor, citation, code, escape, join_filled, link
+from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, join_filled, link
 from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
 from ...say.plain_text import count_with_unit, group_digits, quantity_text
@@ -92,7 +92,7 @@ def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
     for timing in timings:
         duration = escape(bounds_with_codes(timing))
         yield (
-            join_filled([code(timing.name), escape(timing.symbol)]),
+            join_filled([code_span(timing.name), escape(timing.symbol)]),
             escape(timing.meaning),
             duration,
             citation(timing.source),
@@ -142,36 +142,36 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
     match example:
         case FrameExample():
             if example.layout:
-                yield "Frame", link(code(example.layout), f"#layout-{example.layout}")
-            yield "Order code", code(example.order_code)
+                yield "Frame", link(code_span(example.layout), f"#layout-{example.layout}")
+            yield "Order code", code_span(example.order_code)
             yield "Sent by", f"the {example.sender}"
             for name, answer in example.alternatives.items():
-                yield "Alternative", f"{link(code(name), f'#alternative-{name}')} = {code(answer)}"
+                yield "Alternative", f"{link(code_span(name), f'#alternative-{name}')} = {code_span(answer)}"
             yield _bytes_fact(example.bytes)
-            yield "Bits", code(example.bits)
+            yield "Bits", code_span(example.bits)
             layouts = [layout for _, layout in device.layouts() if layout.name == example.layout]
             yield _values_fact(example.values, layouts)
             if example.refused:
                 yield "Rejected", f"because of its {escape(example.refused)}"
         case RegisterExample():
-            yield "Register", link(code(example.register), f"#register-{example.register}")
-            yield "Order code", code(example.order_code)
+            yield "Register", link(code_span(example.register), f"#register-{example.register}")
+            yield "Order code", code_span(example.order_code)
             yield _bytes_fact(example.bytes)
             yield _values_fact(example.values, [device.register(example.register).layout])
         case CrcExample():
-            yield "CRC", link(code(example.crc), f"#crc-{example.crc}")
+            yield "CRC", link(code_span(example.crc), f"#crc-{example.crc}")
             yield _bytes_fact(example.bytes)
             yield "Check value", f"`{hexadecimal(example.check)}`"
         case ProcedureExample():
-            yield "Procedure", link(code(example.procedure), f"#procedure-{example.procedure}")
-            yield "Order code", code(example.order_code)
+            yield "Procedure", link(code_span(example.procedure), f"#procedure-{example.procedure}")
+            yield "Order code", code_span(example.order_code)
             for name, value in example.arguments.items():
                 # A single digit is the same in both notations.
                 in_hexadecimal = f" ({hexadecimal(value)})" if value > 9 else ""
-                yield f"Argument {code(name)}", f"{group_digits(value)}{in_hexadecimal}"
+                yield f"Argument {code_span(name)}", f"{group_digits(value)}{in_hexadecimal}"
             yield "Writes", ", ".join(f"`{write.address:02X}h: {write.value:02X}`" for write in example.writes)
         case MeasureExample():
-            yield "Order code", code(example.order_code)
+            yield "Order code", code_span(example.order_code)
             yield "Length", f"{group_digits(example.counts)} counts are {group_digits(example.micrometres)} µm"
         case _:
             assert_never(example)
@@ -185,7 +185,7 @@ def _bytes_fact(data: bytes) -> tuple[str, str]:
 def _values_fact(values: Mapping[str, int | str | bool], layouts: Iterable[Layout]) -> tuple[str, str]:
     """Return the label and the values of an example, with quantities for fields that have a scale in a layout."""
     scales = {field.name: field.scale for layout in layouts for field in layout.fields}
-    assignments = [f"{code(name)} = {_value_text(value, scales.get(name))}" for name, value in values.items()]
+    assignments = [f"{code_span(name)} = {_value_text(value, scales.get(name))}" for name, value in values.items()]
     return "Values", ", ".join(assignments)
 
 
@@ -194,7 +194,7 @@ def _value_text(value: int | str | bool, scale: Scale | None) -> str:
     if isinstance(value, bool):
         return _yes_or_no(value)
     if not isinstance(value, int):
-        return code(value)
+        return code_span(value)
     if scale is None:
         return group_digits(value)
     return f"{group_digits(value)} ({escape(quantity_text(scale, value))})"
@@ -203,7 +203,7 @@ def _value_text(value: int | str | bool, scale: Scale | None) -> str:
 def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
     """Yield the printed text and the value used, or the parts of a change by an overlay or edition."""
     if erratum.overlay:
-        yield "Overlay", code(erratum.overlay)
+        yield "Overlay", code_span(erratum.overlay)
     if erratum.edition:
         yield "Edition", escape(erratum.edition)
     if erratum.overlay or erratum.edition:
@@ -229,7 +229,7 @@ def document_rows(documents: Iterable[Document]) -> list[tuple[str, ...]]:
 
 def _document_row(document: Document) -> tuple[str, ...]:
     address = f"<{document.url}>" if document.url else ""
-    return code(document.key), escape(document.title), address
+    return code_span(document.key), escape(document.title), address
 
 
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
@@ -238,7 +238,7 @@ def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
         value_phrases = [
             MARKDOWN.phrase(describe_value(named_value, control_field.bits)) for named_value in control_field.values
         ]
-        crc_link = link(code(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
+        crc_link = link(code_span(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
         yield (
             name_cell(control_field),
             f"{control_field.bits}",
@@ -252,7 +252,7 @@ Row = tuple[str, ...]
 
 def title_cell(titled_part: Titled) -> str:
     """Return a title in words, with the identifier for programmers in small type."""
-    return f"{escape(title_of(titled_part))} <small>{code(titled_part.name)}</small>"
+    return f"{escape(title_of(titled_part))} <small>{code_span(titled_part.name)}</small>"
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
@@ -275,8 +275,8 @@ def _place_cell(device: Device, layout: Layout, field: Field) -> str:
 def _group_cell(layout: Layout, field_group: FieldGroup) -> str:
     """Return a link to the table of a group, and the names of its fields."""
     group_link = link(escape(heading(field_group.name)), f"#group-{field_group.name}")
-    field_names = ", ".join(code(field.name) for field in layout.fields if field.group == field_group.name)
-    return f"{group_link} <small>{code(field_group.name)}</small>: {field_names}"
+    field_names = ", ".join(code_span(field.name) for field in layout.fields if field.group == field_group.name)
+    return f"{group_link} <small>{code_span(field_group.name)}</small>: {field_names}"
 
 
 def group_rows(device: Device, name: str) -> Iterator[Row]:
@@ -286,7 +286,7 @@ def group_rows(device: Device, name: str) -> Iterator[Row]:
 
 
 def _answer_names(answers: Sequence[Answer]) -> str:
-    return code(", ".join(answer.name for answer in answers))
+    return code_span(", ".join(answer.name for answer in answers))
 
 
 def _description_cell(device: Device, field: Field, layout_source: Sources, in_register: bool = False) -> str:
@@ -310,12 +310,10 @@ def register_rows(device: Device) -> Iterator[Row]:
     """Yield rows of bank, addresses, register."""
     for register in device.registers:
         default_bytes = register.default_bytes()
-        default = f", default {code(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
+        default = f", default {code_span(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
         register_link = link(escape(title_of(register)), f"#register-{register.name}")
         bank = "" if register.bank is None else f"{register.bank}"
-        about = (
-            f"{register_link} <small>{code(register.name)}</small> {say_register.describe_access(register)}{default}"
-        )
+        about = f"{register_link} <small>{code_span(register.name)}</small> {say_register.describe_access(register)}{default}"
         yield bank, addresses_text(register), about
 
 
@@ -329,7 +327,7 @@ def step_sentences(device: Device, procedure: Procedure) -> Iterator[str]:
 def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
     """Yield rows of duration, time."""
     for timing in timings:
-        identifiers = "</small> <small>".join(filter(None, (escape(timing.symbol), code(timing.name))))
+        identifiers = "</small> <small>".join(filter(None, (escape(timing.symbol), code_span(timing.name))))
         time_cell = f"{escape(timing.meaning)} <small>{identifiers}</small> <small>{citation(timing.source)}</small>"
         yield escape(bounds_with_codes(timing)), time_cell
 
@@ -349,7 +347,7 @@ def led_rows(device: Device) -> Iterator[Row]:
         yield f"**{escape(led.title)}**", f"<small>{citation(led.source)}</small>"
         for state in led.states:
             step_links = (link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
-            order_codes = [f"Only with {code(state.only)}."] if state.only else []
+            order_codes = [f"Only with {code_span(state.only)}."] if state.only else []
             yield (
                 escape(state.state),
                 join_filled([escape(as_sentence(state.meaning)), *order_codes, *step_links], " "),

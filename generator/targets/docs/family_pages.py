@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Clocked, Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
 from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, edition_test, grade, origin, other_editions
-from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link, link_list
 from ...say.order_code import describe_settings
 from ...say.plain_text import count_with_unit
 from ...say.text import Statement, language_name
@@ -81,7 +81,7 @@ def _release_section(release: Release) -> dict[str, Any]:
 
 def _change_line(change: ReleasedChange) -> str:
     about = "; ".join(filter(None, (change.reach, change.outputs)))
-    return f"{escape(change.text)} ({code(change.rule)}): {escape(about)}"
+    return f"{escape(change.text)} ({code_span(change.rule)}): {escape(about)}"
 
 
 Rows = list[tuple[str, ...]]
@@ -200,7 +200,7 @@ def _position_frame_links(device: Device) -> Iterator[str]:
     for interface in device.interfaces:
         layouts = [layout for layout in interface.layouts if device.sends_position(interface.name, layout)]
         for layout in layouts:
-            frame_name = f" {code(layout.name)}" if len(layouts) > 1 else ""
+            frame_name = f" {code_span(layout.name)}" if len(layouts) > 1 else ""
             yield page_links.link_to_layout(device, layout, interface.title + frame_name)
 
 
@@ -240,7 +240,7 @@ def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -
         has_steps = name in names_with_steps
         value_cell = link("step by step", f"#by-hand-{name}") if has_steps else escape(characteristic.value)
         value_and_errata = join_filled([value_cell, errata_at.links_in_cell(f"characteristics.{name}")])
-        yield code(name), value_and_errata, code(characteristic.only), citation(characteristic.source)
+        yield code_span(name), value_and_errata, code_span(characteristic.only), citation(characteristic.source)
 
 
 def manual_values(device: Device) -> ManualPage:
@@ -322,7 +322,7 @@ def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
             edition.date,
             _edition_errata(device, f"before {edition.revision}"),
             _edition_errata(device, edition.revision),
-            ", ".join(map(code, edition.labels)),
+            ", ".join(map(code_span, edition.labels)),
         )
 
 

@@ -253,7 +253,7 @@ TEMPLATES = Templates(
     filters={
         "md": markdown.escape,
         "paragraph": markdown.paragraph,
-        "code": markdown.code,
+        "code": markdown.code_span,
         "html": markdown.escape_html,
         "cited": markdown.citation,
         "cited_html": markdown.cited_html,

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Device, Erratum
 from ...say.errata import describe_erratum as erratum_statement
 from ...say.errata import errata
-from ...say.markdown import MARKDOWN, anchor, citation, code, escape, escape_html, link, link_list
+from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, escape_html, link, link_list
 from ...say.text import as_sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
@@ -234,7 +234,7 @@ def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     labels_and_texts = (*fact_tables.printed_and_used_rows(erratum), ("Why", escape(erratum.why)))
     # The labels are the head of the table, and the texts are its only row.
     head, cells = zip(*labels_and_texts, strict=True)
-    affected = ", ".join(map(code, erratum.affects))
+    affected = ", ".join(map(code_span, erratum.affects))
     kind = f"{status_badge(erratum)}, {fact_tables.severity_text(erratum.severity)}"
     summary = f"{kind}. Source: {citation(erratum.source)}. Affects {affected}."
     return {"erratum": erratum, "summary": summary, "head": head, "cells": cells}

@@ -36,7 +36,7 @@ from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
-from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link
 from ...say.names_and_places import HasOtherNames, addresses_text, name_in_words, title_of
 from ...say.order_code import PURPOSES, initial
 from ...say.register import describe_measurement, describe_position_range, own_ranges
@@ -120,7 +120,7 @@ def _led_rows(led: Led) -> Iterator[tuple[str, ...]]:
     name_cell, source_cell = escape(led.title), citation(led.source)
     for state in led.states:
         meaning = join_filled([escape(state.meaning), *links_to_steps("", state.by_hand)])
-        yield name_cell, escape(state.state), meaning, code(state.only), source_cell
+        yield name_cell, escape(state.state), meaning, code_span(state.only), source_cell
         name_cell, source_cell = "", ""
 
 
@@ -179,7 +179,7 @@ def _data_id_row(data_id: DataId) -> tuple[str, ...]:
     """Return a row of ID, name, control byte, purpose, meaning, source for one data ID of the T-format."""
     return (
         f"{data_id.id:X}",
-        code(data_id.name),
+        code_span(data_id.name),
         f"`{data_id.control:02X}h`",
         escape(data_id.purpose),
         escape(data_id.meaning),
@@ -204,7 +204,7 @@ def _exchange_rows(interface: Interface) -> Rows:
 
 
 def _layout_link(layout: Layout | None) -> str:
-    return link(code(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
+    return link(code_span(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
 
 
 def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
@@ -267,7 +267,7 @@ def _register_section(device: Device, register: Register) -> Section:
 
 
 def _value_table(field: Field, is_only_field: bool) -> Section:
-    return {"field": code(field.name), "rows": list(layout_tables.value_rows(field)), "alone": is_only_field}
+    return {"field": code_span(field.name), "rows": list(layout_tables.value_rows(field)), "alone": is_only_field}
 
 
 def _procedure_section(device: Device, procedure: Procedure) -> Section:
@@ -288,7 +288,7 @@ def _connector_section(connector: Connector) -> Section:
         "connector": connector,
         "head": "Wire" if connector.kind == "cable" else "Pin",
         "rows": [
-            (escape(contact.contact), escape(contact.signal), code(contact.only)) for contact in connector.contacts
+            (escape(contact.contact), escape(contact.signal), code_span(contact.only)) for contact in connector.contacts
         ],
     }
 
@@ -299,7 +299,7 @@ def _register_row(register: Register) -> tuple[str, ...]:
     return (
         "" if register.bank is None else f"{register.bank}",
         addresses_text(register),
-        link(code(register.name), f"#register-{register.name}"),
+        link(code_span(register.name), f"#register-{register.name}"),
         say_register.describe_access(register),
         f"`{default_bytes.hex(' ').upper()}`" if default_bytes is not None else "",
         citation(register.source),
@@ -413,7 +413,7 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
         )
         for layout_name, own_range in own_ranges(device, interface.name):
             range_text = MARKDOWN.phrase(describe_position_range(own_range))
-            yield f"Position in {code(layout_name)}", range_text, citation(own_range.source)
+            yield f"Position in {code_span(layout_name)}", range_text, citation(own_range.source)
     for supply, codes in _codes_by_supply(device, variants).items():
         with_codes = f" ({order_codes(device, codes)})" if len(codes) < len(variants) else ""
         yield f"Supply{with_codes}", f"{volts(supply.min_mv)} to {volts(supply.max_mv)}", citation(supply.source)
@@ -436,7 +436,7 @@ def _name_rows(device: Device) -> Iterator[Row]:
         for language, name_in_language in named_part.names.items():
             if name_in_language != title_of(named_part):
                 yield (
-                    code(named_part.name),
+                    code_span(named_part.name),
                     escape(named_part.printed_name),
                     escape(language),
                     escape(name_in_language),

@@ -23,7 +23,7 @@ from ...model import (
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.errata import answer_names
-from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, table
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link, table
 from ...say.names_and_places import HasOtherNames, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.register import describe_value, rules
 from ...say.text import CodeText, Statement, join_groups, list_parts, make_statement, spec_text
@@ -74,7 +74,7 @@ def _shape_of(placed_layout: PlacedLayout) -> _Shape:
 
 def name_cell(named_part: HasOtherNames) -> str:
     """Return a name as code, with the name used in the manual below it."""
-    return join_filled([code(named_part.name), escape(named_part.printed_name)])
+    return join_filled([code_span(named_part.name), escape(named_part.printed_name)])
 
 
 def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
@@ -130,7 +130,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
 def _group_row(device: Device, layout: Layout, field_group: FieldGroup) -> tuple[str, ...]:
     """Return a row of group, its place, its number of bits, the names of its fields, and no source."""
     group_cell = join_filled(
-        [link(code(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
+        [link(code_span(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
     )
     field_names = [CodeText(field.name) for field in layout.fields if field.group == field_group.name]
     fields_sentence = MARKDOWN.sentence(make_statement(*list_parts(field_names), label="Fields"))
@@ -258,7 +258,7 @@ def group_places(
 def links_to_frames_with(interface: Interface, group: str) -> list[str]:
     """Return links to the frames that contain a group of fields."""
     layouts = [layout for layout in interface.layouts if _has_group(layout, group)]
-    return [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
+    return [link(code_span(layout.name), f"#layout-{layout.name}") for layout in layouts]
 
 
 def used_groups(interface: Interface) -> list[str]:
@@ -292,9 +292,9 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
         for field in moved_fields:
             placed_field = placed_layout.find_field(field.name)
             bits_cells.append(_bits_cell(placed_field, from_own_low=field.name in containers))
-        answer_cells = [code(answer.name) for answer in answers]
+        answer_cells = [code_span(answer.name) for answer in answers]
         table_rows.append([order_codes(device, placement.codes), *answer_cells, length_cell, *bits_cells])
-    question_heads = [link(code(question.name), f"#alternative-{question.name}") for question in questions]
+    question_heads = [link(code_span(question.name), f"#alternative-{question.name}") for question in questions]
     field_heads = [_field_head(field, containers) for field in moved_fields]
     return table(["Order codes", *question_heads, "Bits", *field_heads], table_rows)
 
@@ -327,7 +327,7 @@ def _bits_cell(placed_field: PlacedField | None, *, from_own_low: bool) -> str:
 
 
 def _field_head(field: Field, containers: Mapping[str, str]) -> str:
-    name = code(field.name)
+    name = code_span(field.name)
     return f"{name} in {containers[field.name]}" if field.name in containers else name
 
 

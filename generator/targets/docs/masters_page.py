@@ -20,7 +20,7 @@ from ...masters.text import (
 )
 from ...model import Device, Interface, first_of
 from ...say.evidence import grade_below_manual
-from ...say.markdown import code, escape, join_filled, link, link_list
+from ...say.markdown import code_span, escape, join_filled, link, link_list
 from ...say.text import Statement
 from .fact_tables import document_rows
 from .order_code_tables import order_codes
@@ -203,7 +203,7 @@ def _codes_label(groups: Sequence[CodesWithSameSettings]) -> str:
         return order_codes(device, next(iter(codes_by_answers.values())))
     labels = []
     for answers, codes in codes_by_answers.items():
-        with_answers = [f"with {code(f'{question_name}={answer}')}" for question_name, answer in answers]
+        with_answers = [f"with {code_span(f'{question_name}={answer}')}" for question_name, answer in answers]
         labels.append(" ".join([order_codes(device, codes), *with_answers]))
     return join_filled(labels)
 

@@ -33,7 +33,7 @@ from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
 from ...say.layout import describe_size
-from ...say.markdown import MARKDOWN, citation, code, escape, link
+from ...say.markdown import MARKDOWN, citation, code_span, escape, link
 from ...say.names_and_places import field_at, heading, hexadecimal, title_of
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import count_with_unit, with_unit
@@ -233,7 +233,7 @@ class OrderCodes:
         links = []
         for group in self.groups:
             if group.variants[0].interface == interface_name:
-                label = ", ".join(map(code, group.codes))
+                label = ", ".join(map(code_span, group.codes))
                 links.append(link(label, f"{self.device.name}/{group.name}.md"))
         return links
 
@@ -241,7 +241,7 @@ class OrderCodes:
         """Return the link to the page of each order code, from pages that reach it through ``folder``."""
         links: dict[str, str] = {}
         for group in self.groups:
-            links |= {order_code: link(code(order_code), f"{folder}{group.name}.md") for order_code in group.codes}
+            links |= {order_code: link(code_span(order_code), f"{folder}{group.name}.md") for order_code in group.codes}
         return links
 
 
@@ -263,7 +263,7 @@ def _position_text(device: Device, interface: Interface) -> str:
 
 
 def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
-    frame_name = f"in {code(name)}:" if frame_range.wraps else code(name)
+    frame_name = f"in {code_span(name)}:" if frame_range.wraps else code_span(name)
     return f"{frame_name} {MARKDOWN.phrase(describe_position_range(frame_range))}"
 
 
@@ -406,7 +406,7 @@ def _quantity_row(code_group: CodeGroup, parameter: Parameter, is_set_by_registe
     quantity = parameter_value(parameter, code_group.variants[0].parameters[parameter.name])
     meaning = escape(as_sentence(meaning_without_range(code_group.family, parameter)))
     origin = _origin_of_quantity(code_group.family, parameter, is_set_by_registers)
-    name_and_source = f"<small>{code(parameter.name)}</small> <small>{citation(parameter.source)}</small>"
+    name_and_source = f"<small>{code_span(parameter.name)}</small> <small>{citation(parameter.source)}</small>"
     return with_unit(quantity, escape(parameter.unit)), f"{meaning}{origin} {name_and_source}"
 
 

@@ -27,7 +27,7 @@ from ...order_codes.parameters import parameters_of, run_time_names, with_answer
 from ...plan.values import ActiveFlag, TwosComplement, meaning_of
 from ...plan.verdicts import judgement_in_family
 from ...say.layout import crc_inverted, crc_reflected
-from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link
 from ...say.names_and_places import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import count_with_unit, group_digits
@@ -41,12 +41,18 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of part, meaning, value, meaning of the value, source, then of other values that a part accepts."""
     parameters = {parameter.name: parameter for parameter in device.parameters}
     for part in device.order_code.parts:
-        name_cell, meaning_cell = code(part.name), escape(part.meaning)
+        name_cell, meaning_cell = code_span(part.name), escape(part.meaning)
         for value in part.values:
             assignments = [_assignment_text(parameters[name], number) for name, number in value.sets.items()]
             meaning_parts = [escape(value.meaning), ", ".join(assignments), _combinable_parts(value.only_with)]
             value_meaning_cell = join_filled(meaning_parts)
-            yield name_cell, meaning_cell, code(value.text), value_meaning_cell, citation(value.source or part.source)
+            yield (
+                name_cell,
+                meaning_cell,
+                code_span(value.text),
+                value_meaning_cell,
+                citation(value.source or part.source),
+            )
             # Only the first row of a part names it.
             name_cell, meaning_cell = "", ""
         for open_value in open_values(part):
@@ -56,17 +62,19 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
 
 def _assignment_text(parameter: Parameter, number: int) -> str:
     """Return a parameter with the value that a part of an order code, or an answer, sets."""
-    return f"{code(parameter.name)} = {parameter_value(parameter, number)}"
+    return f"{code_span(parameter.name)} = {parameter_value(parameter, number)}"
 
 
 def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of pattern, its use, texts that differ from the order code, source, for each other notation."""
     for spelling in device.order_code.also_written:
         differing_values = [value for value in spelling.values if value.text != value.value]
-        texts_of_values = "; ".join(f"{code(value.text)} is {code(value.value)}" for value in differing_values)
-        ignored_ending = f"{code(spelling.then)} may follow and has no meaning here" if spelling.then else ""
+        texts_of_values = "; ".join(
+            f"{code_span(value.text)} is {code_span(value.value)}" for value in differing_values
+        )
+        ignored_ending = f"{code_span(spelling.then)} may follow and has no meaning here" if spelling.then else ""
         yield (
-            code(spelling.pattern),
+            code_span(spelling.pattern),
             escape(spelling.where),
             join_filled([texts_of_values, ignored_ending]),
             citation(spelling.source),
@@ -77,7 +85,7 @@ def _combinable_parts(texts_by_part: Mapping[str, Sequence[str]]) -> str:
     """Return the parts of an order code with which a value can be combined."""
     conditions = []
     for part_name, texts in texts_by_part.items():
-        conditions.append(f"only with {code(part_name)} {', '.join(map(code, texts))}")
+        conditions.append(f"only with {code_span(part_name)} {', '.join(map(code_span, texts))}")
     return "; ".join(conditions)
 
 
@@ -85,7 +93,7 @@ def parameter_rows(device: Device, interface_name: str) -> Iterator[tuple[str, .
     """Yield the name, meaning, unit, formula and source of the quantities that an order code sets for an interface."""
     for parameter in _parameters_of_order_codes(device, interface_name):
         yield (
-            code(parameter.name),
+            code_span(parameter.name),
             escape(parameter.meaning),
             escape(parameter.unit),
             MARKDOWN.number(parameter.equals) if parameter.equals is not None else "",
@@ -110,7 +118,7 @@ def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ..
         if parameter.name in names_at_run_time:
             unit = f"unit: {escape(parameter.unit)}" if parameter.unit else ""
             yield (
-                code(parameter.name),
+                code_span(parameter.name),
                 join_filled([escape(parameter.meaning), unit]),
                 style_in_folder(device).paragraph(parameter_origin(device, parameter)),
                 _factory_default(device, parameter),
@@ -141,7 +149,7 @@ def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -
     for variant in device.variants_over(interface.name):
         quantities = [parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
         code_rows.append((links[variant.code], *quantities))
-    parameter_names = [code(parameter.name) for parameter in parameters]
+    parameter_names = [code_span(parameter.name) for parameter in parameters]
     return {"head": ["Order code", *parameter_names], "rows": code_rows}
 
 
@@ -158,13 +166,13 @@ def _alternative_section(device: Device, alternative: Alternative) -> dict[str, 
     frame_links = []
     for _, layout in device.layouts():
         if alternative in (*device.alternatives_of(layout), *device.verdict_alternatives(layout)):
-            frame_links.append(link(code(layout.name), f"#layout-{layout.name}"))
+            frame_links.append(link(code_span(layout.name), f"#layout-{layout.name}"))
     return {
         "alternative": alternative,
         "title": heading(alternative.name),
         "rows": [_answer_row(device, alternative, answer) for answer in alternative.answers],
         "frames": frame_links,
-        "members": list(map(code, alternative.answers[0].sets)),
+        "members": list(map(code_span, alternative.answers[0].sets)),
     }
 
 
@@ -177,7 +185,7 @@ def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tup
         if name in parameters:
             assignments.append(f"{_assignment_text(parameters[name], value)}: {escape(parameters[name].meaning)}")
     source = answer.source or alternative.source
-    return code(answer.name), escape(answer.meaning), join_filled(assignments), citation(source)
+    return code_span(answer.name), escape(answer.meaning), join_filled(assignments), citation(source)
 
 
 def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -191,14 +199,14 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
         interface_measurement = device.measurement_of(interface.name)
         if interface_measurement is not None:
             for layout_name, frame_range in own_ranges(device, interface.name):
-                position_in_frame = f"{code(interface_measurement.of)} in {code(layout_name)}"
+                position_in_frame = f"{code_span(interface_measurement.of)} in {code_span(layout_name)}"
                 range_text = MARKDOWN.phrase(describe_position_range(frame_range))
                 yield position_in_frame, range_text, citation(frame_range.source)
 
 
 def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[str, ...]:
     return (
-        code(position.of) + over_interface,
+        code_span(position.of) + over_interface,
         MARKDOWN.phrase(describe_measurement(position)),
         citation(position.source),
     )
@@ -215,7 +223,7 @@ PartTexts = tuple[str, ...]
 def order_codes(device: Device, codes: Sequence[str]) -> str:
     """Return fewer than ``_FEWEST_FOR_PATTERNS`` order codes one by one, and larger numbers of them as patterns."""
     are_few = len(codes) < _FEWEST_FOR_PATTERNS
-    return ", ".join(map(code, codes)) if are_few else join_filled(code_patterns(device, codes))
+    return ", ".join(map(code_span, codes)) if are_few else join_filled(code_patterns(device, codes))
 
 
 def code_patterns(device: Device, codes: Collection[str]) -> list[str]:
@@ -247,7 +255,7 @@ def _code_pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_par
         text_or_letter_by_part[part_name] = letter
         choice = f"{', '.join(texts[:-1])} or {texts[-1]}"
         letter_meanings.append(f"{letter} = {choice}")
-    pattern = code(fill_pattern(order_code.pattern, text_or_letter_by_part))
+    pattern = code_span(fill_pattern(order_code.pattern, text_or_letter_by_part))
     return f"{pattern} with {', '.join(letter_meanings)}" if letter_meanings else pattern
 
 
@@ -314,7 +322,7 @@ def open_questions(device: Device, layout: Layout) -> Iterator[str]:
     """Yield a sentence for each open question whose answer is needed to read a frame, with a link to it."""
     for alternative in device.alternatives_of(layout):
         question = link("open question", f"#alternative-{alternative.name}")
-        answers = " and ".join(code(answer.name) for answer in alternative.answers)
+        answers = " and ".join(code_span(answer.name) for answer in alternative.answers)
         yield f"This frame depends on an {question} with the answers {answers}."
 
 
@@ -345,7 +353,7 @@ def _parity_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
         covered_fields = covered_by_parity_bit(placed_field.field)
         if covered_fields is not None:
             place = place_of_field(placed_field, placed_layout)
-            yield "Parity", f"{code(placed_field.name)} ({place}). {MARKDOWN.phrase(covered_fields)}"
+            yield "Parity", f"{code_span(placed_field.name)} ({place}). {MARKDOWN.phrase(covered_fields)}"
 
 
 def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
@@ -356,7 +364,7 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
     layout = placed_layout.layout
     flags_by_label: dict[str, list[tuple[str, str]]] = {}
     for placed_field in placed_layout.fields:
-        flag = (code(placed_field.name), place_of_field(placed_field, placed_layout))
+        flag = (code_span(placed_field.name), place_of_field(placed_field, placed_layout))
         # The active level of a flag, or what differs from the manual: ``0`` or ``1`` for a single unused bit.
         level = deciding_bits(placed_field.field)
         if isinstance(meaning_of(placed_field.field), ActiveFlag):
@@ -381,14 +389,14 @@ def _verdict_facts(
             variant_with_answer = with_answers(family_device, variant, {alternative.name: answer.name})
             changed_verdicts = changed_verdicts_of(judgement, variant, variant_with_answer)
             if changed_verdicts:
-                with_answer = link(f"With {code(answer.name)}", f"#alternative-{alternative.name}")
+                with_answer = link(f"With {code_span(answer.name)}", f"#alternative-{alternative.name}")
                 yield with_answer, "; ".join(changed_verdicts)
 
 
 def _range_of_signed_number(family_device: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return a signed field with its range, such as ``position, in two's complement, -512 to 511``."""
     lowest, highest = family_device.signed_range(placed_field, placed_layout)
-    return f"{code(placed_field.name)}, in two's complement, {group_digits(lowest)} to {group_digits(highest)}"
+    return f"{code_span(placed_field.name)}, in two's complement, {group_digits(lowest)} to {group_digits(highest)}"
 
 
 def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:

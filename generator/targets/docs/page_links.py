@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ...model import Alarm, Device, Erratum, Interface, Layout, Procedure, Register
-from ...say.markdown import MARKDOWN, code, escape, link, reference
+from ...say.markdown import MARKDOWN, code_span, escape, link, reference
 from ...say.names_and_places import heading
 from ...say.text import Reference, Style
 
@@ -120,7 +120,7 @@ def style_in_folder(device: Device) -> Style:
     def reference_text(ref: Reference) -> str:
         for register in device.registers:
             if ref.anchor == f"register-{register.name}":
-                return link(code(ref.name), f"{page_in_folder(register.interface, 'registers')}#{ref.anchor}")
+                return link(code_span(ref.name), f"{page_in_folder(register.interface, 'registers')}#{ref.anchor}")
         return reference(ref)
 
     return replace(MARKDOWN, ref=reference_text)

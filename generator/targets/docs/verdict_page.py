@@ -18,7 +18,7 @@ from ...plan.verdicts import (
     verdict_of,
 )
 from ...say.evidence import document
-from ...say.markdown import MARKDOWN, citation, code, escape, join_filled, link, link_list
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link, link_list
 from ...say.names_and_places import own_names
 from ...say.report import alarm_of, alarm_source, conditions_text, deciding_bits, manual_steps, meaning, remedy_text
 from ...say.text import CodeText, list_parts, make_statement
@@ -162,7 +162,7 @@ def _condition_text(device: Device, parameter_condition: CodeCondition) -> str:
     for alternative in device.optional_alternatives:
         if alternative.parameter == parameter_condition.parameter:
             return _answer_text(device, alternative, parameter_condition)
-    return f"with {code(parameter_condition.codes)}" if parameter_condition.holds else "with all others"
+    return f"with {code_span(parameter_condition.codes)}" if parameter_condition.holds else "with all others"
 
 
 def _answer_text(device: Device, question: Alternative, parameter_condition: CodeCondition) -> str:
@@ -170,7 +170,7 @@ def _answer_text(device: Device, question: Alternative, parameter_condition: Cod
 
     The link leads to the page of the first interface with a frame whose verdict depends on it.
     """
-    answer_codes = [code(answer.name) for answer in question.answers if parameter_condition.contains(answer.sets)]
+    answer_codes = [code_span(answer.name) for answer in question.answers if parameter_condition.contains(answer.sets)]
     answer_names = " or ".join(answer_codes)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
@@ -208,14 +208,14 @@ def _frame_rows(device: Device, reporting_by_frame: Mapping[str, ReportsAndVerdi
             report_names = tuple(cause.report.name for cause in causes)
             layouts_by_reports.setdefault((interface.title, report_names), []).append(layout)
     for (interface_title, report_names), layouts in layouts_by_reports.items():
-        yield interface_title, _layout_links(device, layouts), ", ".join(map(code, report_names)) or "nothing"
+        yield interface_title, _layout_links(device, layouts), ", ".join(map(code_span, report_names)) or "nothing"
 
 
 def _report_rows(device: Device) -> Iterator[Row]:
     """Yield rows of report, meaning, remedy, source."""
     for report in reports_of(device):
         alarm = alarm_of(device, report.field)
-        name_cell = join_filled([code(report.name), escape(own_names(report.field))])
+        name_cell = join_filled([code_span(report.name), escape(own_names(report.field))])
         steps = links_to_steps(f"{device.name}/", manual_steps(report.field, alarm))
         remedy_and_steps = join_filled([escape(remedy_text(report.field, alarm)), *steps])
         remedy = remedy_and_steps or _clearing_procedures(device, alarm) or f"The {document(device)} gives no remedy"
@@ -234,7 +234,7 @@ def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
 
 
 def _name_cell(field: Field) -> str:
-    return join_filled([code(field.name), escape(own_names(field))])
+    return join_filled([code_span(field.name), escape(own_names(field))])
 
 
 def _source_cell(device: Device, field: Field) -> str:
@@ -242,7 +242,7 @@ def _source_cell(device: Device, field: Field) -> str:
 
 
 def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:
-    return ", ".join(link_to_layout(device, layout, code(layout.name)) for layout in layouts)
+    return ", ".join(link_to_layout(device, layout, code_span(layout.name)) for layout in layouts)
 
 
 def _errata_links(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:

@@ -8,7 +8,7 @@ from ...model import Device, Field, Layout, PlacedField, PlacedLayout, Variant, 
 from ...plan.values import ActiveFlag, meaning_of
 from ...plan.verdicts import MatchingValues, VerdictCause, VerdictRules, judgement_in_family
 from ...say.layout import is_reserved
-from ...say.markdown import MARKDOWN, code, escape, join_filled, link
+from ...say.markdown import MARKDOWN, code_span, escape, join_filled, link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.report import alarm_of, conditions_text, deciding_bits, manual_steps, remedy_text
 from ...say.text import VERDICT_CLAUSES, as_sentence, make_statement
@@ -121,11 +121,11 @@ def _remedy_cell(device: Device, field: Field) -> str:
 def _names_of_field(field: Field) -> str:
     """Return the name of a field in words, its printed name if that differs, and its name in programs."""
     if is_reserved(field):
-        return f"Reserved <small>{code(field.name)}</small>"
+        return f"Reserved <small>{code_span(field.name)}</small>"
     words = heading(field.name)
     is_printed_alike = field.printed_name.lower() in {"", words.lower()}
     printed_name = "" if is_printed_alike else f"{escape(field.printed_name)} "
-    return f"{escape(words)} <small>{printed_name}{code(field.name)}</small>"
+    return f"{escape(words)} <small>{printed_name}{code_span(field.name)}</small>"
 
 
 def _row_of_match(placed_layout: PlacedLayout, match: MatchingValues, effect: str) -> Row:
@@ -153,7 +153,7 @@ def _while_inactive(cause: VerdictCause) -> str:
 
 def _while_flags_are_inactive(cause: VerdictCause) -> str:
     """Return the flags that a cause combines as a clause: ``while `error` and `fault` are inactive``."""
-    flags = " and ".join(code(part.field.name) for part in cause.unless)
+    flags = " and ".join(code_span(part.field.name) for part in cause.unless)
     verb = "is" if len(cause.unless) == 1 else "are"
     return f"while {flags} {verb} inactive"
 
@@ -220,7 +220,7 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
 
 def _cause_text(cause: VerdictCause) -> str:
     """Return a flag, with the flags that must be inactive if it combines them."""
-    flag_name = code(cause.by.field.name)
+    flag_name = code_span(cause.by.field.name)
     if not cause.unless:
         return flag_name
     return f"{flag_name} ({_while_flags_are_inactive(cause)})"

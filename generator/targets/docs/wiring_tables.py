@@ -24,7 +24,7 @@ from ...model import (
 from ...model.order_codes import fits
 from ...model.record import dataclass
 from ...say.evidence import Topic, document, mentions
-from ...say.markdown import MARKDOWN, anchor, citation, code, escape, link
+from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, link
 from ...say.order_code import bounds_with_codes, clock_words, describe_settings
 from ...say.plain_text import count_with_unit
 from ...say.text import PLAIN_STYLE, as_sentence, hertz, list_parts, make_statement, nanoseconds, timeout_words, volts
@@ -218,7 +218,7 @@ def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
             codes_by_supply.setdefault(_supply_text(variant_supply), []).append(variant.code)
     if len(codes_by_supply) == 1:
         return list(codes_by_supply)
-    return [f"{supply} with {', '.join(map(code, codes))}" for supply, codes in codes_by_supply.items()]
+    return [f"{supply} with {', '.join(map(code_span, codes))}" for supply, codes in codes_by_supply.items()]
 
 
 def _supply_text(supply: Supply) -> str:
