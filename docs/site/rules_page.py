@@ -13,7 +13,7 @@ from pathlib import Path
 
 from codewheel.changes.rules import OUTPUTS, RULES, TITLES, ChangeRule, Impact
 from codewheel.language.problems import listed
-from codewheel.say.markdown import code_span, escape, link, table
+from codewheel.say.markdown import code_span, escape, markdown_link, table
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER, DATA = ROOT / "docs/transcribe", ROOT / "generator" / "language" / "rules.json"
@@ -80,10 +80,10 @@ def rules_pages() -> dict[str, str]:
     for first, last in _LETTERS:
         page, title = f"rules-{first}-to-{last}.md", f"Rules of check: {first.upper()} to {last.upper()}"
         rules = [rule for rule in shown_examples if first <= rule[0] <= last]
-        links = ", ".join(link(code_span(rule), f"{page}#{rule}") for rule in rules)
-        list_items.append(f"- {link(title, page)}: {links}")
+        links = ", ".join(markdown_link(code_span(rule), f"{page}#{rule}") for rule in rules)
+        list_items.append(f"- {markdown_link(title, page)}: {links}")
         sections = [_example_section(shown_examples[rule]) for rule in rules]
-        pages[page] = [f"# {title}", f"The {link('list of rules', 'rules.md')} explains this page.", *sections]
+        pages[page] = [f"# {title}", f"The {markdown_link('list of rules', 'rules.md')} explains this page.", *sections]
     pages["rules.md"] = ["# Rules", _INTRODUCTION, "\n".join(list_items)]
     pages["rules-of-diff.md"] = ["# Rules of diff", _INTRODUCTION_OF_DIFF, *_diff_rules()]
     return {page: "\n\n".join([_MADE_FROM, *parts]) + "\n" for page, parts in pages.items()}

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..say.markdown import anchor, code_span, escape, link, paragraph, table
+from ..say.markdown import anchor, code_span, escape, markdown_link, paragraph, table
 from .problems import listed
 from .schema_files import NO_FACTS, ONLY_SECOND, PROSE, load_schema
 
@@ -125,9 +125,9 @@ def _list_of_pages(names: Iterable[str]) -> str:
     """Return a list of links to the other pages, with the definitions that each describes."""
     list_items = []
     for page, (title, own_names) in _PAGES.items():
-        keys = ", ".join(link(code_span(name), f"{page}#{name}") for name in names if name in own_names)
-        list_items.append(f"- {link(title, page)}: {keys}")
-    list_items.append(f"- {link(_OTHER_FILES_TITLE, _OTHER_FILES)}")
+        keys = ", ".join(markdown_link(code_span(name), f"{page}#{name}") for name in names if name in own_names)
+        list_items.append(f"- {markdown_link(title, page)}: {keys}")
+    list_items.append(f"- {markdown_link(_OTHER_FILES_TITLE, _OTHER_FILES)}")
     introduction = "This page describes the device file as a whole, its manual and its order codes. The others:"
     return "\n".join([introduction, "", *list_items])
 
@@ -242,7 +242,7 @@ def _describe_type(shape: Shape, plural: bool = False) -> str:
     """Return the type of a value in words, in the plural for items of a list. A definition is a link to its section."""
     reference = _definition_name(shape)
     if reference:
-        return link(code_span(reference), f"{_PAGE_OF.get(reference, FIRST_PAGE)}#{reference}")
+        return markdown_link(code_span(reference), f"{_PAGE_OF.get(reference, FIRST_PAGE)}#{reference}")
     if "const" in shape:
         return code_span(json.dumps(shape["const"]))
     if "enum" in shape:

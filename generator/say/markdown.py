@@ -92,7 +92,7 @@ def escape_html(value: object) -> str:
     return escape_xml(text_on_one_line(value)).translate(_ENTITIES)
 
 
-def link(label: str, target: str) -> str:
+def markdown_link(label: str, target: str) -> str:
     """Return a link whose ``label`` is already Markdown."""
     return f"[{label}]({target})"
 
@@ -133,8 +133,8 @@ def join_filled(parts: Iterable[str], between: str = "<br>") -> str:
 def reference(ref: Reference) -> str:
     """Return a name with a link to its description. Manual steps are on the hardware page."""
     if ref.kind == "by-hand":
-        return link(escape(ref.title), f"hardware.md#{ref.anchor}")
-    return link(code_span(ref.name), f"#{ref.anchor}")
+        return markdown_link(escape(ref.title), f"hardware.md#{ref.anchor}")
+    return markdown_link(code_span(ref.name), f"#{ref.anchor}")
 
 
 #: Style of statements on a Markdown page.

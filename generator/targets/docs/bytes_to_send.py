@@ -32,7 +32,7 @@ from ...plan.values import TwosComplement, UnsignedNumber, meaning_of
 from ...say.commands import Commands, commands_over
 from ...say.evidence import document
 from ...say.layout import name_as_words
-from ...say.markdown import code_span, escape, join_filled, link
+from ...say.markdown import code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import addresses_text, bits, title_of
 from ...say.order_code import PURPOSES, word_lengths
 from ...say.text import count_with_unit, time_text
@@ -68,7 +68,8 @@ def sending_section(
     )
     facts = list(introduction)
     input_links = [
-        link(escape(title_of(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs
+        markdown_link(escape(title_of(hardware_input)), f"#input-{hardware_input.name}")
+        for hardware_input in device.inputs
     ]
     if input_links:
         facts.append(f"Inputs: {', '.join(input_links)}.")
@@ -149,7 +150,7 @@ def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[st
 
 
 def _register_link(register: Register) -> str:
-    return link(f"{addresses_text(register)} {escape(title_of(register))}", f"#register-{register.name}")
+    return markdown_link(f"{addresses_text(register)} {escape(title_of(register))}", f"#register-{register.name}")
 
 
 def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -> Iterator[str]:
@@ -196,7 +197,7 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
     return (
         f"Another position: write position{shift} as {count_with_unit(register.length, 'byte')}, {order}, to "
-        f"{link(addresses_text(register), f'#register-{register.name}')}. For {example_position:,}: {code_span(example_bytes)}."
+        f"{markdown_link(addresses_text(register), f'#register-{register.name}')}. For {example_position:,}: {code_span(example_bytes)}."
     )
 
 
@@ -215,7 +216,7 @@ def _exchange_row(exchange: RequestAndReply) -> Row:
     Without a purpose, it is the first sentence of the note on the request. The size of words that have one follows.
     """
     layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
-    frame_links = [link(code_span(layout.name), f"#layout-{layout.name}") for layout in layouts]
+    frame_links = [markdown_link(code_span(layout.name), f"#layout-{layout.name}") for layout in layouts]
     first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")
     description = PURPOSES[exchange.exchange.purpose] or escape(first_sentence_of_note)
     word_bits = exchange.exchange.word_bits
@@ -238,7 +239,7 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
     sent_bytes = ", ".join([code_span(f"{data_id.control:02X}"), *part_names])
     reply_link = ""
     if reply is not None:
-        reply_link = f" → {link(count_with_unit(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
+        reply_link = f" → {markdown_link(count_with_unit(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
     procedures = _procedures_sending_only(device, data_id)
     repetitions = (_repetition_text(procedure) for procedure in procedures)
     description = join_filled([escape(data_id.meaning or data_id.purpose), *repetitions], ". ")
@@ -275,7 +276,7 @@ def _repetition_text(procedure: Procedure) -> str:
     """Return how often a procedure repeats its only request, such as ``Send it 10 times, at least 40 µs apart``."""
     send_step = next(step for step in procedure.steps if isinstance(step, SendStep))
     waits = [f"wait {time_text(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
-    times = link(f"{send_step.times} times", f"#procedure-{procedure.name}")
+    times = markdown_link(f"{send_step.times} times", f"#procedure-{procedure.name}")
     interval = f"at least {time_text(send_step.microseconds)} apart" if send_step.microseconds else ""
     return "Send it " + join_filled([times, interval, *waits], ", ")
 
@@ -303,7 +304,7 @@ def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str
         bit_changes = [step for step in procedure.steps if isinstance(step, ModifyStep)]
         changed_fields = [f"registers.{step.register}.{step.field}" for step in bit_changes]
         errata_links = errata_at(exactly=changed_fields) if changed_fields else ""
-        task = link(escape(procedure.title), f"#procedure-{procedure.name}")
+        task = markdown_link(escape(procedure.title), f"#procedure-{procedure.name}")
         yield task, join_filled([bytes_to_write, errata_links], ". ")
 
 

@@ -13,7 +13,7 @@ from ...order_codes.reduction import for_interface
 from ...say import register as say_register
 from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses_text, name_in_words, title_of
 from ...say.order_code import describe_settings, parameter_value
 from ...say.text import volts
@@ -83,7 +83,7 @@ def _grouped_by_interface(rows: Iterable[Row]) -> list[Row]:
 
 
 def _family_link(device: Device) -> str:
-    return link(escape(device.name.upper()), f"{device.name}.md")
+    return markdown_link(escape(device.name.upper()), f"{device.name}.md")
 
 
 def _label_row(device: Device) -> Row:
@@ -346,7 +346,9 @@ def _links_to_term(term: GlossaryTerm, pages: Sequence[_InterfacePage]) -> str:
         anchor = _anchor_of_term(term, page)
         if anchor:
             page_title = f"{page.device.name.upper()} {page.interface.short}"
-            page_links.append(link(escape(page_title), path_to_anchor(page.device, page.interface.name, anchor)))
+            page_links.append(
+                markdown_link(escape(page_title), path_to_anchor(page.device, page.interface.name, anchor))
+            )
     return ", ".join(page_links)
 
 

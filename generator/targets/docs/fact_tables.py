@@ -33,7 +33,7 @@ from ...say import register as say_register
 from ...say.commands import describe_step, read_back
 from ...say.errata import changed, errata
 from ...say.layout import crc_sent
-from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, join_filled, link
+from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
 from ...say.plain_text import count_with_unit, group_digits, quantity_text
@@ -131,7 +131,7 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
     listed_errata = {erratum.name for erratum in errata(device, f"examples.{example.name}", wording=True)}
     if example.erratum and example.erratum not in listed_errata:
         titles = {erratum.name: erratum.title for erratum in device.errata}
-        yield "Erratum", link(escape(titles[example.erratum]), f"{ERRATA}#erratum-{example.erratum}")
+        yield "Erratum", markdown_link(escape(titles[example.erratum]), f"{ERRATA}#erratum-{example.erratum}")
     if example.note:
         yield "Note", escape(example.note)
     yield "Source", citation(example.source)
@@ -142,11 +142,11 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
     match example:
         case FrameExample():
             if example.layout:
-                yield "Frame", link(code_span(example.layout), f"#layout-{example.layout}")
+                yield "Frame", markdown_link(code_span(example.layout), f"#layout-{example.layout}")
             yield "Order code", code_span(example.order_code)
             yield "Sent by", f"the {example.sender}"
             for name, answer in example.alternatives.items():
-                yield "Alternative", f"{link(code_span(name), f'#alternative-{name}')} = {code_span(answer)}"
+                yield "Alternative", f"{markdown_link(code_span(name), f'#alternative-{name}')} = {code_span(answer)}"
             yield _bytes_fact(example.bytes)
             yield "Bits", code_span(example.bits)
             layouts = [layout for _, layout in device.layouts() if layout.name == example.layout]
@@ -154,16 +154,16 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
             if example.refused:
                 yield "Rejected", f"because of its {escape(example.refused)}"
         case RegisterExample():
-            yield "Register", link(code_span(example.register), f"#register-{example.register}")
+            yield "Register", markdown_link(code_span(example.register), f"#register-{example.register}")
             yield "Order code", code_span(example.order_code)
             yield _bytes_fact(example.bytes)
             yield _values_fact(example.values, [device.register(example.register).layout])
         case CrcExample():
-            yield "CRC", link(code_span(example.crc), f"#crc-{example.crc}")
+            yield "CRC", markdown_link(code_span(example.crc), f"#crc-{example.crc}")
             yield _bytes_fact(example.bytes)
             yield "Check value", f"`{hexadecimal(example.check)}`"
         case ProcedureExample():
-            yield "Procedure", link(code_span(example.procedure), f"#procedure-{example.procedure}")
+            yield "Procedure", markdown_link(code_span(example.procedure), f"#procedure-{example.procedure}")
             yield "Order code", code_span(example.order_code)
             for name, value in example.arguments.items():
                 # A single digit is the same in both notations.
@@ -238,7 +238,7 @@ def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
         value_phrases = [
             MARKDOWN.phrase(describe_value(named_value, control_field.bits)) for named_value in control_field.values
         ]
-        crc_link = link(code_span(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
+        crc_link = markdown_link(code_span(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
         yield (
             name_cell(control_field),
             f"{control_field.bits}",
@@ -274,7 +274,7 @@ def _place_cell(device: Device, layout: Layout, field: Field) -> str:
 
 def _group_cell(layout: Layout, field_group: FieldGroup) -> str:
     """Return a link to the table of a group, and the names of its fields."""
-    group_link = link(escape(heading(field_group.name)), f"#group-{field_group.name}")
+    group_link = markdown_link(escape(heading(field_group.name)), f"#group-{field_group.name}")
     field_names = ", ".join(code_span(field.name) for field in layout.fields if field.group == field_group.name)
     return f"{group_link} <small>{code_span(field_group.name)}</small>: {field_names}"
 
@@ -311,7 +311,7 @@ def register_rows(device: Device) -> Iterator[Row]:
     for register in device.registers:
         default_bytes = register.default_bytes()
         default = f", default {code_span(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
-        register_link = link(escape(title_of(register)), f"#register-{register.name}")
+        register_link = markdown_link(escape(title_of(register)), f"#register-{register.name}")
         bank = "" if register.bank is None else f"{register.bank}"
         about = f"{register_link} <small>{code_span(register.name)}</small> {say_register.describe_access(register)}{default}"
         yield bank, addresses_text(register), about
@@ -346,7 +346,7 @@ def led_rows(device: Device) -> Iterator[Row]:
     for led in device.leds:
         yield f"**{escape(led.title)}**", f"<small>{citation(led.source)}</small>"
         for state in led.states:
-            step_links = (link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
+            step_links = (markdown_link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
             order_codes = [f"Only with {code_span(state.only)}."] if state.only else []
             yield (
                 escape(state.state),

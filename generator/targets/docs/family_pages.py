@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Clocked, Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
 from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, edition_test, grade, origin, other_editions
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link, link_list
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
 from ...say.order_code import describe_settings
 from ...say.plain_text import count_with_unit
 from ...say.text import Statement, language_name
@@ -147,7 +147,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     number_of_clocks_or_ports = len(interface.clocks) if isinstance(interface, Clocked) else 1
     first_settings = list(describe_settings(device, interface))[:number_of_clocks_or_ports]
     return (
-        link(interface.title, page_links.interface_page_path(device, interface)),
+        markdown_link(interface.title, page_links.interface_page_path(device, interface)),
         order_codes(device, codes),
         "; ".join(map(MARKDOWN.phrase, first_settings)),
         ", ".join(_subject_links(device, interface)),
@@ -157,7 +157,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
 def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
     """Yield a link to each further page of an interface, such as the page of its registers."""
     for subject in subjects(device, interface.name):
-        yield link(subject, f"{device.name}/{page_links.page_in_folder(interface.name, subject)}")
+        yield markdown_link(subject, f"{device.name}/{page_links.page_in_folder(interface.name, subject)}")
 
 
 def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]]]:
@@ -178,7 +178,7 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
     frame_links = list(_position_frame_links(device))
     if frame_links:
         yield "Read the position", ", ".join(frame_links)
-    yield "Check whether the position is usable", link("usable or not", verdict_page.file_name(device))
+    yield "Check whether the position is usable", markdown_link("usable or not", verdict_page.file_name(device))
     for section, task in _TASKS_BY_SECTION.items():
         section_links = list(_section_links(device, section))
         if section_links:
@@ -187,9 +187,12 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield escape(procedure.title), page_links.link_to_procedure(device, procedure)
     for manual_procedure in manual_procedures(device):
         anchor_of_steps = f"by-hand-{manual_procedure.characteristic.name}"
-        yield escape(manual_procedure.title), link("by hand", f"{device.name}/hardware.md#{anchor_of_steps}")
+        yield escape(manual_procedure.title), markdown_link("by hand", f"{device.name}/hardware.md#{anchor_of_steps}")
     if device.characteristics:
-        yield "Mount it, look up its limits", link("mounting and characteristics", f"{device.name}/hardware.md")
+        yield (
+            "Mount it, look up its limits",
+            markdown_link("mounting and characteristics", f"{device.name}/hardware.md"),
+        )
     master_links = masters_page.page_links(device)
     if master_links:
         yield "Set up a BiSS or SSI master", "master settings: " + ", ".join(master_links)
@@ -218,7 +221,7 @@ def _section_links(device: Device, section: str) -> Iterator[str]:
         page_device = for_interface(device, interface.name)
         contents_by_section = {"wiring": page_device.connectors, "leds": page_device.leds, "alarms": page_device.alarms}
         if contents_by_section[section]:
-            yield link(interface.title, page_links.path_to_anchor(device, interface.name, section))
+            yield markdown_link(interface.title, page_links.path_to_anchor(device, interface.name, section))
 
 
 def hardware_values(device: Device) -> HardwarePage:
@@ -238,7 +241,7 @@ def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -
     for characteristic in device.characteristics:
         name = characteristic.name
         has_steps = name in names_with_steps
-        value_cell = link("step by step", f"#by-hand-{name}") if has_steps else escape(characteristic.value)
+        value_cell = markdown_link("step by step", f"#by-hand-{name}") if has_steps else escape(characteristic.value)
         value_and_errata = join_filled([value_cell, errata_at.links_in_cell(f"characteristics.{name}")])
         yield code_span(name), value_and_errata, code_span(characteristic.only), citation(characteristic.source)
 
@@ -288,7 +291,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
             "Other edition",
             join_filled([*language_and_title, f"revision {escape(edition.revision)}", edition.date], ", "),
         )
-    yield "Version", f"{escape(device.manufacturer.version)}, {link('changes', f'../{file_name(device)}')}"
+    yield "Version", f"{escape(device.manufacturer.version)}, {markdown_link('changes', f'../{file_name(device)}')}"
 
 
 def _second_reading_text(counts: TimesRead | None) -> str:
@@ -330,7 +333,7 @@ def _edition_errata(device: Device, edition_name: str) -> str:
     """Return links to the differences in an edition, named ``1.4`` or ``before 1.4``."""
     differences = [erratum for erratum in device.errata if erratum.edition == edition_name]
     errata_links = [
-        link(escape(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences
+        markdown_link(escape(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences
     ]
     return link_list(errata_links)
 

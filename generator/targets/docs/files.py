@@ -10,7 +10,7 @@ from ...masters.sheet import Master, shipped_masters
 from ...model import Device
 from ...render import Templates, our_templates
 from ...say import markdown
-from ...say.markdown import escape, link
+from ...say.markdown import escape, markdown_link
 from ...say.names_and_places import addresses_text, heading, title_of
 from ...say.text import as_sentence, count_with_unit
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
@@ -198,7 +198,9 @@ def _order_code_sections(family_codes: order_code_page.OrderCodes) -> Iterator[S
             yield {
                 "pages": family_codes.page_links(interface.name),
                 "counted": f"All {count}" if len(interface_codes) > 1 else "The order code",
-                "interface": link(f"{device.name.upper()}, {interface.title}", f"{device.name}/{interface.name}.md"),
+                "interface": markdown_link(
+                    f"{device.name.upper()}, {interface.title}", f"{device.name}/{interface.name}.md"
+                ),
                 "links": [family_codes.links[order_code] for order_code in interface_codes],
             }
 
@@ -216,9 +218,11 @@ def _index_values(library: Library, order_codes: list[Section]) -> Index:
 def _index_row(device: Device) -> tuple[str, ...]:
     """Return a row of family, manufacturer, interfaces, number of order codes, masters, manual, evidence."""
     folder = device.name
-    interface_links = [link(interface.title, f"{folder}/{interface.name}.md") for interface in device.interfaces]
+    interface_links = [
+        markdown_link(interface.title, f"{folder}/{interface.name}.md") for interface in device.interfaces
+    ]
     return (
-        link(escape(device.title), f"{folder}.md"),
+        markdown_link(escape(device.title), f"{folder}.md"),
         escape(device.manufacturer.title),
         ", ".join(interface_links),
         f"{len(device.variants)}",

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Device, Erratum
 from ...say.errata import describe_erratum as erratum_statement
 from ...say.errata import errata
-from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, escape_html, link, link_list
+from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, escape_html, link_list, markdown_link
 from ...say.text import as_sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
@@ -71,12 +71,12 @@ class ErrataLines:
         return link_list(links)
 
     def _link_to_erratum(self, erratum: Erratum, label: str) -> str:
-        return link(label, f"{self._page}#erratum-{erratum.name}")
+        return markdown_link(label, f"{self._page}#erratum-{erratum.name}")
 
     def _erratum_line(self, erratum: Erratum) -> str:
         """Return an erratum as an item of a list: its text at the first mention on the page, then a link to that."""
         if erratum.name in self._names_on_page:
-            first_mention = link(escape(erratum.title), f"#erratum-{erratum.name}")
+            first_mention = markdown_link(escape(erratum.title), f"#erratum-{erratum.name}")
             return f"- {status_badge(erratum)} {first_mention}, see above"
         self._names_on_page.add(erratum.name)
         return f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, self._page)}"
@@ -114,7 +114,7 @@ class ErrataLinks:
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
         if len(linked_errata) == 1:
             (erratum,) = linked_errata
-            title_link = link(escape(erratum.title), f"#erratum-{erratum.name}")
+            title_link = markdown_link(escape(erratum.title), f"#erratum-{erratum.name}")
             return f"{_MARKS[erratum.status]} {erratum.status}: {title_link}"
         counts = []
         links = []
@@ -159,8 +159,8 @@ def _html_link(erratum: Erratum) -> str:
 def _numbered_links(label: str, pages: Sequence[str]) -> str:
     """Return links to several pages: the first with the label, the others with their numbers."""
     first_page, *further_pages = pages
-    first_link = link(escape(label), first_page)
-    numbered_links = [link(f"{number}", page) for number, page in enumerate(further_pages, 2)]
+    first_link = markdown_link(escape(label), first_page)
+    numbered_links = [markdown_link(f"{number}", page) for number, page in enumerate(further_pages, 2)]
     return ", ".join([first_link, *numbered_links])
 
 
@@ -191,7 +191,9 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
     A change by an overlay comes with its reason and source, because the user of a special model needs them.
     """
     name = listed_erratum.name
-    title_link = f"{status_badge(listed_erratum)} {link(escape(listed_erratum.title), f'{page}#erratum-{name}')}"
+    title_link = (
+        f"{status_badge(listed_erratum)} {markdown_link(escape(listed_erratum.title), f'{page}#erratum-{name}')}"
+    )
     if listed_erratum.overlay:
         reasons = map(MARKDOWN.sentence, erratum_statement(listed_erratum).below)
         return " ".join([f"{title_link} {MARKDOWN.cited(listed_erratum.source)}:", *reasons])
@@ -291,6 +293,6 @@ def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tu
                 if _has_status_and_severity(erratum, status, severity):
                     yield (
                         escape(fact_tables.severity_text(severity)),
-                        link(escape(device.name.upper()), f"{device.name}.md"),
+                        markdown_link(escape(device.name.upper()), f"{device.name}.md"),
                         link_to_erratum(device, erratum),
                     )

@@ -36,7 +36,7 @@ from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import HasOtherNames, addresses_text, name_in_words, title_of
 from ...say.order_code import PURPOSES, initial
 from ...say.register import describe_measurement, describe_position_range, own_ranges
@@ -204,7 +204,7 @@ def _exchange_rows(interface: Interface) -> Rows:
 
 
 def _layout_link(layout: Layout | None) -> str:
-    return link(code_span(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
+    return markdown_link(code_span(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
 
 
 def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
@@ -299,7 +299,7 @@ def _register_row(register: Register) -> tuple[str, ...]:
     return (
         "" if register.bank is None else f"{register.bank}",
         addresses_text(register),
-        link(code_span(register.name), f"#register-{register.name}"),
+        markdown_link(code_span(register.name), f"#register-{register.name}"),
         say_register.describe_access(register),
         f"`{default_bytes.hex(' ').upper()}`" if default_bytes is not None else "",
         citation(register.source),

@@ -23,7 +23,7 @@ from ...model import (
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.errata import answer_names
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link, table
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link, table
 from ...say.names_and_places import HasOtherNames, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.register import describe_value, rules
 from ...say.text import CodeText, Statement, join_groups, list_parts, make_statement, spec_text
@@ -130,7 +130,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
 def _group_row(device: Device, layout: Layout, field_group: FieldGroup) -> tuple[str, ...]:
     """Return a row of group, its place, its number of bits, the names of its fields, and no source."""
     group_cell = join_filled(
-        [link(code_span(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
+        [markdown_link(code_span(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
     )
     field_names = [CodeText(field.name) for field in layout.fields if field.group == field_group.name]
     fields_sentence = MARKDOWN.sentence(make_statement(*list_parts(field_names), label="Fields"))
@@ -258,7 +258,7 @@ def group_places(
 def links_to_frames_with(interface: Interface, group: str) -> list[str]:
     """Return links to the frames that contain a group of fields."""
     layouts = [layout for layout in interface.layouts if _has_group(layout, group)]
-    return [link(code_span(layout.name), f"#layout-{layout.name}") for layout in layouts]
+    return [markdown_link(code_span(layout.name), f"#layout-{layout.name}") for layout in layouts]
 
 
 def used_groups(interface: Interface) -> list[str]:
@@ -294,7 +294,9 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
             bits_cells.append(_bits_cell(placed_field, from_own_low=field.name in containers))
         answer_cells = [code_span(answer.name) for answer in answers]
         table_rows.append([order_codes(device, placement.codes), *answer_cells, length_cell, *bits_cells])
-    question_heads = [link(code_span(question.name), f"#alternative-{question.name}") for question in questions]
+    question_heads = [
+        markdown_link(code_span(question.name), f"#alternative-{question.name}") for question in questions
+    ]
     field_heads = [_field_head(field, containers) for field in moved_fields]
     return table(["Order codes", *question_heads, "Bits", *field_heads], table_rows)
 

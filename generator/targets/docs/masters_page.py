@@ -20,7 +20,7 @@ from ...masters.text import (
 )
 from ...model import Device, Interface, first_of
 from ...say.evidence import grade_below_manual
-from ...say.markdown import code_span, escape, join_filled, link, link_list
+from ...say.markdown import code_span, escape, join_filled, link_list, markdown_link
 from ...say.text import Statement
 from .fact_tables import document_rows
 from .order_code_tables import order_codes
@@ -61,7 +61,7 @@ def file_name(device: Device, interface_name: str) -> str:
 def page_links(device: Device) -> list[str]:
     """Return a link to the page of each interface that has settings for masters."""
     kinds = kinds_with_masters(device)
-    return [link(device.interface(kind).title, file_name(device, kind)) for kind in kinds]
+    return [markdown_link(device.interface(kind).title, file_name(device, kind)) for kind in kinds]
 
 
 def page_values(device: Device, interface_name: str, masters: Sequence[Master]) -> MastersPage:
@@ -107,7 +107,9 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
         "cable_errata": _links_to_errata(device, groups[0].record.cables.errata),
         "notes": list(dict.fromkeys(escape(note) for group in groups for note in group.record.notes)),
         "masters": master_sections,
-        "links": [link(section["title"], f"#{interface.name}-{section['name']}") for section in master_sections],
+        "links": [
+            markdown_link(section["title"], f"#{interface.name}-{section['name']}") for section in master_sections
+        ],
         "silent": unsupporting_masters,
     }
 

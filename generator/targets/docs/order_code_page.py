@@ -33,7 +33,7 @@ from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
 from ...say.layout import describe_size
-from ...say.markdown import MARKDOWN, citation, code_span, escape, link
+from ...say.markdown import MARKDOWN, citation, code_span, escape, markdown_link
 from ...say.names_and_places import field_at, heading, hexadecimal, title_of
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import count_with_unit, with_unit
@@ -234,14 +234,17 @@ class OrderCodes:
         for group in self.groups:
             if group.variants[0].interface == interface_name:
                 label = ", ".join(map(code_span, group.codes))
-                links.append(link(label, f"{self.device.name}/{group.name}.md"))
+                links.append(markdown_link(label, f"{self.device.name}/{group.name}.md"))
         return links
 
     def _links_to_order_codes(self, folder: str) -> dict[str, str]:
         """Return the link to the page of each order code, from pages that reach it through ``folder``."""
         links: dict[str, str] = {}
         for group in self.groups:
-            links |= {order_code: link(code_span(order_code), f"{folder}{group.name}.md") for order_code in group.codes}
+            links |= {
+                order_code: markdown_link(code_span(order_code), f"{folder}{group.name}.md")
+                for order_code in group.codes
+            }
         return links
 
 

@@ -27,7 +27,7 @@ from ...order_codes.parameters import parameters_of, run_time_names, with_answer
 from ...plan.values import ActiveFlag, TwosComplement, meaning_of
 from ...plan.verdicts import judgement_in_family
 from ...say.layout import crc_inverted, crc_reflected
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import count_with_unit, group_digits
@@ -166,7 +166,7 @@ def _alternative_section(device: Device, alternative: Alternative) -> dict[str, 
     frame_links = []
     for _, layout in device.layouts():
         if alternative in (*device.alternatives_of(layout), *device.verdict_alternatives(layout)):
-            frame_links.append(link(code_span(layout.name), f"#layout-{layout.name}"))
+            frame_links.append(markdown_link(code_span(layout.name), f"#layout-{layout.name}"))
     return {
         "alternative": alternative,
         "title": heading(alternative.name),
@@ -321,7 +321,7 @@ def position_frame(family_device: Device, interface: Interface) -> Layout | None
 def open_questions(device: Device, layout: Layout) -> Iterator[str]:
     """Yield a sentence for each open question whose answer is needed to read a frame, with a link to it."""
     for alternative in device.alternatives_of(layout):
-        question = link("open question", f"#alternative-{alternative.name}")
+        question = markdown_link("open question", f"#alternative-{alternative.name}")
         answers = " and ".join(code_span(answer.name) for answer in alternative.answers)
         yield f"This frame depends on an {question} with the answers {answers}."
 
@@ -389,7 +389,7 @@ def _verdict_facts(
             variant_with_answer = with_answers(family_device, variant, {alternative.name: answer.name})
             changed_verdicts = changed_verdicts_of(judgement, variant, variant_with_answer)
             if changed_verdicts:
-                with_answer = link(f"With {code_span(answer.name)}", f"#alternative-{alternative.name}")
+                with_answer = markdown_link(f"With {code_span(answer.name)}", f"#alternative-{alternative.name}")
                 yield with_answer, "; ".join(changed_verdicts)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ...model import Alarm, Device, Erratum, Interface, Layout, Procedure, Register
-from ...say.markdown import MARKDOWN, code_span, escape, link, reference
+from ...say.markdown import MARKDOWN, code_span, escape, markdown_link, reference
 from ...say.names_and_places import heading
 from ...say.text import Reference, Style
 
@@ -65,26 +65,26 @@ def with_other_subjects_linked(interface_name: str, page_text: str) -> str:
 
 
 def link_to_register(device: Device, register: Register, label: str) -> str:
-    return link(label, path_to_anchor(device, register.interface, f"register-{register.name}"))
+    return markdown_link(label, path_to_anchor(device, register.interface, f"register-{register.name}"))
 
 
 def link_to_layout(device: Device, layout: Layout, label: str) -> str:
     """Return a link to a frame on the page of its interface."""
     interface = next(interface for interface, device_layout in device.layouts() if device_layout.name == layout.name)
-    return link(label, path_to_anchor(device, interface.name, f"layout-{layout.name}"))
+    return markdown_link(label, path_to_anchor(device, interface.name, f"layout-{layout.name}"))
 
 
 def link_to_alarm(device: Device, interface: Interface, alarm: Alarm, label: str) -> str:
-    return link(label, path_to_anchor(device, interface.name, f"alarm-{alarm.name}"))
+    return markdown_link(label, path_to_anchor(device, interface.name, f"alarm-{alarm.name}"))
 
 
 def link_to_procedure(device: Device, procedure: Procedure) -> str:
     interface = device.interface(procedure.interface)
-    return link(interface.title, path_to_anchor(device, interface.name, f"procedure-{procedure.name}"))
+    return markdown_link(interface.title, path_to_anchor(device, interface.name, f"procedure-{procedure.name}"))
 
 
 def link_to_erratum(device: Device, erratum: Erratum) -> str:
-    return link(escape(erratum.title), f"{device.name}/{ERRATA}#erratum-{erratum.name}")
+    return markdown_link(escape(erratum.title), f"{device.name}/{ERRATA}#erratum-{erratum.name}")
 
 
 def with_errata_linked(device: Device, page: str, page_text: str) -> str:
@@ -100,7 +100,7 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
     name_expression = f"(?:{'|'.join(longest_first)})\\b"
 
     def name_link(erratum_name: re.Match[str]) -> str:
-        return link(escape(titles[erratum_name[0]]), f"{folder}{ERRATA}#erratum-{erratum_name[0]}")
+        return markdown_link(escape(titles[erratum_name[0]]), f"{folder}{ERRATA}#erratum-{erratum_name[0]}")
 
     def with_names_linked(mention: re.Match[str]) -> str:
         return re.sub(name_expression, name_link, mention[0])
@@ -111,7 +111,7 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
 
 def links_to_steps(folder: str, names: Iterable[str]) -> list[str]:
     """Return links to the steps by hand with these names. ``folder`` is the path to the folder of the family."""
-    return [link(escape(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
+    return [markdown_link(escape(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
 
 
 def style_in_folder(device: Device) -> Style:
@@ -120,7 +120,9 @@ def style_in_folder(device: Device) -> Style:
     def reference_text(ref: Reference) -> str:
         for register in device.registers:
             if ref.anchor == f"register-{register.name}":
-                return link(code_span(ref.name), f"{page_in_folder(register.interface, 'registers')}#{ref.anchor}")
+                return markdown_link(
+                    code_span(ref.name), f"{page_in_folder(register.interface, 'registers')}#{ref.anchor}"
+                )
         return reference(ref)
 
     return replace(MARKDOWN, ref=reference_text)

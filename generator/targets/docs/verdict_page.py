@@ -18,7 +18,7 @@ from ...plan.verdicts import (
     verdict_of,
 )
 from ...say.evidence import document
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link, link_list
+from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
 from ...say.names_and_places import own_names
 from ...say.report import alarm_of, alarm_source, conditions_text, deciding_bits, manual_steps, meaning, remedy_text
 from ...say.text import CodeText, list_parts, make_statement
@@ -49,7 +49,7 @@ def file_name(device: Device) -> str:
 
 def usable_values(devices: Sequence[Device]) -> UsablePage:
     """Return the values of the page on verdicts."""
-    return {"family_links": [link(escape(device.title), file_name(device)) for device in devices]}
+    return {"family_links": [markdown_link(escape(device.title), file_name(device)) for device in devices]}
 
 
 def page_values(device: Device) -> VerdictPage:
@@ -178,7 +178,7 @@ def _answer_text(device: Device, question: Alternative, parameter_condition: Cod
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
     # The default answer sets the parameter to 0.
     default = "" if parameter_condition.holds else ", the default"
-    return f"and {link('your choice', page)} is {answer_names}{default}"
+    return f"and {markdown_link('your choice', page)} is {answer_names}{default}"
 
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:
@@ -229,7 +229,7 @@ def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
     procedure_links = []
     for procedure in map(device.procedure, alarm.cleared_by):
         path = path_to_anchor(device, procedure.interface, f"procedure-{procedure.name}")
-        procedure_links.append(link(escape(procedure.title), path))
+        procedure_links.append(markdown_link(escape(procedure.title), path))
     return f"Cleared by: {', '.join(procedure_links)}"
 
 

@@ -8,7 +8,7 @@ from ...model import Device, Field, Layout, PlacedField, PlacedLayout, Variant, 
 from ...plan.values import ActiveFlag, meaning_of
 from ...plan.verdicts import MatchingValues, VerdictCause, VerdictRules, judgement_in_family
 from ...say.layout import is_reserved
-from ...say.markdown import MARKDOWN, code_span, escape, join_filled, link
+from ...say.markdown import MARKDOWN, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.report import alarm_of, conditions_text, deciding_bits, manual_steps, remedy_text
 from ...say.text import VERDICT_CLAUSES, as_sentence, make_statement
@@ -113,7 +113,7 @@ def _remedy_cell(device: Device, field: Field) -> str:
     described_names = {characteristic.name for characteristic in device.characteristics}
     for name in manual_steps(field, alarm):
         if name in described_names:
-            steps_link = link("Step by step", f"hardware.md#by-hand-{name}")
+            steps_link = markdown_link("Step by step", f"hardware.md#by-hand-{name}")
             sentences.append(f"{steps_link}.")
     return join_filled(sentences, " ")
 

@@ -24,7 +24,7 @@ from ...model import (
 from ...model.order_codes import fits
 from ...model.record import dataclass
 from ...say.evidence import Topic, document, mentions
-from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, link
+from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, markdown_link
 from ...say.order_code import bounds_with_codes, clock_words, describe_settings
 from ...say.plain_text import count_with_unit
 from ...say.text import PLAIN_STYLE, as_sentence, hertz, list_parts, make_statement, nanoseconds, timeout_words, volts
@@ -237,9 +237,9 @@ def unstated_facts(family_device: Device, interface: Interface, subjects: Mappin
         sentences.append(f"{_join_capitalized(unmentioned)}: the {document(family_device)} does not say.")
     mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
-        places = [link("times", "#timings")]
+        places = [markdown_link("times", "#timings")]
         if family_device.characteristics:
-            places.append(link("characteristics", "hardware.md#characteristics"))
+            places.append(markdown_link("characteristics", "hardware.md#characteristics"))
         sentences.append(f"{_join_capitalized(mentioned)}: see {' and '.join(places)}.")
     if sentences:
         yield " ".join(sentences)
@@ -261,7 +261,7 @@ def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
 def no_supply(family_device: Device, interface: Interface) -> str:
     """Return the text instead of a supply: a link to the characteristics that may state it, or that none is known."""
     if mentions(family_device, interface, Topic.SUPPLY):
-        return f"see {link('characteristics', 'hardware.md#characteristics')}"
+        return f"see {markdown_link('characteristics', 'hardware.md#characteristics')}"
     return f"the {document(family_device)} does not say"
 
 
