@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..say.markdown import anchor, code_span, escape, markdown_link, paragraph, table
+from ..say.markdown import anchor, code_span, escape, markdown_link, table, wrap_markdown
 from .problems import listed
 from .schema_files import NO_FACTS, ONLY_SECOND, PROSE, load_schema
 
@@ -109,7 +109,7 @@ def spec_pages() -> dict[str, str]:
         _INTRODUCTION.format(most=_MOST_ENTRIES),
         _list_of_pages(names),
         "## The device file",
-        paragraph(escape(device["description"])),
+        wrap_markdown(escape(device["description"])),
         _format_table(device, device["$defs"]),
         *_describe_definitions(FIRST_PAGE, names, device["$defs"]),
     ]
@@ -147,11 +147,11 @@ def _other_files() -> list[str]:
         f"# {_OTHER_FILES_TITLE}",
         _UP,
         "## The manufacturer file",
-        paragraph(escape(manufacturer["description"])),
+        wrap_markdown(escape(manufacturer["description"])),
         "It is in the same folder as the device files and is called `manufacturer.yaml`.",
         _format_table(manufacturer, {}),
         "## The overlay",
-        paragraph(escape(overlay["description"])),
+        wrap_markdown(escape(overlay["description"])),
         "See [Overlays](how-to-revise.md#overlays-facts-from-outside-the-manual) for an example.",
         _format_table(overlay, overlay["$defs"]),
         "## The second reading",
@@ -195,7 +195,7 @@ def _definitions_in_order(schema: Shape) -> list[str]:
 
 def _describe_definition(name: str, shape: Shape, definitions: Shape) -> Iterator[str]:
     """Yield the parts of the section on a definition: its meaning, and its keys or else its type and limits."""
-    yield from (anchor(name), f"### {code_span(name)}", paragraph(escape(shape.get("description", ""))))
+    yield from (anchor(name), f"### {code_span(name)}", wrap_markdown(escape(shape.get("description", ""))))
     if "properties" in shape:
         yield _format_table(shape, definitions)
     else:

@@ -51,7 +51,7 @@ def _code_span(code_text: str) -> str:
     return f"{fence}{space}{code_text}{space}{fence}".replace("|", "\\|")
 
 
-def paragraph(value: str) -> str:
+def wrap_markdown(value: str) -> str:
     """Wrap Markdown without code spans, so that no line starts a list, a heading or a rule."""
     lines = textwrap.wrap(value, _WIDTH, break_long_words=False, break_on_hyphens=False)
     return "\n".join(_BLOCK_START.sub(_escaped_start, line) for line in lines)

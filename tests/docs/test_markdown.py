@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from codewheel.loading.from_mapping import parse_sources
 from codewheel.model import cite
-from codewheel.say.markdown import citation, code_span, escape, paragraph, table
+from codewheel.say.markdown import citation, code_span, escape, table, wrap_markdown
 
 
 @pytest.mark.parametrize(
@@ -36,12 +36,12 @@ def test_code(plain: str, markdown: str) -> None:
     [("1. Stop", "1\\. Stop"), ("+Vb", "\\+Vb"), ("- x", "\\- x"), ("# x", "\\# x"), ("2021", "2021")],
 )
 def test_a_paragraph_begins_no_list(plain: str, markdown: str) -> None:
-    assert paragraph(plain) == markdown
+    assert wrap_markdown(plain) == markdown
 
 
 def test_a_wrapped_line_begins_no_list_either() -> None:
     words = "word " * 40
-    lines = paragraph(words + "1. " * 40 + "- " * 40 + "# " * 40).split("\n")
+    lines = wrap_markdown(words + "1. " * 40 + "- " * 40 + "# " * 40).split("\n")
     assert [line for line in lines if line.startswith(("1. ", "- ", "# "))] == []
 
 

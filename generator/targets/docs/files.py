@@ -256,7 +256,7 @@ TEMPLATES = Templates(
     },
     filters={
         "md": markdown.escape,
-        "paragraph": markdown.paragraph,
+        "paragraph": markdown.wrap_markdown,
         "code": markdown.code_span,
         "html": markdown.escape_html,
         "cited": markdown.citation,
