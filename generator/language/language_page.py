@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..say.markdown import anchor, code_span, escape, markdown_link, table, wrap_markdown
+from ..say.markdown import anchor_of, code_span, escape, markdown_link, table, wrap_markdown
 from .problems import listed
 from .schema_files import NO_FACTS, ONLY_SECOND, PROSE, load_schema
 
@@ -195,7 +195,7 @@ def _definitions_in_order(schema: Shape) -> list[str]:
 
 def _describe_definition(name: str, shape: Shape, definitions: Shape) -> Iterator[str]:
     """Yield the parts of the section on a definition: its meaning, and its keys or else its type and limits."""
-    yield from (anchor(name), f"### {code_span(name)}", wrap_markdown(escape(shape.get("description", ""))))
+    yield from (anchor_of(name), f"### {code_span(name)}", wrap_markdown(escape(shape.get("description", ""))))
     if "properties" in shape:
         yield _format_table(shape, definitions)
     else:

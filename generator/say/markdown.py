@@ -102,7 +102,7 @@ def link_list(links: Iterable[str]) -> str:
     return " · ".join(links)
 
 
-def anchor(name: str) -> str:
+def anchor_of(name: str) -> str:
     """Return the anchor to which links refer."""
     return f'<a id="{name}"></a>'
 

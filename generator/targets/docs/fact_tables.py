@@ -33,7 +33,7 @@ from ...say import register as say_register
 from ...say.commands import describe_step, read_back
 from ...say.errata import changed, errata
 from ...say.layout import crc_sent
-from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, join_filled, markdown_link
+from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
 from ...say.plain_text import count_with_unit, group_digits, quantity_text
@@ -338,7 +338,7 @@ def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
         labelled_values = example_facts(device, example)
         fact_lines = [f"{label}: {value}" for label, value in labelled_values if label not in ("Order code", "Source")]
         source = f" <small>{citation(example.source)}</small>"
-        yield anchor(f"example-{example.name}") + escape(heading(example.name)), join_filled(fact_lines) + source
+        yield anchor_of(f"example-{example.name}") + escape(heading(example.name)), join_filled(fact_lines) + source
 
 
 def led_rows(device: Device) -> Iterator[Row]:

@@ -261,7 +261,7 @@ TEMPLATES = Templates(
         "html": markdown.escape_html,
         "cited": markdown.citation,
         "cited_html": markdown.cited_html,
-        "anchor": markdown.anchor,
+        "anchor": markdown.anchor_of,
         "sentence": as_sentence,
         "titled": title_of,
         "heading": heading,

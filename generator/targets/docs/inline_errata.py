@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Device, Erratum
 from ...say.errata import describe_erratum as erratum_statement
 from ...say.errata import errata
-from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, escape_html, link_list, markdown_link
+from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, escape_html, link_list, markdown_link
 from ...say.text import as_sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
@@ -79,7 +79,7 @@ class ErrataLines:
             first_mention = markdown_link(escape(erratum.title), f"#erratum-{erratum.name}")
             return f"- {status_badge(erratum)} {first_mention}, see above"
         self._names_on_page.add(erratum.name)
-        return f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, self._page)}"
+        return f"- {anchor_of(f'erratum-{erratum.name}')}{erratum_line(erratum, self._page)}"
 
 
 class ErrataLinks:
@@ -138,7 +138,9 @@ class ErrataLinks:
     def list_of_errata(self) -> str:
         """Return the errata on the page so far, open errata first, and links to the differences in other editions."""
         open_first = sorted(self._errata.values(), key=lambda erratum: erratum.status != "open")
-        list_items = [f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, ERRATA)}" for erratum in open_first]
+        list_items = [
+            f"- {anchor_of(f'erratum-{erratum.name}')}{erratum_line(erratum, ERRATA)}" for erratum in open_first
+        ]
         anchors_by_edition: dict[str, list[str]] = {}
         # In the order of the spec, not of the page.
         for difference in self._device.errata:

@@ -24,7 +24,7 @@ from ...model import (
 from ...model.order_codes import fits
 from ...model.record import dataclass
 from ...say.evidence import Topic, document, mentions
-from ...say.markdown import MARKDOWN, anchor, citation, code_span, escape, markdown_link
+from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, markdown_link
 from ...say.order_code import bounds_with_codes, clock_words, describe_settings
 from ...say.plain_text import count_with_unit
 from ...say.text import PLAIN_STYLE, as_sentence, hertz, list_parts, make_statement, nanoseconds, timeout_words, volts
@@ -203,7 +203,7 @@ def _contact_list(contacts: Sequence[str]) -> str:
 
 
 def _anchored_title(connector: Connector) -> str:
-    return f"{anchor(f'connector-{connector.name}')}{escape(connector.title)}"
+    return f"{anchor_of(f'connector-{connector.name}')}{escape(connector.title)}"
 
 
 def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
