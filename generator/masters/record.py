@@ -28,7 +28,7 @@ from ..model import (
 )
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
-from ..say.evidence import Topic, document, reference_to_mention
+from ..say.evidence import Topic, reference_to_mention, word_for_document
 from ..say.text import hertz, timeout_words
 from .channels import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
 from .frame_parts import (
@@ -233,7 +233,7 @@ def _build_record(
         notes=notes,
         answers=answers,
         step=frame.measurement.micrometres(frame.variant.parameters),
-        document=document(device),
+        document=word_for_document(device),
         channels=frame_channels(interface, frame.placed_layout),
         layout=frame.placed_layout.name,
         mentioned={subject: reference_to_mention(device, interface, subject) for subject in Topic},

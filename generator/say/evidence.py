@@ -70,7 +70,7 @@ def placeholders(device: Device) -> str:
     return f"{len(names)} {verb} still from the template, not from the manufacturer: {', '.join(names)}"
 
 
-def document(device: Device) -> str:
+def word_for_document(device: Device) -> str:
     """Return the word for what does not state a fact: the manual, if all of it was read, otherwise the spec."""
     return "manual" if device.evidence.grade == "manual" else "spec"
 
@@ -190,7 +190,7 @@ def reference_to_mention(device: Device, interface: Interface, subject: Topic) -
     place = place_of_mention(device, interface, subject)
     if not place:
         return ""
-    reference = f"see the {place} in the {document(device)}"
+    reference = f"see the {place} in the {word_for_document(device)}"
     return f"{reference}: {interface.note.rstrip('.')}" if place == _NOTE else reference
 
 

@@ -27,7 +27,7 @@ from ...model import (
     number_from_bytes,
 )
 from ...model.record import dataclass
-from ...say.evidence import document
+from ...say.evidence import word_for_document
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +181,7 @@ class Chosen:
         if sample.source:
             about = f"made up, with the position of a worked example [{cite(sample.source)}]"
         else:
-            about = f"made up, since the {document(self.device)} has no example of it"
+            about = f"made up, since the {word_for_document(self.device)} has no example of it"
             frame_examples = (example for example in self.device.examples if isinstance(example, FrameExample))
             if any(example.layout == layout.name for example in frame_examples):
                 about += " for this order code"

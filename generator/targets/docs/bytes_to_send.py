@@ -30,7 +30,7 @@ from ...plan.codec import codec_of
 from ...plan.frames import RequestAndReply, exchanges
 from ...plan.values import TwosComplement, UnsignedNumber, meaning_of
 from ...say.commands import Commands, commands_over
-from ...say.evidence import document
+from ...say.evidence import word_for_document
 from ...say.layout import name_as_words
 from ...say.markdown import code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import addresses_text, bits, title_of
@@ -122,18 +122,18 @@ def _introduction_for_biss(
         zero = '<span id="preset-of-rows">The preset is 0 in these rows.</span>'
         yield f"Addresses and bytes are in hexadecimal. {zero}"
     elif has_rows and not possible_commands.may_preset:
-        yield f"The {document(device)} describes no preset over BiSS."
+        yield f"The {word_for_document(device)} describes no preset over BiSS."
     elif has_rows:
         yield "Addresses and bytes are in hexadecimal."
         yield from _sentences_on_writable_registers(possible_commands)
     elif possible_commands.registers or possible_commands.settings:
         yield from _sentences_on_writable_registers(possible_commands)
     elif not possible_commands.is_empty:
-        yield f"The {document(device)} describes no registers that can be written over BiSS."
-    elif document(device) == "manual" and not device.evidence.left_out:
+        yield f"The {word_for_document(device)} describes no registers that can be written over BiSS."
+    elif word_for_document(device) == "manual" and not device.evidence.left_out:
         yield "The manual describes no commands over BiSS: no preset, reset or save."
     else:
-        yield f"The {document(device)} describes no commands over BiSS. The encoder may have some."
+        yield f"The {word_for_document(device)} describes no commands over BiSS. The encoder may have some."
 
 
 def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[str]:
@@ -162,7 +162,7 @@ def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -
         return
     exception = " other than the resets" if possible_commands.resets else ""
     save = "" if possible_commands.may_save else ", and no save command"
-    there_is = "There is" if document(device) == "manual" else "The spec describes"
+    there_is = "There is" if word_for_document(device) == "manual" else "The spec describes"
     yield f"{there_is} no preset{exception}{save}."
 
 

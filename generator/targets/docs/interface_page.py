@@ -35,7 +35,7 @@ from ...say import order_code as hardware_input
 from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
-from ...say.evidence import document, origin, other_editions
+from ...say.evidence import origin, other_editions, word_for_document
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import HasOtherNames, addresses_text, name_in_words, title_of
 from ...say.order_code import PURPOSES, initial
@@ -80,7 +80,7 @@ def page_sections(device: Device) -> Sections:
     """Return the sections that are on the page of an interface and on the page of an order code."""
     return {
         "device": device,
-        "document": document(device),
+        "document": word_for_document(device),
         "origin": [*origin(device), *other_editions(device)],
         "verdict_page": verdict_page.file_name(device),
         "errata_at": inline_errata.ErrataLines(device),

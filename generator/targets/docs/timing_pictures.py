@@ -13,7 +13,7 @@ from ...model import Biss, Device, Interface, Rs485, SendStep, Spi, Ssi, assert_
 from ...model.record import dataclass
 from ...plan.codec import LayoutPlan, codec_of
 from ...plan.values import ActiveFlag, meaning_of
-from ...say.evidence import Topic, document, place_of_mention
+from ...say.evidence import Topic, place_of_mention, word_for_document
 from ...say.layout import DATA, box_colour
 from ...say.names_and_places import name_in_words
 from ...say.order_code import REPLIES, bounds_with_codes, timeouts_with_codes, word_lengths
@@ -218,7 +218,7 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
 def _words_without_timeout(device: Device, interface: Biss) -> str:
     """Return the words in place of the time-out. A text of the manual may have it."""
     place = place_of_mention(device, interface, Topic.TIMEOUT)
-    return f"see the {place}" if place else f"not in the {document(device)}"
+    return f"see the {place}" if place else f"not in the {word_for_document(device)}"
 
 
 def _data_boxes(codec: LayoutPlan, position_names: Container[str]) -> Iterator[tuple[str, str]]:

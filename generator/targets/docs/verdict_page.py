@@ -17,7 +17,7 @@ from ...plan.verdicts import (
     reports_of,
     verdict_of,
 )
-from ...say.evidence import document
+from ...say.evidence import word_for_document
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
 from ...say.names_and_places import own_names
 from ...say.report import alarm_of, alarm_source, conditions_text, deciding_bits, manual_steps, meaning, remedy_text
@@ -218,7 +218,11 @@ def _report_rows(device: Device) -> Iterator[Row]:
         name_cell = join_filled([code_span(report.name), escape(own_names(report.field))])
         steps = links_to_steps(f"{device.name}/", manual_steps(report.field, alarm))
         remedy_and_steps = join_filled([escape(remedy_text(report.field, alarm)), *steps])
-        remedy = remedy_and_steps or _clearing_procedures(device, alarm) or f"The {document(device)} gives no remedy"
+        remedy = (
+            remedy_and_steps
+            or _clearing_procedures(device, alarm)
+            or f"The {word_for_document(device)} gives no remedy"
+        )
         yield name_cell, escape(meaning(report.field, alarm)), remedy, citation(alarm_source(report.field, alarm))
 
 

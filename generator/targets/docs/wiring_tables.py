@@ -23,7 +23,7 @@ from ...model import (
 )
 from ...model.order_codes import fits
 from ...model.record import dataclass
-from ...say.evidence import Topic, document, mentions
+from ...say.evidence import Topic, mentions, word_for_document
 from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, markdown_link
 from ...say.order_code import bounds_with_codes, clock_words, describe_settings
 from ...say.plain_text import count_with_unit
@@ -234,7 +234,7 @@ def unstated_facts(family_device: Device, interface: Interface, subjects: Mappin
     sentences = []
     unmentioned = [label for label, subject in subjects.items() if not mentions(family_device, interface, subject)]
     if unmentioned:
-        sentences.append(f"{_join_capitalized(unmentioned)}: the {document(family_device)} does not say.")
+        sentences.append(f"{_join_capitalized(unmentioned)}: the {word_for_document(family_device)} does not say.")
     mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
         places = [markdown_link("times", "#timings")]
@@ -251,7 +251,7 @@ def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
     Return an empty string if the page has LEDs, if the manual may have some in its texts, or if the spec does not
     transcribe a whole manual.
     """
-    if device.leds or document(family_device) != "manual":
+    if device.leds or word_for_document(family_device) != "manual":
         return ""
     if family_device.leds:
         return "The manual describes no LEDs of this order code."
@@ -262,7 +262,7 @@ def no_supply(family_device: Device, interface: Interface) -> str:
     """Return the text instead of a supply: a link to the characteristics that may state it, or that none is known."""
     if mentions(family_device, interface, Topic.SUPPLY):
         return f"see {markdown_link('characteristics', 'hardware.md#characteristics')}"
-    return f"the {document(family_device)} does not say"
+    return f"the {word_for_document(family_device)} does not say"
 
 
 def _join_capitalized(labels: list[str]) -> str:
