@@ -29,7 +29,7 @@ _MEANING = {
 GRADES = tuple(_MEANING)
 
 
-def grade(device: Device) -> Statement:
+def describe_grade(device: Device) -> Statement:
     """Return the grade of the evidence, with its meaning, and the values that are still the template's."""
     grade_name = device.evidence.grade
     grade_text = f"{grade_name} ({_MEANING[grade_name]})"
@@ -41,7 +41,7 @@ def grade(device: Device) -> Statement:
 def grade_below_manual(device: Device) -> Iterator[Statement]:
     """Yield the grade of the evidence as ``grade`` does, or nothing if the whole manual was read."""
     if device.evidence.grade != "manual":
-        yield grade(device)
+        yield describe_grade(device)
 
 
 def lowest_grade() -> str:

@@ -586,7 +586,7 @@ def opened_text(by: str) -> str:
 
 
 def grade_text(word: str) -> str:
-    return PLAIN_STYLE.sentence(evidence.grade(replace(tv62(), evidence=replace(tv62().evidence, grade=word))))
+    return PLAIN_STYLE.sentence(evidence.describe_grade(replace(tv62(), evidence=replace(tv62().evidence, grade=word))))
 
 
 def contact_text(codes: str) -> str:

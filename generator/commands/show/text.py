@@ -36,7 +36,7 @@ from ...say import register as say_measurement
 from ...say import register as say_register
 from ...say.errata import describe_answer as say_answer
 from ...say.errata import describe_question, needed_answers
-from ...say.evidence import grade, origin
+from ...say.evidence import describe_grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
 from ...say.order_code import describe_spelling, not_on_label, open_values
 from ...say.plain_text import WIDTH, decimal, two_columns, wrap_text
@@ -99,7 +99,7 @@ def _manual_lines(device: Device) -> list[str]:
     sentences = [
         f"from the manual {manual.title}, revision {manual.revision}{date}, in {language_name(manual.language)}"
     ]
-    sentences += [PLAIN_STYLE.sentence(statement) for statement in (grade(device), *origin(device))]
+    sentences += [PLAIN_STYLE.sentence(statement) for statement in (describe_grade(device), *origin(device))]
     if device.editions:
         revisions = ", ".join(edition.revision for edition in device.editions)
         sentences.append(f"--edition shows the others: {revisions}")

@@ -35,7 +35,7 @@ from ...plan.frames import FrameDispatch, HeldParameter, dispatches, held_parame
 from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
 from ...say import notations, report
-from ...say.evidence import GRADES, grade, lowest_grade, mark_in_lists, origin
+from ...say.evidence import GRADES, describe_grade, lowest_grade, mark_in_lists, origin
 from ...say.markdown import escape
 from ...say.names_and_places import field_at
 from ...say.order_code import not_on_label
@@ -145,7 +145,7 @@ def family_data(device: Device) -> Data:
         special=next((overlay.special for overlay in device.overlays if overlay.special), ""),
         special_codes=device.order_code.special,
         about=[PLAIN_STYLE.sentence(fact) for fact in (*not_on_label(device), *origin(device))],
-        evidence=PLAIN_STYLE.sentence(grade(device)),
+        evidence=PLAIN_STYLE.sentence(describe_grade(device)),
         mark=mark_in_lists(device),
         given=parameter_names,
         derived=[[name, expression_data(value)] for name, value in device.definitions.items()],

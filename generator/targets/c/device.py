@@ -18,7 +18,7 @@ from ...plan.crcs import crc_functions
 from ...plan.frames import held_parameters
 from ...plan.values import TwosComplement
 from ...say.errata import describe_erratum, errata
-from ...say.evidence import grade, origin, other_editions, removals, titled_in_lists
+from ...say.evidence import describe_grade, origin, other_editions, removals, titled_in_lists
 from ...say.order_code import initial
 from .. import TargetError
 from .channels import channel_code
@@ -253,7 +253,7 @@ class DeviceView:
     @property
     def evidence(self) -> list[Paragraph]:
         """Grade of the evidence."""
-        return [HEADER_STYLE.sentence(grade(self.device))]
+        return [HEADER_STYLE.sentence(describe_grade(self.device))]
 
     @property
     def origin(self) -> list[Paragraph]:

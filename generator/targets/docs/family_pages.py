@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypedDict
 
 from ...model import Clocked, Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
 from ...order_codes.reduction import for_interface
-from ...say.evidence import basis, edition_test, grade, origin, other_editions
+from ...say.evidence import basis, describe_grade, edition_test, origin, other_editions
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
 from ...say.order_code import describe_settings
 from ...say.plain_text import count_with_unit
@@ -127,7 +127,7 @@ def index_values(family_codes: OrderCodes) -> FamilyPage:
         "device": device,
         "origin": [*origin(device), *other_editions(device)],
         "manual": f"{escape(device.manual.title)}, revision {revision_and_date(device.manual)}",
-        "evidence": grade(device),
+        "evidence": describe_grade(device),
         "errata_at": inline_errata.ErrataLines(device, f"{device.name}/"),
         "errata_count": f"{len(device.errata)}",
         "wish_rows": list(_task_rows(device)),
@@ -282,7 +282,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     if device.manufacturer.website:
         yield "Website", escape(device.manufacturer.website)
     yield "Transcribed", _second_reading_text(device.times_read)
-    for evidence in (grade(device), *basis(device)):
+    for evidence in (describe_grade(device), *basis(device)):
         yield evidence.label, MARKDOWN.phrase(replace(evidence, label=""))
     yield "Manufacturer", escape(device.manufacturer.title)
     for edition in manual.editions:

@@ -31,7 +31,7 @@ from ...model.record import dataclass
 from ...model.steps import has_steps, steps_of
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
-from ...say.evidence import grade
+from ...say.evidence import describe_grade
 from ...say.layout import describe_size
 from ...say.markdown import MARKDOWN, citation, code_span, escape, markdown_link
 from ...say.names_and_places import field_at, heading, hexadecimal, title_of
@@ -283,7 +283,7 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
         # The notes on SSI and RS-485 begin with the line, and the notes on BiSS with limits that users must keep.
         "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
         "position": _position_text(device, interface),
-        "evidence": grade(device),
+        "evidence": describe_grade(device),
         "made_up": tuple(not_on_label(device)),
         "wiring": wiring_tables.wiring_table(device, code_group.codes),
         "supply": wiring_tables.supply_lines(device, code_group.variants),

@@ -26,7 +26,7 @@ from ...say import commands, names_and_places
 from ...say import layout as say_layout
 from ...say import register as say_register
 from ...say.errata import describe_erratum, errata
-from ...say.evidence import grade, origin, other_editions, removals
+from ...say.evidence import describe_grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title_of
 from ...say.order_code import describe_parameter
 from ...say.plain_text import count_with_unit, text_on_one_line, wrap_text
@@ -125,7 +125,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
         f"Version {device.manufacturer.version}, generated from the manual “{text_on_one_line(manual.title)}”, {text_on_one_line(revision)}."
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
         " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
-        DOCSTRING_STYLE.sentence(grade(device)),
+        DOCSTRING_STYLE.sentence(describe_grade(device)),
         DOCSTRING_STYLE.paragraph([*origin(device), *other_editions(device)]),
         *_in_full(removals(device)),
         " ".join(device.manufacturer.trademarks),
