@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from codewheel.changes.rules import OUTPUTS, RULES, TITLES, ChangeRule, Impact
-from codewheel.language.problems import listed
+from codewheel.language.problems import join_words
 from codewheel.say.markdown import code_span, escape, markdown_link, table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -113,7 +113,7 @@ def _impacts_in_words(impacts: Sequence[Impact]) -> str:
     for impact, output in zip(impacts, OUTPUTS, strict=True):
         if output != "pages":
             outputs_by_impact.setdefault(impact.word, []).append(TITLES[output])
-    return " · ".join(f"{listed(outputs)}: {impact}" for impact, outputs in outputs_by_impact.items())
+    return " · ".join(f"{join_words(outputs)}: {impact}" for impact, outputs in outputs_by_impact.items())
 
 
 def _shortened(line: str) -> str:

@@ -8,7 +8,7 @@ from datetime import date
 from pathlib import Path
 
 from ..language.document import Document
-from ..language.problems import ProblemReport, listed, quoted, suggestion
+from ..language.problems import ProblemReport, join_words, quoted, suggestion
 from ..language.read import read_document
 from .rules import RULES, Change
 
@@ -61,7 +61,7 @@ def _read_acceptance(document: Document, index: int, acceptance: object) -> Acce
     line, _ = document.position(("accepted", index))
     location = f"{document.file}:{line}"
     if not isinstance(acceptance, dict) or set(acceptance) != set(_KEYS) or not _has_texts(acceptance):
-        raise NotAccepted(f"{location}: an accepted change has the keys {listed(_KEYS)}, each with text")
+        raise NotAccepted(f"{location}: an accepted change has the keys {join_words(_KEYS)}, each with text")
     rule = acceptance["rule"]
     until = acceptance["until"]
     if rule not in RULES:

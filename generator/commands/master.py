@@ -175,7 +175,7 @@ def _file_for_master(
     Raises:
         CommandError: There is no such format or device, or the master cannot use the encoder. The exit code is 2.
     """
-    from ..language.problems import listed
+    from ..language.problems import join_words
     from ..masters.sheet import sheet
     from ..model import member_named
     from ..targets.masters.files import file_text
@@ -188,7 +188,7 @@ def _file_for_master(
     devices_with_format = master_sheet.devices_with(file_format)
     master_device = devices_with_format[0] if arguments.device is None else arguments.device
     if master_device not in devices_with_format:
-        known_devices = listed(devices_with_format, "or")
+        known_devices = join_words(devices_with_format, "or")
         raise CommandError(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
     return file_text(device, [encoder_record.code], master_sheet, file_format, master_device).rstrip("\n")
 
@@ -199,15 +199,15 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
     Raises:
         CommandError: The master has no such format, or JSON is also requested. The exit code is 2.
     """
-    from ..language.problems import listed
+    from ..language.problems import join_words
 
     formats = {file_format["format"]: file_format for file_format in master.files}
     if not formats:
-        masters_with_files = listed(other_master.name for other_master in masters if other_master.files)
+        masters_with_files = join_words(other_master.name for other_master in masters if other_master.files)
         raise CommandError(f"no file format is known for {master.name}; there are formats for {masters_with_files}", 2)
     if arguments.format not in formats:
         problem = f"{master.name} has no format '{arguments.format}'" if arguments.format else "--device needs --format"
-        raise CommandError(f"{problem}; the formats of {master.name} are {listed(formats)}", 2)
+        raise CommandError(f"{problem}; the formats of {master.name} are {join_words(formats)}", 2)
     if arguments.json:
         raise CommandError("--format prints a file; leave out --json", 2)
     return formats[arguments.format]
@@ -218,11 +218,11 @@ def _cannot_use_message(master_sheet: SettingsSheet, masters: Sequence[Master], 
 
     The master has refusals, of which the first one is given.
     """
-    from ..language.problems import listed
+    from ..language.problems import join_words
     from ..masters.sheet import sheet
 
     masters_with_files = [master for master in masters if master.files]
     usable_names = [master.name for master in masters_with_files if not sheet(master, encoder_record).refusals]
-    hint = f"; there are files for {listed(usable_names)}" if usable_names else ""
+    hint = f"; there are files for {join_words(usable_names)}" if usable_names else ""
     reason = master_sheet.refusals[0].reason.rstrip(".")
     return f"{master_sheet.master.name} cannot use {encoder_record.code}: {reason}{hint}"

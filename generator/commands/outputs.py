@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ..language.problems import ProblemReport, TemplateFault, listed, suggestion
+from ..language.problems import ProblemReport, TemplateFault, join_words, suggestion
 from ..loading.configuration import BUILT_IN, NO_FILTERS, FamilyFilters
 from ..loading.library import load_families, sound_families
 from ..loading.overlays import Family
@@ -239,7 +239,7 @@ def targets_help() -> str:
     known_names = target_names()
     # Two spaces are in front of a name, and at least two behind it.
     indent = " " * (max(map(len, known_names)) + 4)
-    lines = [f"targets ({listed(BUILT_IN)} run by default):"]
+    lines = [f"targets ({join_words(BUILT_IN)} run by default):"]
     for name in known_names:
         name_column = f"  {name}".ljust(len(indent))
         try:

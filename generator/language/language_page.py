@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..say.markdown import anchor_of, code_span, escape, markdown_link, table, wrap_markdown
-from .problems import listed
+from .problems import join_words
 from .schema_files import NO_FACTS, ONLY_SECOND, PROSE, load_schema
 
 Shape = Mapping[str, Any]
@@ -258,7 +258,7 @@ def _describe_type(shape: Shape, plural: bool = False) -> str:
     if isinstance(value_shape, Mapping):
         return f"{'mappings' if plural else 'mapping'} of names to {_describe_type(value_shape, plural=True)}"
     type_names = [types] if isinstance(types, str) else types
-    return listed([_NOUNS[type_name][plural] for type_name in type_names], "or")
+    return join_words([_NOUNS[type_name][plural] for type_name in type_names], "or")
 
 
 def _describe_limits(shape: Shape) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, unsupported_hint, value_hint, word_hint
-from .problems import WORDS_ONLY, Path, listed, missing, nearest_choice, quoted, suggestion
+from .problems import WORDS_ONLY, Path, join_words, missing, nearest_choice, quoted, suggestion
 from .schema_files import is_only_in_device_files
 
 _TYPES = {
@@ -289,7 +289,7 @@ def _explain_type(error: Any, subject: str) -> _RuleMessage:
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
     key = str(error.absolute_path[-1]) if error.absolute_path else ""
     number_or_text = _NUMBER_OR_TEXT.get(key) if len(types) > 1 else None
-    accepted = number_or_text or listed([_TYPES[name] for name in types], "or")
+    accepted = number_or_text or join_words([_TYPES[name] for name in types], "or")
     if value is None:
         return _RuleMessage("wrong-type", f"{subject} has no value; it must be {accepted}")
     hint = ""

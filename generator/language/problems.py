@@ -271,7 +271,7 @@ def quoted(shown_value: Any) -> str:
     return "a list" if isinstance(shown_value, list) else str(shown_value)
 
 
-def listed(words: Iterable[str], last: str = "and") -> str:
+def join_words(words: Iterable[str], last: str = "and") -> str:
     """Join words as ``a``, ``a and b`` or ``a, b and c``. ``last`` is the word before the last one."""
     items = list(words)
     if len(items) < 2:
@@ -283,7 +283,7 @@ def missing(keys: Iterable[str], owner: str) -> str:
     """Return the message about missing keys, such as ``'a' and 'b' are missing; a clock needs them``."""
     quoted_keys = [quoted(key) for key in keys]
     are, them = ("is", "it") if len(quoted_keys) == 1 else ("are", "them")
-    return f"{listed(quoted_keys)} {are} missing; {owner} needs {them}"
+    return f"{join_words(quoted_keys)} {are} missing; {owner} needs {them}"
 
 
 def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from ..language.problems import listed
+from ..language.problems import join_words
 from ..model import Biss, Rs485, Spi, Ssi
 
 #: Largest number of changed places in a title.
@@ -52,7 +52,7 @@ def change_title(layer_words: str, changed_places: Sequence[str]) -> str:
     part_names = list(dict.fromkeys(map(_place_name, changed_places)))
     if len(part_names) > _MOST_PLACES:
         part_names = [*part_names[: _MOST_PLACES - 1], "others"]
-    return f"{layer_words}: {listed(part_names)}"
+    return f"{layer_words}: {join_words(part_names)}"
 
 
 def _place_name(place: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ..language.document import Path
-from ..language.problems import DocumentReport, listed, quoted
+from ..language.problems import DocumentReport, join_words, quoted
 from ..model import Biss, DataChannels, Device, Layout, Number, member_named
 from .gaps import values_text
 from .valid_parts import valid_parts_so_far
@@ -32,7 +32,7 @@ def check_channels(device: Device, report: DocumentReport) -> None:
     if undefined_names:
         # Layouts with a problem have not been built.
         if not report.faults():
-            known_names = listed(map(quoted, layouts))
+            known_names = join_words(map(quoted, layouts))
             message = f"there is no layout {quoted(undefined_names[0])} over BiSS; it has: {known_names}"
             report.add("undefined-reference", (*place, "order"), message)
         return
@@ -91,7 +91,7 @@ def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_P
     if not names:
         yield ("order",), "no channel of the frame contains the position; list the one that does"
     if len(names) > 1:
-        message = f"{listed(names)} contain the position; name its fields differently in all but one of them"
+        message = f"{join_words(names)} contain the position; name its fields differently in all but one of them"
         yield ("order",), f"{message}, and list the fields in 'compared'"
 
 

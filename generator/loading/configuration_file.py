@@ -12,7 +12,7 @@ from typing import Any
 from ..language.document import Document, SourceMark
 from ..language.document import Path as Place
 from ..language.files import CONFIGURATION
-from ..language.problems import ProblemReport, listed, nearest_choice, quoted, suggestion
+from ..language.problems import ProblemReport, join_words, nearest_choice, quoted, suggestion
 from .configuration import PYPROJECT, Configuration, FamilyFilter, Faulty, exists
 
 _TOKEN = re.compile(
@@ -406,7 +406,7 @@ def _report_unknown_grades(document: Document, place: Place, grades: Iterable[st
             if nearest_grade:
                 hint = f"did you mean '{nearest_grade}'?"
             else:
-                hint = f"it can be {listed(map(quoted, GRADES), 'or')}"
+                hint = f"it can be {join_words(map(quoted, GRADES), 'or')}"
             message = f"a grade cannot be {quoted(grade)}; {hint}"
             report.add("not-allowed", document, (*place, index), message)
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from itertools import chain, pairwise
 
-from ..language.problems import DocumentReport, listed
+from ..language.problems import DocumentReport, join_words
 from ..model import INTERFACES, Constant, Crc, CrcValue, Device, Field, Layout, Unused
 from ..model.expressions import Expression
 from .fields import LayoutSite
@@ -118,7 +118,7 @@ def _yield_fields_left_out(layout: Layout, crc: Field, crc_value: CrcValue) -> I
     words_in_notes = re.findall(r"\w+", f"{layout.note} {crc.note}")
     mentioned_names = {crc.name, *crc_value.of, *words_in_notes}
     data_names = [field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused))]
-    names_left_out = listed(name for name in data_names if name not in mentioned_names)
+    names_left_out = join_words(name for name in data_names if name not in mentioned_names)
     if names_left_out:
         remedy = f"add the missing fields to 'crc_of', or add a 'note' that the manual excludes {names_left_out}"
         yield f"'{crc.name}' does not cover {names_left_out}; {remedy}"

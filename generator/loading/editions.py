@@ -13,7 +13,7 @@ from typing import Any
 
 from ..language.document import MissingPath, Path, as_affected, resolve
 from ..language.overlay import CHANGE_KINDS, LayeredSpec, LayerKind, OverlayLayer
-from ..language.problems import DocumentReport, ProblemReport, listed, quoted
+from ..language.problems import DocumentReport, ProblemReport, join_words, quoted
 from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_in_words
 from ..order_codes.reduction import for_codes
@@ -70,7 +70,7 @@ def revision_for(device: Device, wanted: str) -> str:
     # A year does not determine which edition was the latest on a given day.
     dated_editions = [edition for edition in device.editions if _DATE.fullmatch(edition.date)]
     if not dated_editions or not _DATE.fullmatch(wanted):
-        message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {listed(revisions, 'or')}"
+        message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {join_words(revisions, 'or')}"
         raise UnknownEdition(f"{message}, or a date such as 2020-03-31" if dated_editions else message)
     # Dates such as 2020-03-31 are in order as texts. The editions are oldest first, so the last one was the latest.
     editions_so_far = [edition for edition in dated_editions if edition.date <= wanted]
@@ -296,7 +296,7 @@ def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -
         report.add("undefined-reference", (*path, "register"), f"there is no register {quoted(test['register'])}")
     elif test["run"] not in runs_of(register):
         message = f"{quoted(test['register'])} has no field or run of digits {quoted(test['run'])}"
-        report.add("undefined-reference", (*path, "run"), f"{message}; it has {listed(runs_of(register))}")
+        report.add("undefined-reference", (*path, "run"), f"{message}; it has {join_words(runs_of(register))}")
     if test["min"] > test["max"]:
         report.add("out-of-range", (*path, "min"), f"'min' is {test['min']}; it must be at most {test['max']}")
 

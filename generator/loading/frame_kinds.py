@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 
 from ..language.document import Path
-from ..language.problems import DocumentReport, listed, quoted
+from ..language.problems import DocumentReport, join_words, quoted
 from ..model import (
     Biss,
     Constant,
@@ -71,7 +71,9 @@ def check_errata(device: Device, report: DocumentReport) -> None:
         wrong_verdicts = [verdict for verdict in _verdicts_in_text(erratum.used) if verdict not in decoder_verdicts]
         if not decoder_verdicts or not wrong_verdicts:
             continue
-        possible_verdicts = listed((quoted(verdict.value) for verdict in Verdict if verdict in decoder_verdicts), "or")
+        possible_verdicts = join_words(
+            (quoted(verdict.value) for verdict in Verdict if verdict in decoder_verdicts), "or"
+        )
         problem = f"'used' states the verdict {quoted(wrong_verdicts[0].value)}"
         message = f"{problem}, but for the affected bits, decoders give {possible_verdicts}; correct one of the two"
         report.add("erratum-verdict", ("errata", erratum.name, "used"), message)

@@ -15,7 +15,7 @@ from ..cache import NO_CACHE, Cache, content_of
 from ..language.check import check_document
 from ..language.document import Document
 from ..language.files import family_files, packaged_families, spec_files
-from ..language.problems import ProblemReport, listed, nearest_choice
+from ..language.problems import ProblemReport, join_words, nearest_choice
 from ..language.read import read_document, read_specs
 from ..model import Device, Manufacturer, Variant
 from ..order_codes.reduction import for_codes
@@ -236,7 +236,7 @@ def _manufacturer_of(
     # A file with problems is not in ``makers``.
     has_file = any(str(file.data.get("manufacturer")) == name for file in manufacturer_files)
     if name not in makers and not has_file and "manufacturer" in document.data:
-        hint = f"; known: {listed(sorted(makers))}; use the same name in both files" if makers else ""
+        hint = f"; known: {join_words(sorted(makers))}; use the same name in both files" if makers else ""
         message = f"there is no manufacturer file for '{name}'{hint}"
         report.add("undefined-reference", document, ("manufacturer",), message)
     return makers.get(name) or _stand_in_for_manufacturer(name)

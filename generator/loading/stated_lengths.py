@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from itertools import chain
 
-from ..language.problems import DocumentReport, listed, quoted
+from ..language.problems import DocumentReport, join_words, quoted
 from ..model import Device
 
 _NUMBERS = r"\d+(?:, \d+)*(?: (?:or|and) \d+)?"
@@ -55,7 +55,7 @@ def check_stated_bits(device: Device, report: DocumentReport) -> None:
         if match is None or not numbers or parameter.read_from:
             continue
         if {*_numbers(match)} != numbers:
-            numbers_text = listed(map(str, sorted(numbers)), "or")
+            numbers_text = join_words(map(str, sorted(numbers)), "or")
             stated_text = match[0].removeprefix(", ")
             message = f"the text says {quoted(stated_text)}, but the order codes have {numbers_text}"
             message += "; correct one of the two"
@@ -75,7 +75,7 @@ def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report
         is_range = match.re is _RANGE
         fits = _numbers(match) == lengths_of_range if is_range else _fits(match, lengths)
         if not fits:
-            lengths_text = listed(map(str, lengths), "or")
+            lengths_text = join_words(map(str, lengths), "or")
             message = f"the text says {quoted(match[0])}, but the frame has {lengths_text} bits; correct one of the two"
             report.add("left-behind", path, message)
             return

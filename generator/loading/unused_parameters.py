@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..language.problems import DocumentReport, listed, quoted
+from ..language.problems import DocumentReport, join_words, quoted
 from ..language.rules.walk import leaves
 from ..language.schema_files import is_second
 from ..model import Variant
@@ -79,4 +79,4 @@ def _values_text(name: str, variants: Sequence[Variant]) -> str:
     values = sorted({variant.parameters[name] for variant in variants})
     if len(values) > _MOST_VALUES:
         return f", which order codes set to {len(values)} different values"
-    return f", which order codes set to {listed(map(str, values), 'or')}" if values else ""
+    return f", which order codes set to {join_words(map(str, values), 'or')}" if values else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..language.problems import listed
+from ..language.problems import join_words
 from ..model import Biss, Interface, PlacedLayout, channel_frame
 from ..model.record import dataclass
 
@@ -30,7 +30,7 @@ class FrameChannels:
     @property
     def gap(self) -> str:
         """Sentence about the channels that a master for a single data channel does not read."""
-        names = listed(f"'{name}'" for name in self.after)
+        names = join_words(f"'{name}'" for name in self.after)
         return f"The description of this master covers a single data channel. Nothing reads {names} after it."
 
 

@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import Any, NamedTuple
 
 from ..language.master_items import TYPES
-from ..language.problems import listed
+from ..language.problems import join_words
 from ..model.record import dataclass
 from ..say.plain_text import count_with_unit
 
@@ -244,7 +244,7 @@ def place_lines(places: Sequence[SettingPlace], value: str, devices: Sequence[Ma
         texts = {"place": words.location, "data type": words.type, "unit": words.unit, "factory default": words.default}
         missing = [name for name, text in texts.items() if not text]
         if missing:
-            facts.append(f"{listed(missing)} not given")
+            facts.append(f"{join_words(missing)} not given")
         devices_prefix = f"{words.devices}: " if words.devices else ""
         yield f"{devices_prefix}{', '.join(facts)}{words.mark} [{words.source}]"
 
@@ -426,16 +426,16 @@ def _condition_text(
 ) -> str:
     """Return a condition as one sentence: on values before or after the settings, an order, or an effect."""
     if needs:
-        values_text = listed(f"{write.title} must be {write.text}" for write in needs)
-        return f"Before writing {listed(settings) or 'any setting'}, {values_text}."
+        values_text = join_words(f"{write.title} must be {write.text}" for write in needs)
+        return f"Before writing {join_words(settings) or 'any setting'}, {values_text}."
     if after:
-        return f"Write {listed(settings)} after {listed(after)}."
+        return f"Write {join_words(settings)} after {join_words(after)}."
     if then:
-        values_text = listed(f"{write.title} to {write.text}" for write in then)
-        return f"After writing {listed(settings) or 'all settings'}, set {values_text}."
+        values_text = join_words(f"{write.title} to {write.text}" for write in then)
+        return f"After writing {join_words(settings) or 'all settings'}, set {values_text}."
     assert effect is not None
     verb = "takes" if len(settings) == 1 else "take"
-    return f"{listed(settings) or 'All settings'} {verb} effect {_when_effective(effect)}."
+    return f"{join_words(settings) or 'All settings'} {verb} effect {_when_effective(effect)}."
 
 
 def _when_effective(effect: WriteEffect) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 from ..language.check import check_document
 from ..language.files import packaged_masters
 from ..language.master_items import NUMBERS
-from ..language.problems import ProblemReport, listed
+from ..language.problems import ProblemReport, join_words
 from ..language.read import read_specs
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression
@@ -209,7 +209,7 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
         refusals = list(_refusals_of_values(settings))
     if refusals:
         return _refusing_sheet(master, *refusals)
-    device_notes = [f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
+    device_notes = [f"Not for {join_words(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
     notes = [fill_template(note["text"], record) for note in master.notes if rule_applies(note, record)]
     gaps = [_refusal_of_gap(uncovered)] if uncovered else []
     if record.channels and master.several_channels:
@@ -235,7 +235,7 @@ def _refusing_sheet(master: Master, *refusals: MasterRefusal) -> SettingsSheet:
 
 
 def _interface_refusal(master: Master, record: EncoderFacts) -> MasterRefusal:
-    described_interfaces = listed(INTERFACES[name].title for name in master.takes)
+    described_interfaces = join_words(INTERFACES[name].title for name in master.takes)
     encoder_interface = INTERFACES[record.words["interface"]].title
     reason = f"This master is described for {described_interfaces} only, but {record.code} has {encoder_interface}."
     return MasterRefusal(reason=reason, standing=master.standing, source="")
@@ -327,7 +327,7 @@ def _uncovered_parts(master: Master, record: EncoderFacts) -> str:
     if "parity" in mentioned_items:
         mentioned_items.add("parity_bits")
     uncovered_names = [name for name, item in item_by_uncommon_part.items() if item not in mentioned_items]
-    return listed(f"'{name}'" for name in uncovered_names)
+    return join_words(f"'{name}'" for name in uncovered_names)
 
 
 def _refusal_of_gap(uncovered: str) -> MasterRefusal:

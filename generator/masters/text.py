@@ -8,7 +8,7 @@ from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
 
-from ..language.problems import listed
+from ..language.problems import join_words
 from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import LabelMatch
 from ..say.evidence import Topic, grade_below_manual, origin
@@ -337,7 +337,7 @@ def _lines_of_files_and_documents(master: Master) -> list[str]:
     """Return the formats of files that codewheel can write for a master, and each document with its key."""
     lines = []
     if master.files:
-        formats = listed((file["format"] for file in master.files), "or")
+        formats = join_words((file["format"] for file in master.files), "or")
         lines.append(wrap_text(f"file: --format {formats}", WIDTH, prefix="      ", first="  "))
     for document in master.documents:
         title = f"{document.title}, {document.url}" if document.url else document.title

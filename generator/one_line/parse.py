@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..language.problems import listed, quoted, suggestion
+from ..language.problems import join_words, quoted, suggestion
 from ..model.key_types import LARGEST
 from .checks import problems_of_fields, problems_of_options
 from .fields import FieldError, number_in, read_field
@@ -187,11 +187,11 @@ def with_option(options: LineOptions, text: str, interface: str) -> LineOptions:
     is_word = name in _WORDS
     if not is_word and name not in _SETTINGS:
         known_names = [*_WORDS, *_SETTINGS]
-        hint = suggestion(name, known_names) or f"; write {listed(known_names, 'or')}"
+        hint = suggestion(name, known_names) or f"; write {join_words(known_names, 'or')}"
         raise FieldError(f"{quoted(name)} is not an option{hint} (a field belongs after the colon)")
     interfaces, *_ = _WORDS[name] if is_word else _SETTINGS[name]
     if interface and interface not in interfaces:
-        raise FieldError(f"'{name}' is not an option of {interface}, only of {listed(interfaces)}; remove it")
+        raise FieldError(f"'{name}' is not an option of {interface}, only of {join_words(interfaces)}; remove it")
     if is_word:
         if equals:
             raise FieldError(f"'{name}' has no value; write only {name}", len(name))

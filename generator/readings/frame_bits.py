@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..language.document import Path
-from ..language.problems import listed
+from ..language.problems import join_words
 from ..model import (
     Constant,
     CrcValue,
@@ -237,7 +237,7 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
 def _parity_text(parity: Parity, placed_layout: PlacedLayout) -> str:
     """Return text such as ``odd parity of bits 7:0``, or of their ``one bits`` if the parity is over the one bits."""
     polarity = "odd" if parity.odd else "even"
-    covered_bits = listed([_text_of_bits(placed_layout, name) for name in parity.of])
+    covered_bits = join_words([_text_of_bits(placed_layout, name) for name in parity.of])
     if not parity.over:
         return f"{polarity} parity of {covered_bits}"
     counted_words = parity.over.replace("_", " ")

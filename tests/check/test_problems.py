@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from codewheel.language.problems import Problem, ProblemReport, listed, quoted, suggestion
+from codewheel.language.problems import Problem, ProblemReport, join_words, quoted, suggestion
 
 
 def problem(text: str, column: int, *, file: str = "a.yaml", message: str = "wrong", path: str = "") -> Problem:
@@ -70,7 +70,7 @@ def test_json_has_every_attribute() -> None:
 
 
 def test_words() -> None:
-    assert [listed("abc"[:count]) for count in range(4)] == ["", "a", "a and b", "a, b and c"]
+    assert [join_words("abc"[:count]) for count in range(4)] == ["", "a", "a and b", "a, b and c"]
     assert quoted("x" * 100) == "'" + "x" * 57 + "...'"
     values: list[object] = [True, None, 3, {}, []]
     assert [quoted(value) for value in values] == ["true", "nothing", "3", "a map", "a list"]

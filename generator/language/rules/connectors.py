@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from ...model import Connector
 from ..document import Path
-from ..problems import DocumentReport, listed, quoted
+from ..problems import DocumentReport, join_words, quoted
 from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_parts import WrittenSpec
@@ -172,7 +172,7 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
             missing_signals.append(contact.signal)
     unexplained = [signal for signal in dict.fromkeys(missing_signals) if not incomplete.names_in_note(signal)]
     if unexplained:
-        lacking = f"{incomplete.label} lacks {listed(map(quoted, unexplained))}, which {complete.label} has"
+        lacking = f"{incomplete.label} lacks {join_words(map(quoted, unexplained))}, which {complete.label} has"
         message = f"{lacking}; correct one of the two, or name the missing signal in the 'note' of {incomplete.label}"
         report.add("missing-signal", (*incomplete.located.path, "contacts"), message, at_key=True)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Biss, Rs485, Ssi
 from ...model.interfaces import DataId
-from ..problems import DocumentReport, listed, quoted
+from ..problems import DocumentReport, join_words, quoted
 from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_interfaces import WrittenRs485
@@ -75,7 +75,7 @@ def _report_uncovered_fields(
         parity_field = parity_fields[0]
         pronoun = "it" if len(left_out) == 1 else "them"
         message = (
-            f"{quoted(parity_field.name)} does not cover {listed(map(quoted, left_out))}; add {pronoun} to 'parity_of',"
+            f"{quoted(parity_field.name)} does not cover {join_words(map(quoted, left_out))}; add {pronoun} to 'parity_of',"
             f" or name {pronoun} in a 'note' if the manual excludes {pronoun}"
         )
         report.add("parity-coverage", parity_field.place_of("parity_of"), message)

@@ -13,7 +13,7 @@ from ...model.part import Prose
 from ...model.part import key as described_key
 from ...say.text import count_with_unit
 from ..master_items import FILE_FORMATS, NUMBERS, WORDS
-from ..problems import DocumentReport, Path, listed, quoted, suggestion
+from ..problems import DocumentReport, Path, join_words, quoted, suggestion
 from ..written import WrittenPart
 from ..written_masters import (
     WrittenAnyClock,
@@ -145,7 +145,7 @@ def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
     is_word = name in WORDS
     kind, allowed_keys = ("word", ("is",)) if is_word else ("number", _FOR_NUMBERS)
     used_keys = [key for key in ("is", *_FOR_NUMBERS) if condition.has(key)]
-    allowed_text = listed(map(quoted, allowed_keys), "or")
+    allowed_text = join_words(map(quoted, allowed_keys), "or")
     for key in used_keys:
         if key not in allowed_keys:
             report.add("not-allowed", (*path, key), f"'{name}' is a {kind}; use {allowed_text}", at_key=True)
@@ -191,7 +191,7 @@ def _check_setting(setting: WrittenSetting, as_written: WrittenSetting, report: 
     _check_braces(setting.at, _ITEMS, setting.place_of("at"), report)
     kinds = [kind for kind in _KINDS if as_written.has(kind)]
     if len(kinds) > 1:
-        message = f"{quoted(setting.name)} has {listed(map(quoted, kinds))}; keep one of them"
+        message = f"{quoted(setting.name)} has {join_words(map(quoted, kinds))}; keep one of them"
         report.add("setting-shape", setting.path, message)
     elif not kinds:
         message = f"{quoted(setting.name)} has no value; add one of {', '.join(map(quoted, _KINDS))}"
@@ -229,7 +229,7 @@ def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentRep
     path = place.path
     place_keys = [key for key in _PLACES if place.has(key)]
     if not place_keys:
-        report.add("setting-shape", path, f"a place is missing; add {listed(map(quoted, _PLACES), 'or')}")
+        report.add("setting-shape", path, f"a place is missing; add {join_words(map(quoted, _PLACES), 'or')}")
     if place.has("where") and len(place_keys) > 1:
         message = f"'where' says that no place is given, but {quoted(place_keys[0])} gives one; keep one of the two"
         report.add("setting-shape", (*path, "where"), message, at_key=True)
@@ -335,10 +335,10 @@ def _check_write_condition(condition: WrittenWriting, master: WrittenMaster, rep
     """Check that a write condition has one kind and names existing settings, and that ``after`` has its ``of``."""
     kinds = [key for key in _WRITING if condition.has(key)]
     if not kinds:
-        message = f"a write condition is empty; add {listed(map(quoted, _WRITING), 'or')}"
+        message = f"a write condition is empty; add {join_words(map(quoted, _WRITING), 'or')}"
         report.add("writing-shape", condition.path, message)
     elif len(kinds) > 1:
-        message = f"a write condition has {listed(map(quoted, kinds))}; keep one of them"
+        message = f"a write condition has {join_words(map(quoted, kinds))}; keep one of them"
         report.add("writing-shape", condition.path, message)
     for key, names in (("of", condition.of), ("after", condition.after)):
         for index, name in enumerate(names):

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...model.expressions import Expression, ExpressionError, Factor
-from ..problems import DocumentReport, Path, listed, quoted
+from ..problems import DocumentReport, Path, join_words, quoted
 from ..written_codes import WrittenAlternative, WrittenParameter, WrittenRegister
 from ..written_interfaces import WrittenBiss, WrittenSpi
 from ..written_layouts import WrittenField
@@ -242,7 +242,7 @@ def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
     for name, parameter in spec.parameters.items():
         origins = origins_of(parameter)
         if len(origins) > 1:
-            problem = f"{listed(map(quoted, origins))} each define {quoted(name)}; keep one"
+            problem = f"{join_words(map(quoted, origins))} each define {quoted(name)}; keep one"
             report.add("parameter-origin", parameter.place_of(origins[1]), problem, at_key=True)
         if not parameter.by_code:
             continue

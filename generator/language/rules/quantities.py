@@ -11,7 +11,7 @@ from decimal import Decimal
 from ...model import Alarm, Quantity
 from ...say.text import count_with_unit, nanoseconds
 from ..document import ErratumTargets
-from ..problems import DocumentReport, Path, listed, quoted
+from ..problems import DocumentReport, Path, join_words, quoted
 from ..written import LocatedPart
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
@@ -87,7 +87,7 @@ def _check_quantity(quantity: Quantity, characteristic_text: str, path: Path, re
     """
     unit, kind = quantity.unit, quantity.quantity
     if unit not in _UNITS[kind].split():
-        units_text = listed(_UNITS[kind].split(), "or")
+        units_text = join_words(_UNITS[kind].split(), "or")
         report.add("quantity-text", (*path, "unit"), f"{quoted(kind)} is given in {units_text}, not in {unit}")
         return []
     bounds = {name: Decimal(str(number)) for name, number in _bounds_of(quantity).items()}
@@ -171,7 +171,7 @@ def _compare_supply(
     """Report a supply that is not one of ``ranges`` in millivolts, if there are any."""
     if ranges and supply_range not in ranges:
         low_mv, high_mv = supply_range
-        ranges_text = listed([f"{low} to {high} mV" for low, high in ranges], "or")
+        ranges_text = join_words([f"{low} to {high} mV" for low, high in ranges], "or")
         message = f"this is {low_mv} to {high_mv} mV, but 'supply' is {ranges_text}; one of the two is wrong"
         report.add("quantity-repeated", path, message)
 
@@ -318,7 +318,7 @@ def _compare_times(
 
 def _report_time(match: re.Match[str], expected_times: set[int], path: Path, report: DocumentReport) -> None:
     """Report a time in a text, as matched by ``_TIME``, that is not expected."""
-    times_text = listed([nanoseconds(time) for time in sorted(expected_times)], "or")
+    times_text = join_words([nanoseconds(time) for time in sorted(expected_times)], "or")
     number, unit = match.group("number", "unit")
     message = (
         f"the text says {number} {unit}, but the time here is {times_text}; "

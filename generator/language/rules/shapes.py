@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from ...model import INTERFACES, Spi
 from ...model.expressions import Expression, ExpressionError
-from ..problems import DocumentReport, Path, listed, missing, quoted
+from ..problems import DocumentReport, Path, join_words, missing, quoted
 from ..written_layouts import KIND_KEYS, WrittenField, WrittenLayout
 from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
@@ -101,7 +101,7 @@ def _check_kind(field: WrittenField, report: DocumentReport) -> None:
     name = quoted(field.name)
     kinds = [key for key in KIND_KEYS if field.has(key)]
     if len(kinds) > 1:
-        problem = f"{listed(map(quoted, kinds))} exclude each other; keep one of them"
+        problem = f"{join_words(map(quoted, kinds))} exclude each other; keep one of them"
         report.add("layout-keys", field.place_of(kinds[1]), problem, at_key=True)
     for key in _OF_NUMBERS:
         if field.has(key) and kinds:
@@ -202,7 +202,7 @@ def _check_width(field: WrittenField, report: DocumentReport) -> None:
     has_width = field.has("bits", "at", *_WIDTH_FOLLOWS)
     if len(places) > 1:
         quantity = "both" if len(places) == 2 else "all"
-        problem = f"{listed(map(quoted, places))} {quantity} give the position; keep one of them"
+        problem = f"{join_words(map(quoted, places))} {quantity} give the position; keep one of them"
         report.add("layout-keys", field.place_of(places[1]), problem, at_key=True)
     elif field.bits is not None and ":" in str(field.at):
         problem = f"the range {quoted(field.at)} already gives the width; remove 'bits'"
@@ -364,7 +364,7 @@ def check_example_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         missing_arguments = [quoted(name) for name in by_name(procedure.arguments) if name not in example.arguments]
         if missing_arguments:
             verb = "is" if len(missing_arguments) == 1 else "are"
-            problem = f"{listed(missing_arguments)} {verb} missing from 'arguments' of the example"
+            problem = f"{join_words(missing_arguments)} {verb} missing from 'arguments' of the example"
             report.add("example-shape", example.path, problem)
 
 

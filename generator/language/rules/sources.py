@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ...model import Evidence
 from ..document import Path, is_placeholder, value_at
-from ..problems import DocumentReport, listed, quoted, suggestion
+from ..problems import DocumentReport, join_words, quoted, suggestion
 from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenSsi
 from ..written_parts import WrittenExample, WrittenSection, WrittenSpec
@@ -269,9 +269,9 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
     can_cite_two_implementations = is_corroborated and len(implementations) > 1
     if not documents_read and not can_cite_two_implementations:
         return  # Reported as missing.
-    needed_sources = [f"a source in {listed(documents_read, 'or')}"] if documents_read else []
+    needed_sources = [f"a source in {join_words(documents_read, 'or')}"] if documents_read else []
     if can_cite_two_implementations:
-        needed_sources.append(f"two sources among {listed(implementations)}")
+        needed_sources.append(f"two sources among {join_words(implementations)}")
     for path, source in sources(leaves({**spec.data, "errata": [], "examples": []})):
         if is_corroborated and "clock" in path:
             continue  # One program is enough for its own clock. Another rule checks limits.
@@ -349,7 +349,7 @@ def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
         return
     needed_source = "a document of the manufacturer under 'evidence'"
     if documents_read:
-        needed_source = f"a source in {listed(documents_read, 'or')}"
+        needed_source = f"a source in {join_words(documents_read, 'or')}"
     for limited in _yield_limited(spec):
         cited_keys = set()
         for piece in limited.source.split(";"):

@@ -8,7 +8,7 @@ from decimal import Decimal
 
 from ...model import Characteristic, Timing
 from ..document import ErratumTargets
-from ..problems import DocumentReport, listed, quoted, suggestion
+from ..problems import DocumentReport, join_words, quoted, suggestion
 from ..schema_files import PROSE
 from ..written import LocatedPart, located
 from ..written_codes import WrittenRegister
@@ -77,7 +77,7 @@ def _contradiction_of(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapp
     text_by_number = stated_by_kind.get(_KIND_OF_UNIT[unit], {})
     if not text_by_number or _in_smallest_unit(number_text, unit) in text_by_number:
         return ""
-    texts = listed(list(text_by_number.values()), "or")
+    texts = join_words(list(text_by_number.values()), "or")
     return f"the text says {quoted(quantity[0])}, but the affected facts have {texts}; correct one of the two"
 
 

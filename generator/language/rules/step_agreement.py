@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import takewhile
 
-from ..problems import DocumentReport, Path, listed, quoted
+from ..problems import DocumentReport, Path, join_words, quoted
 from ..schema_files import is_second
 from ..written_codes import WrittenRegister
 from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
@@ -151,7 +151,7 @@ def check_intervals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
         for step in procedure.steps:
             interval_us = step.every_at_least_us
             if known_us and interval_us is not None and interval_us not in known_us:
-                known_text = listed([f"{time} µs" for time in known_us], "or")
+                known_text = join_words([f"{time} µs" for time in known_us], "or")
                 message = (
                     f"the interval is {interval_us} µs, but the shortest time in 'timings' of rs485 is {known_text};"
                     " correct one of the two, or add the interval to 'timings'"

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
-from ...language.problems import LONGEST_QUOTE, listed
+from ...language.problems import LONGEST_QUOTE, join_words
 from ...model import (
     UNEXPLAINED,
     Alternative,
@@ -296,7 +296,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the page, the script and the README."""
     codes = [variant.code for device in library.devices for variant in device.variants]
     page: Page = {
-        "title": listed(text_on_one_line(manufacturer.title) for manufacturer, _ in library.by_manufacturer()),
+        "title": join_words(text_on_one_line(manufacturer.title) for manufacturer, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
         "example": linked_frame(library.devices),
         "table": script_table(library),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import chain
 
-from ...language.problems import listed
+from ...language.problems import join_words
 from ...model import Biss, CableLength, Clock, Clocked, Interface, Ssi, Timeout, Timing, cite
 from ...model.order_codes import facts_for_code, repeated_names
 from ...model.record import dataclass
@@ -97,7 +97,7 @@ class CodeFacts:
             "clock limit by cable length": bool(self.clock_limits),
             "times": bool(self._times),
         }
-        return listed(subject for subject, depends_on_code in subjects.items() if depends_on_code)
+        return join_words(subject for subject, depends_on_code in subjects.items() if depends_on_code)
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names of its macros and functions at file scope, each with the path of the interface."""

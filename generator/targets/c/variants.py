@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence, Set
 from copy import copy
 from itertools import chain
 
-from ...language.problems import listed
+from ...language.problems import join_words
 from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
 from ...model.record import dataclass
 from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
@@ -139,7 +139,7 @@ class VariantUpdater:
     def __init__(self, context: HeaderContext, register_parameters: HoldingRegister, access: RegisterFunctions) -> None:
         register = register_parameters.register
         self.name = f"{context.prefix}_take_{register.name}"
-        parameter_names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
+        parameter_names = join_words(parameter.parameter.name for parameter in register_parameters.parameters)
         self.about = f"Update {parameter_names} in a variant from the content of the {title_of(register)} register."
         self.values = tuple(HeldValue(context, parameter) for parameter in register_parameters.parameters)
         self.switches = tuple(_yield_switches(self.values))

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Annotated, TypedDict
 
 from ...language.master_items import FILE_FORMATS
-from ...language.problems import listed
+from ...language.problems import join_words
 from ...masters.groups import GroupSheets, sheets_of
 from ...masters.places import SettingPlace
 from ...masters.record import EncoderFacts
@@ -129,10 +129,10 @@ def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[st
     """Yield which values are derived, only a start, or left out, and unless ``is_short``, the conditions on writing."""
     derived = _names_with_mark(file_content, "derived")
     if derived:
-        yield f"Derived, not stated in a document: {listed(derived)}."
+        yield f"Derived, not stated in a document: {join_words(derived)}."
     starts = _names_with_mark(file_content, "start with")
     if starts:
-        yield f"Only a value to start with, because the highest clock of the encoder is not known: {listed(starts)}."
+        yield f"Only a value to start with, because the highest clock of the encoder is not known: {join_words(starts)}."
     for sentence in file_content.left_out:
         yield f"Not in this file: {sentence}"
     if not is_short:
