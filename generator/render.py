@@ -13,7 +13,7 @@ from importlib import resources
 from pathlib import Path
 from typing import get_args
 
-from .language.problems import TEMPLATE_SUFFIX, suggestion
+from .language.problems import TEMPLATE_SUFFIX, suggest_word
 
 _CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
@@ -110,5 +110,5 @@ def unused_templates(
             similar_paths = [shipped for shipped in shipped_paths if shipped.endswith(f"/{path.name}")]
             # A template of the same name is suggested if there is only one, or else the most similar path.
             is_clear = len(similar_paths) == 1
-            hint = f"; did you mean '{similar_paths[0]}'?" if is_clear else suggestion(name, shipped_paths)
+            hint = f"; did you mean '{similar_paths[0]}'?" if is_clear else suggest_word(name, shipped_paths)
             yield f"no output uses {(own_folder / path).as_posix()}{hint}"

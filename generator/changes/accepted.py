@@ -8,7 +8,7 @@ from datetime import date
 from pathlib import Path
 
 from ..language.document import Document
-from ..language.problems import ProblemReport, join_words, quoted, suggestion
+from ..language.problems import ProblemReport, join_words, quoted, suggest_word
 from ..language.read import read_document
 from .rules import RULES, Change
 
@@ -65,7 +65,7 @@ def _read_acceptance(document: Document, index: int, acceptance: object) -> Acce
     rule = acceptance["rule"]
     until = acceptance["until"]
     if rule not in RULES:
-        raise NotAccepted(f"{location}: there is no rule {quoted(rule)}{suggestion(rule, RULES)}")
+        raise NotAccepted(f"{location}: there is no rule {quoted(rule)}{suggest_word(rule, RULES)}")
     try:
         return Accepted(**{**acceptance, "until": date.fromisoformat(until)})
     except ValueError:
@@ -110,7 +110,7 @@ def _suggest_correction(acceptance: Accepted, changes: Sequence[Change]) -> str:
     """
     families = {change.family for change in changes}
     if acceptance.family not in families:
-        return suggestion(acceptance.family, sorted(families), "families with changes")
+        return suggest_word(acceptance.family, sorted(families), "families with changes")
     family_changes = [change for change in changes if change.family == acceptance.family]
     paths_of_rule = [change.path for change in family_changes if change.rule.name == acceptance.rule]
-    return suggestion(acceptance.path, paths_of_rule, "paths of this rule")
+    return suggest_word(acceptance.path, paths_of_rule, "paths of this rule")

@@ -50,11 +50,11 @@ class Parser(argparse.ArgumentParser):
         The message contains the nearest choice, or else all.
         """
         if action.choices is not None and value not in action.choices:
-            from ..language.problems import suggestion
+            from ..language.problems import suggest_word
 
             kind = "command" if isinstance(action, argparse._SubParsersAction) else "choice"
             choices = list(map(str, action.choices))
-            hint = suggestion(str(value), choices) or f"; known: {', '.join(choices)}"
+            hint = suggest_word(str(value), choices) or f"; known: {', '.join(choices)}"
             raise argparse.ArgumentError(None, f"there is no {kind} '{value}'{hint}")
 
 
@@ -79,12 +79,12 @@ def parse(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Nam
 
 def _unexpected_message(parser: argparse.ArgumentParser, argument: str) -> str:
     """Return the message about an argument that the command does not have, with the nearest option or ``--specs``."""
-    from ..language.problems import suggestion
+    from ..language.problems import suggest_word
 
     options = sorted(name for action in parser._actions for name in action.option_strings)
     if argument.startswith("-"):
         option_name, _, _ = argument.partition("=")
-        return f"there is no option '{argument}'{suggestion(option_name, options)}"
+        return f"there is no option '{argument}'{suggest_word(option_name, options)}"
     is_spec = Path(argument).suffix in (".yaml", ".yml") or Path(argument).exists()
     if "--specs" in options and is_spec:
         return f"unexpected argument '{argument}'; give a spec as --specs {argument}"

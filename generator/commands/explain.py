@@ -61,7 +61,7 @@ def explain(name: str | None) -> str:
         CommandError: There is no such rule. The exit code is 2.
     """
     from ..changes.rules import RULES
-    from ..language.problems import suggestion
+    from ..language.problems import suggest_word
 
     examples = rules_of_check()
     if name is None:
@@ -69,7 +69,7 @@ def explain(name: str | None) -> str:
     descriptions = [*_describe_rule_of_check(name, examples), *_describe_rule_of_diff(name)]
     if not descriptions:
         names_of_rules = [*examples, *_SEVERAL_FILES, *RULES]
-        hint = suggestion(name, names_of_rules) or "; codewheel explain lists the rules"
+        hint = suggest_word(name, names_of_rules) or "; codewheel explain lists the rules"
         raise CommandError(f"there is no rule '{name}'{hint}", 2)
     return "\n\n".join(descriptions)
 

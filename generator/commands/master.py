@@ -126,11 +126,11 @@ def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
     Raises:
         CommandError: There is none. The exit code is 2.
     """
-    from ..language.problems import suggestion
+    from ..language.problems import suggest_word
 
     known_names = [master.name for master in masters]
     if name is not None and name not in known_names:
-        hint = suggestion(name, known_names) or "; codewheel master lists them"
+        hint = suggest_word(name, known_names) or "; codewheel master lists them"
         raise CommandError(f"there is no master '{name}'{hint}", 2)
 
 

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ..language.problems import ProblemReport, TemplateFault, join_words, suggestion
+from ..language.problems import ProblemReport, TemplateFault, join_words, suggest_word
 from ..loading.configuration import BUILT_IN, NO_FILTERS, FamilyFilters
 from ..loading.library import load_families, sound_families
 from ..loading.overlays import Family
@@ -94,7 +94,7 @@ def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool
 
 
 def _unknown_target_message(name: str) -> str:
-    return f"there is no target '{name}'{suggestion(name, target_names(), 'there are')}"
+    return f"there is no target '{name}'{suggest_word(name, target_names(), 'there are')}"
 
 
 def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[str, Options]:
@@ -133,12 +133,12 @@ def _refuse_setting(target: Target, name: str, value: str) -> None:
     """
     options = {option.name: option for option in target.options}
     if name not in options:
-        hint = suggestion(name, options, "it has") if options else "; it has none"
+        hint = suggest_word(name, options, "it has") if options else "; it has none"
         raise CommandError(f"the target '{target.name}' has no option '{name}'{hint}", 2)
     accepted_values = options[name].values
     if accepted_values and value not in accepted_values:
         raise CommandError(
-            f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, accepted_values, 'it can be')}", 2
+            f"'{target.name}.{name}' cannot be '{value}'{suggest_word(value, accepted_values, 'it can be')}", 2
         )
 
 

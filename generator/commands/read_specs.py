@@ -353,12 +353,12 @@ def _report_unknown_targets(
 
     Under ``targets``, a name is an item of the list. Under ``only``, it is a key, and the error is at that.
     """
-    from ..language.problems import ProblemReport, suggestion
+    from ..language.problems import ProblemReport, suggest_word
     from ..loading.configuration_file import add_error
 
     report = ProblemReport()
     for name, place in unknown_targets:
-        message = f"there is no target '{name}'{suggestion(name, known_names, 'there are')}"
+        message = f"there is no target '{name}'{suggest_word(name, known_names, 'there are')}"
         is_key = place[0] == "only"
         add_error(report, file, place, "undefined-reference", message, at_key=is_key)
     return report
@@ -374,7 +374,7 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
     """
     if settings is None or not settings.only:
         return
-    from ..language.problems import suggestion
+    from ..language.problems import suggest_word
     from ..loading.configuration_file import add_error
 
     # A spec with problems may have no family yet, so its file counts as a family of this name.
@@ -383,7 +383,7 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
     for target, family_filter in settings.only.items():
         for index, name in enumerate(family_filter.families):
             if name not in known_names and name not in spec_names:
-                message = f"there is no family '{name}' among the specs{suggestion(name, known_names, 'there are')}"
+                message = f"there is no family '{name}' among the specs{suggest_word(name, known_names, 'there are')}"
                 place = ("only", target, "families", index)
                 add_error(report, settings.file, place, "undefined-reference", message)
 

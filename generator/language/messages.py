@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, unsupported_hint, value_hint, word_hint
-from .problems import WORDS_ONLY, Path, join_words, missing, nearest_choice, quoted, suggestion
+from .problems import WORDS_ONLY, Path, join_words, missing, nearest_choice, quoted, suggest_word
 from .schema_files import is_only_in_device_files
 
 _TYPES = {
@@ -204,7 +204,7 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
 
 def _suggest_key(error: Any, unknown_key: str) -> str:
     """Return the known keys, or the most similar one, as a hint after an unknown key."""
-    return suggestion(unknown_key, error.schema["properties"], "known keys")
+    return suggest_word(unknown_key, error.schema["properties"], "known keys")
 
 
 def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFinding]:
@@ -320,7 +320,7 @@ def _explain_enum(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value that is not allowed, with the likely or all allowed values."""
     hint = word_hint(str(error.absolute_path[-1]), error.instance) or unsupported_hint(error.instance)
     if not hint and not isinstance(error.instance, (dict, list)):
-        hint = suggestion(str(error.instance), map(str, error.validator_value), "use one of")
+        hint = suggest_word(str(error.instance), map(str, error.validator_value), "use one of")
     if not hint:
         hint = f"; use one of {', '.join(map(str, error.validator_value))}"
     if "use one of" in hint and "fields" in error.absolute_path and error.absolute_path[-1] in _WIDTH_DECIDES:

@@ -29,7 +29,7 @@ from .document import (
     with_value,
     without_value,
 )
-from .problems import ProblemReport, quoted, suggestion
+from .problems import ProblemReport, quoted, suggest_word
 from .rules.values import check_source_format
 from .written_parts import WrittenSpec
 
@@ -333,7 +333,7 @@ class LayeredSpec:
         """Report a place of a change whose path ends at an existing value, with the steps that are possible there."""
         existing_name = self._base.name_path(missing_path.existing_path)
         parent = quoted(existing_name) if existing_name else "the spec"
-        hint = suggestion(missing_path.step, missing_path.known_steps, "known")
+        hint = suggest_word(missing_path.step, missing_path.known_steps, "known")
         message = f"there is nothing at {quoted(path_text)}: {parent} has no {quoted(missing_path.step)}{hint}"
         self._report_problem("overlay-unused", layer, change_path, message)
 

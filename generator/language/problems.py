@@ -286,7 +286,7 @@ def missing(keys: Iterable[str], owner: str) -> str:
     return f"{join_words(quoted_keys)} {are} missing; {owner} needs {them}"
 
 
-def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") -> str:
+def suggest_word(word: str, known_words: Iterable[str], otherwise: str = "known") -> str:
     """Return the hint after an unknown word: the likely known word, a short list of all known words, or nothing.
 
     ``otherwise`` is the text before the list of all known words, which is given if there are few.

@@ -12,7 +12,7 @@ from typing import Any
 from ..language.document import Document, SourceMark
 from ..language.document import Path as Place
 from ..language.files import CONFIGURATION
-from ..language.problems import ProblemReport, join_words, nearest_choice, quoted, suggestion
+from ..language.problems import ProblemReport, join_words, nearest_choice, quoted, suggest_word
 from .configuration import PYPROJECT, Configuration, FamilyFilter, Faulty, exists
 
 _TOKEN = re.compile(
@@ -334,7 +334,7 @@ def _report_unknown_keys(
     """Report the keys that are not known. ``place`` is the path of the map with these keys."""
     for key in keys:
         if key not in known_keys:
-            message = f"unknown key '{key}'{suggestion(str(key), known_keys, 'known keys')}"
+            message = f"unknown key '{key}'{suggest_word(str(key), known_keys, 'known keys')}"
             report.add("unknown-key", document, (*place, key), message, at_key=True)
 
 

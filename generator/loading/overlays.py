@@ -16,7 +16,7 @@ from pathlib import Path
 from ..language.check import check_overlay
 from ..language.document import Document
 from ..language.overlay import SUFFIX, AppliedChange, LayeredSpec, LayerKind, OverlayLayer
-from ..language.problems import Problem, ProblemReport, quoted, suggestion
+from ..language.problems import Problem, ProblemReport, quoted, suggest_word
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay, layer_in_words
 from ..order_codes.reduction import for_codes
 from .change_titles import change_title
@@ -85,7 +85,7 @@ def apply_overlays(
     families_by_name = {family.device.name: family for family in families}
     for overlay in valid_overlays:
         if overlay.data["of"] not in families_by_name:
-            hint = suggestion(overlay.data["of"], families_by_name) or "; codewheel list shows the families"
+            hint = suggest_word(overlay.data["of"], families_by_name) or "; codewheel list shows the families"
             message = f"there is no family {quoted(overlay.data['of'])} among the specs that were read{hint}"
             report.add("undefined-reference", overlay, ("of",), message)
     _refuse_same_names(valid_overlays, report)
@@ -277,7 +277,7 @@ def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report
             if code in known_codes:
                 selected_codes.add(code)
                 continue
-            message = f"{quoted(code)} is not a listed order code of the family{suggestion(code, known_codes)}"
+            message = f"{quoted(code)} is not a listed order code of the family{suggest_word(code, known_codes)}"
             report.add("undefined-reference", overlay, ("applies_to", "order_codes", index), message)
     return for_codes(device, selected_codes) if selected_codes else device
 

@@ -19,7 +19,7 @@ from threading import Event, Timer
 from typing import IO
 
 from ..language.files import SUFFIXES
-from ..language.problems import suggestion, visible
+from ..language.problems import suggest_word, visible
 from ..language.read import MAX_BYTES
 
 _MOST_FILES = 1000
@@ -176,7 +176,7 @@ def _find_commit(revision: str) -> str:
         # The names of all branches and tags, one a line.
         listing = _run_git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace")
         reference_names = [name for name in listing.split("\n") if name]
-        hint = suggestion(revision, reference_names[:_MOST_FILES])
+        hint = suggest_word(revision, reference_names[:_MOST_FILES])
         raise RevisionError(f"there is no revision '{revision_text}' in this repository{visible(hint)}") from None
     return commit.decode().strip()
 

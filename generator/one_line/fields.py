@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Literal
 
-from ..language.problems import quoted, suggestion
+from ..language.problems import quoted, suggest_word
 from ..model.key_types import LARGEST
 from .line import IN_TURN, POSITION, TURNS, CrcField, FillerField, FlagField, LineField, NumberField, ParityField
 
@@ -82,7 +82,7 @@ def _read_width(name: str, width_text: str, widest: int = WIDEST) -> int:
 def _read_number(name: str, values: Sequence[str], column: int) -> NumberField:
     """Return a number from its values: a width, and ``signed`` or the value of a constant, such as ``24:signed``."""
     if not values or values == [""]:
-        hint = suggestion(name, _KNOWN_NAMES) if name not in _KNOWN_NAMES else ""
+        hint = suggest_word(name, _KNOWN_NAMES) if name not in _KNOWN_NAMES else ""
         raise FieldError(f"'{name}' has no width; write {_FORMS}{hint}")
     if name in ("error", "warning"):
         raise FieldError(f"'{name}' is one bit; write {name}=low or {name}=high", len(name) + 1)

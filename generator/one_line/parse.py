@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..language.problems import join_words, quoted, suggestion
+from ..language.problems import join_words, quoted, suggest_word
 from ..model.key_types import LARGEST
 from .checks import problems_of_fields, problems_of_options
 from .fields import FieldError, number_in, read_field
@@ -89,7 +89,7 @@ def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
         message = "the line does not begin with its interface; write biss:, ssi:, spi: or rs485: in front of it"
         problems.append(LineProblem(1, message))
         return "biss", 0
-    hint = suggestion(interface, INTERFACES, "write one of")
+    hint = suggest_word(interface, INTERFACES, "write one of")
     problems.append(LineProblem(1, f"{quoted(word)} is not an interface{hint}"))
     return "biss", len(head)
 
@@ -187,7 +187,7 @@ def with_option(options: LineOptions, text: str, interface: str) -> LineOptions:
     is_word = name in _WORDS
     if not is_word and name not in _SETTINGS:
         known_names = [*_WORDS, *_SETTINGS]
-        hint = suggestion(name, known_names) or f"; write {join_words(known_names, 'or')}"
+        hint = suggest_word(name, known_names) or f"; write {join_words(known_names, 'or')}"
         raise FieldError(f"{quoted(name)} is not an option{hint} (a field belongs after the colon)")
     interfaces, *_ = _WORDS[name] if is_word else _SETTINGS[name]
     if interface and interface not in interfaces:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from codewheel.language.problems import Problem, ProblemReport, join_words, quoted, suggestion
+from codewheel.language.problems import Problem, ProblemReport, join_words, quoted, suggest_word
 
 
 def problem(text: str, column: int, *, file: str = "a.yaml", message: str = "wrong", path: str = "") -> Problem:
@@ -74,9 +74,9 @@ def test_words() -> None:
     assert quoted("x" * 100) == "'" + "x" * 57 + "...'"
     values: list[object] = [True, None, 3, {}, []]
     assert [quoted(value) for value in values] == ["true", "nothing", "3", "a map", "a list"]
-    assert suggestion("adress", ["address", "access"]) == "; did you mean 'address'?"
-    assert suggestion("zzz", ["a", "b"], "use one of") == "; use one of: a, b"
-    assert suggestion("zzz", [f"name_{index}" for index in range(12)]) == ""
+    assert suggest_word("adress", ["address", "access"]) == "; did you mean 'address'?"
+    assert suggest_word("zzz", ["a", "b"], "use one of") == "; use one of: a, b"
+    assert suggest_word("zzz", [f"name_{index}" for index in range(12)]) == ""
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,7 @@ def test_words() -> None:
     ],
 )
 def test_slip_gets_a_hint(word: str, known_word: str) -> None:
-    assert suggestion(word, [known_word, "something_else"]) == f"; did you mean '{known_word}'?"
+    assert suggest_word(word, [known_word, "something_else"]) == f"; did you mean '{known_word}'?"
 
 
 @pytest.mark.parametrize(
@@ -111,8 +111,8 @@ def test_slip_gets_a_hint(word: str, known_word: str) -> None:
     ],
 )
 def test_another_word_of_the_trade_is_no_slip(word: str, known_word: str) -> None:
-    assert suggestion(word, [known_word, "something_else"]) == f"; known: {known_word}, something_else"
+    assert suggest_word(word, [known_word, "something_else"]) == f"; known: {known_word}, something_else"
 
 
 def test_of_two_words_that_are_as_near_none_is_guessed() -> None:
-    assert suggestion("turn_1s", ["turn_1", "turn_1st"]) == "; known: turn_1, turn_1st"
+    assert suggest_word("turn_1s", ["turn_1", "turn_1st"]) == "; known: turn_1, turn_1st"

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from ...model import INTERFACES
-from ..problems import DocumentReport, quoted, suggestion
+from ..problems import DocumentReport, quoted, suggest_word
 from ..schema_files import is_second
 from ..written_codes import WrittenCodeValue
 from ..written_interfaces import WrittenSsi
@@ -93,7 +93,7 @@ def check_flag_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
             other_flags = [name for name in dict.fromkeys(flags) if name != field.name]
             for index, name in enumerate(field.sums_up):
                 if name not in other_flags:
-                    problem = f"there is no other flag {quoted(name)}{suggestion(name, other_flags)}"
+                    problem = f"there is no other flag {quoted(name)}{suggest_word(name, other_flags)}"
                     report.add("undefined-reference", (*field.place_of("sums_up"), index), problem, cause=name)
 
 

@@ -13,7 +13,7 @@ from ...model.part import Prose
 from ...model.part import key as described_key
 from ...say.text import count_with_unit
 from ..master_items import FILE_FORMATS, NUMBERS, WORDS
-from ..problems import DocumentReport, Path, join_words, quoted, suggestion
+from ..problems import DocumentReport, Path, join_words, quoted, suggest_word
 from ..written import WrittenPart
 from ..written_masters import (
     WrittenAnyClock,
@@ -120,7 +120,9 @@ def _check_source(source_text: str, path: Path, master: WrittenMaster, report: D
         key_text, _, _ = piece.partition(":")
         key = key_text.strip()
         if key not in documents:
-            report.add("undefined-reference", path, f"{quoted(key)} is not in 'documents'{suggestion(key, documents)}")
+            report.add(
+                "undefined-reference", path, f"{quoted(key)} is not in 'documents'{suggest_word(key, documents)}"
+            )
 
 
 def _is_item(item_name: str, path: Path, report: DocumentReport, valid_items: tuple[str, ...] = _ITEMS) -> bool:
@@ -130,7 +132,7 @@ def _is_item(item_name: str, path: Path, report: DocumentReport, valid_items: tu
     """
     if item_name in valid_items:
         return True
-    hint = "; it is a word, not a number" if item_name in _ITEMS else suggestion(item_name, valid_items)
+    hint = "; it is a word, not a number" if item_name in _ITEMS else suggest_word(item_name, valid_items)
     noun = "number" if valid_items is not _ITEMS else "item"
     report.add("undefined-reference", path, f"the record has no {noun} {quoted(item_name)}{hint}")
     return False
@@ -177,7 +179,7 @@ def _check_word(word: int | str, setting_word: str, path: Path, report: Document
     """Return True if the item can be this word, otherwise report it."""
     words = WORDS[setting_word]
     if word not in words:
-        message = f"'{setting_word}' cannot be {quoted(word)}{suggestion(str(word), words, 'use one of')}"
+        message = f"'{setting_word}' cannot be {quoted(word)}{suggest_word(str(word), words, 'use one of')}"
         report.add("undefined-reference", path, message)
     return word in words
 
@@ -280,7 +282,7 @@ def _check_devices(names: Sequence[str], path: Path, devices: Sequence[str], rep
     """Check that devices of these names exist."""
     for index, name in enumerate(names):
         if name not in devices:
-            message = f"there is no device {quoted(name)}{suggestion(name, devices)}"
+            message = f"there is no device {quoted(name)}{suggest_word(name, devices)}"
             report.add("undefined-reference", (*path, index), message)
 
 
@@ -307,7 +309,7 @@ def _check_setting_name(
     """Check that there is a setting of this name."""
     names = [setting.name for setting in master.settings]
     if setting_name not in names:
-        message = f"there is no setting {quoted(setting_name)}{suggestion(setting_name, names)}"
+        message = f"there is no setting {quoted(setting_name)}{suggest_word(setting_name, names)}"
         report.add("undefined-reference", path, message, at_key=at_key)
 
 
@@ -400,4 +402,4 @@ def _check_braces(text_with_items: str, known_names: tuple[str, ...], path: Path
     """Report each name in braces, as in ``{bits}``, that is not a known one."""
     for name in _BRACES.findall(text_with_items):
         if name not in known_names:
-            report.add("undefined-reference", path, f"there is no {{{name}}}{suggestion(name, known_names)}")
+            report.add("undefined-reference", path, f"there is no {{{name}}}{suggest_word(name, known_names)}")

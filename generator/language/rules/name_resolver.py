@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 from ...model import INTERFACES
 from ..document import Path
-from ..problems import DocumentReport, nearest_choice, quoted, suggestion
+from ..problems import DocumentReport, nearest_choice, quoted, suggest_word
 from ..schema_check import value_at
 from ..written_parts import WrittenSpec
 from .parts import bits_of, by_name, by_part_name, named_values
@@ -60,7 +60,7 @@ class NameResolver:
         if has_broken_choice and not nearest_choice(name, intact_choices):
             self._report.mark(path)
             return
-        problem = f"there is no {thing} {quoted(name)}{suggestion(name, choices)}"
+        problem = f"there is no {thing} {quoted(name)}{suggest_word(name, choices)}"
         self._report.add("undefined-reference", path, problem, cause=name)
 
     def report_problem(self, path: Path, problem: str) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ...model import INTERFACES, Verdict
 from ..document import Path
-from ..problems import DocumentReport, quoted, suggestion
+from ..problems import DocumentReport, quoted, suggest_word
 from ..written_codes import WrittenAlternative
 from ..written_layouts import WrittenCombination, WrittenField
 from ..written_parts import WrittenSpec
@@ -168,7 +168,7 @@ def _check_conditions(
     for field_name, value in combination.when.items():
         condition_path = (*combination.place_of("when"), field_name)
         if field_name not in fields_by_name:
-            problem = f"there is no field {quoted(field_name)} in this frame{suggestion(field_name, fields_by_name)}"
+            problem = f"there is no field {quoted(field_name)} in this frame{suggest_word(field_name, fields_by_name)}"
             report.add("undefined-reference", condition_path, problem, at_key=True)
             continue
         field = fields_by_name[field_name]
@@ -177,7 +177,7 @@ def _check_conditions(
         if problem:
             report.add("combination", condition_path, problem, at_key=True)
         elif value not in known_values:
-            problem = f"{quoted(field_name)} has no value {quoted(value)}{suggestion(value, known_values)}"
+            problem = f"{quoted(field_name)} has no value {quoted(value)}{suggest_word(value, known_values)}"
             report.add("undefined-reference", condition_path, problem)
     if len(combination.when) == 1 and len(report) == problems_before:
         (field_name,) = combination.when

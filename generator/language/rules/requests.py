@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ...model import Spi
-from ..problems import DocumentReport, quoted, suggestion
+from ..problems import DocumentReport, quoted, suggest_word
 from ..schema_files import is_second
 from ..written_interfaces import WrittenRs485, WrittenRs485Exchange, WrittenSpi, WrittenSpiExchange
 from ..written_layouts import WrittenField, WrittenLayout
@@ -68,7 +68,7 @@ def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentRepor
             name = _frame_name(exchange, key)
             if name and name not in names:
                 message = f"there is no layout {quoted(name)} from the {sender}"
-                report.add("undefined-reference", exchange.place_of(key), message + suggestion(name, names))
+                report.add("undefined-reference", exchange.place_of(key), message + suggest_word(name, names))
 
 
 def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ...model import Evidence
 from ..document import Path, is_placeholder, value_at
-from ..problems import DocumentReport, join_words, quoted, suggestion
+from ..problems import DocumentReport, join_words, quoted, suggest_word
 from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenSsi
 from ..written_parts import WrittenExample, WrittenSection, WrittenSpec
@@ -165,7 +165,7 @@ def _is_in_section(
     if section not in spans:
         if _NUMBERED.fullmatch(section):
             numbered_sections = [name for name in spans if _NUMBERED.fullmatch(name)]
-            hint = suggestion(section, numbered_sections)
+            hint = suggest_word(section, numbered_sections)
             report.add("cited-place", path, f"the contents have no section {quoted(section)}{hint}")
         return False
     if page is None:

@@ -8,7 +8,7 @@ from decimal import Decimal
 
 from ...model import Characteristic, Timing
 from ..document import ErratumTargets
-from ..problems import DocumentReport, join_words, quoted, suggestion
+from ..problems import DocumentReport, join_words, quoted, suggest_word
 from ..schema_files import PROSE
 from ..written import LocatedPart, located
 from ..written_codes import WrittenRegister
@@ -155,7 +155,7 @@ def check_quoted_names(spec: WrittenSpec, as_read: WrittenSpec, report: Document
             before, after = match.group("before", "after")
             name = before or after
             if _fold_name(name) not in folded_names:
-                message = f"nothing here is called {quoted(name)}{suggestion(name, names_in_spec)}; correct the text"
+                message = f"nothing here is called {quoted(name)}{suggest_word(name, names_in_spec)}; correct the text"
                 report.add("left-behind", path, message, cause=name)
 
 
@@ -243,9 +243,7 @@ def check_alarm_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         for match in _NAMED_ERROR.finditer(text):
             word_in_capitals = match[1]
             if word_in_capitals not in known_words:
-                message = (
-                    f"no alarm here is called {quoted(match[0])}{suggestion(match[0], sorted(names))}; correct the text"
-                )
+                message = f"no alarm here is called {quoted(match[0])}{suggest_word(match[0], sorted(names))}; correct the text"
                 report.add("left-behind", path, message, cause=match[0])
 
 

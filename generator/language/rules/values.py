@@ -10,7 +10,7 @@ from itertools import combinations, pairwise
 from ...model import INTERFACES, CableLength, Clock, Revision, Supply
 from ...say.plain_text import count_with_unit
 from ..document import Path, is_placeholder
-from ..problems import DocumentReport, missing, quoted, suggestion
+from ..problems import DocumentReport, missing, quoted, suggest_word
 from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_interfaces import WrittenRs485, WrittenSsi
@@ -312,7 +312,7 @@ def _check_piece(
     if key is not None and key == own_language:
         report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; remove '{key}:'")
     elif key is not None and key not in editions and key not in documents:
-        hint = suggestion(key, [*editions, *documents])
+        hint = suggest_word(key, [*editions, *documents])
         report.add("undefined-reference", path, f"there is no edition or document {quoted(key)}{hint}")
     elif key in documents and place:
         return  # Public documents have sections of every kind.
