@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, unsupported_hint, value_hint, word_hint
-from .problems import WORDS_ONLY, Path, join_words, missing, nearest_choice, quoted, suggest_word
+from .problems import WORDS_ONLY, Path, join_words, missing_keys_message, nearest_choice, quoted, suggest_word
 from .schema_files import is_only_in_device_files
 
 _TYPES = {
@@ -218,7 +218,7 @@ def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFindin
     if not missing_keys:
         return
     hints = [TO_ADD[key] for key in missing_keys if key in TO_ADD]
-    message = "; ".join([missing(missing_keys, _name_owner(error, path, file_kind)), *hints])
+    message = "; ".join([missing_keys_message(missing_keys, _name_owner(error, path, file_kind)), *hints])
     is_only_prose = not misspelt_keys and WORDS_ONLY.issuperset(missing_keys)
     is_in_named_map = bool(path) and isinstance(path[-1], str)
     yield RuleFinding("missing-key", path, message, at_key=is_in_named_map, alone=is_only_prose)

@@ -279,7 +279,7 @@ def join_words(words: Iterable[str], last: str = "and") -> str:
     return f"{', '.join(items[:-1])} {last} {items[-1]}"
 
 
-def missing(keys: Iterable[str], owner: str) -> str:
+def missing_keys_message(keys: Iterable[str], owner: str) -> str:
     """Return the message about missing keys, such as ``'a' and 'b' are missing; a clock needs them``."""
     quoted_keys = [quoted(key) for key in keys]
     are, them = ("is", "it") if len(quoted_keys) == 1 else ("are", "them")

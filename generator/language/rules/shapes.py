@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from ...model import INTERFACES, Spi
 from ...model.expressions import Expression, ExpressionError
-from ..problems import DocumentReport, Path, join_words, missing, quoted
+from ..problems import DocumentReport, Path, join_words, missing_keys_message, quoted
 from ..written_layouts import KIND_KEYS, WrittenField, WrittenLayout
 from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
@@ -384,7 +384,7 @@ def check_keys(
     required_keys, optional_keys = keys_of_kind
     missing_keys = [key for key in required_keys if key not in given_keys]
     if missing_keys:
-        report.add(rule, path, missing(missing_keys, subject))
+        report.add(rule, path, missing_keys_message(missing_keys, subject))
     for key in given_keys:
         if key not in (*required_keys, *optional_keys, *keys_of_all):
             report.add(rule, (*path, key), f"{quoted(key)} does not apply to {subject}", at_key=True)

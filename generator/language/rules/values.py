@@ -10,7 +10,7 @@ from itertools import combinations, pairwise
 from ...model import INTERFACES, CableLength, Clock, Revision, Supply
 from ...say.plain_text import count_with_unit
 from ..document import Path, is_placeholder
-from ..problems import DocumentReport, missing, quoted, suggest_word
+from ..problems import DocumentReport, missing_keys_message, quoted, suggest_word
 from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_interfaces import WrittenRs485, WrittenSsi
@@ -181,7 +181,7 @@ def _report_missing_limit(
     # A source that is still a placeholder marks a clock whose limits are still to be transcribed.
     if is_complete and not is_known and not is_placeholder(clock.source):
         remedy = "if no document of the manufacturer gives the limits, write 'used_hz'"
-        report.add("missing-key", clock.path, f"{missing(['max_hz'], 'a clock')}; {remedy}", at_key=True)
+        report.add("missing-key", clock.path, f"{missing_keys_message(['max_hz'], 'a clock')}; {remedy}", at_key=True)
 
 
 def check_cable_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
