@@ -39,14 +39,14 @@ def run(arguments: argparse.Namespace) -> int:
     from ..readings.cloze import as_lines, open_gaps, read_sheet, sheet
     from .facts import family_named
     from .read_specs import specs_to_judge
-    from .terminal import problems
+    from .terminal import print_problems
 
     loaded_family = family_named(arguments.family, specs_to_judge(arguments.specs, "cloze FAMILY").paths)
     family = loaded_family.plain or loaded_family
     report = ProblemReport()
     filled_sheet = read_sheet(family, report)
     if report:
-        raise problems(report)
+        raise print_problems(report)
     old_entries = filled_sheet.data["texts"] if filled_sheet is not None else {}
     sheet_data = sheet(family.document, old_entries)
     spec_path = Path(family.document.file)

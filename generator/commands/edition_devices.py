@@ -12,7 +12,7 @@ from ..loading.overlays import Family
 from ..model import Device
 from ..order_codes.labels import LabelMatch, UnknownOrderCode, edition_by_label, find_code
 from ..reference.findings import edition_by_registers, without_tests
-from .terminal import CommandError, problems
+from .terminal import CommandError, print_problems
 
 #: Words that ask to infer the edition instead of naming it.
 BY_LABEL, BY_REGISTERS = "label", "registers"
@@ -93,7 +93,7 @@ def _load_in_edition(specs: Sequence[Path], device: Device, revision: str) -> De
     report = ProblemReport()
     edition_family = in_edition(families_by_name[device.name], revision, report)
     if report or edition_family is None:
-        raise problems(report)
+        raise print_problems(report)
     return edition_family.device
 
 

@@ -13,7 +13,7 @@ from ..say.plain_text import count_with_unit, first_of
 from .arguments import bytes_by_address
 from .line_encoder import encoder_in_line, is_line, refuse_line
 from .specs_by_text import families_for, has_family, has_same_spec
-from .terminal import CommandError, problems
+from .terminal import CommandError, print_problems
 
 if TYPE_CHECKING:
     import argparse
@@ -185,7 +185,7 @@ def _refuse_hidden(device: Device, reports_with_problems: Iterable[ProblemReport
         # A file is named after its family.
         names_of_faulty_families = {Path(file).stem for file in report.faulty_files}
         if device.name in names_of_faulty_families:
-            raise problems(report)
+            raise print_problems(report)
 
 
 def _print_skipped_files(report: ProblemReport) -> None:
@@ -205,7 +205,7 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: b
     for paths in specs.groups:
         group_devices, report = load_sound(paths)
         if report:
-            return problems(report)
+            return print_problems(report)
         devices += group_devices
     reason = _unknown_code_error(devices, text)
     if specs.packaged:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from .arguments import AND_PACKAGED, Parser, add_cache_option, add_specs, cache_for
-from .terminal import print_json, problems
+from .terminal import print_json, print_problems
 
 if TYPE_CHECKING:
     import argparse
@@ -99,7 +99,7 @@ def _load_devices(paths: Sequence[Path]) -> Sequence[Device]:
 
     devices, report = load_library(paths)
     if report:
-        raise problems(report)
+        raise print_problems(report)
     return devices
 
 

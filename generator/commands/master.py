@@ -17,7 +17,7 @@ from .arguments import (
     cache_for,
 )
 from .line_encoder import OR_A_LINE
-from .terminal import CommandError, print_json, problems, refuse_missing
+from .terminal import CommandError, print_json, print_problems, refuse_missing
 
 if TYPE_CHECKING:
     from ..masters.record import EncoderFacts
@@ -83,7 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
     refuse_missing(arguments.masters)
     masters, report = sheet.load_masters(arguments.masters)
     if report:
-        raise problems(report)
+        raise print_problems(report)
     _refuse_incomplete_options(arguments)
     if arguments.order_code is None:
         if arguments.json:

@@ -28,7 +28,7 @@ from ..language.files import (
 )
 from ..loading.configuration import BUILT_IN, PYPROJECT, Configuration, Faulty
 from ..say.plain_text import count_with_unit, first_of
-from .terminal import CommandError, problems, refuse_missing
+from .terminal import CommandError, print_problems, refuse_missing
 
 if TYPE_CHECKING:
     from ..language.document import Path as Place
@@ -159,7 +159,7 @@ def find_settings() -> Configuration | None:
     except Faulty as error:
         from ..loading.configuration_file import errors_in
 
-        raise problems(errors_in(error.files)) from None
+        raise print_problems(errors_in(error.files)) from None
 
 
 #: Commands that get the folder of the specs with an option.
@@ -343,7 +343,7 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
     known_names = target_names()
     unknown_targets = [(name, place) for name, place in registered_targets if name not in known_names]
     if unknown_targets:
-        raise problems(_report_unknown_targets(settings.file, unknown_targets, known_names))
+        raise print_problems(_report_unknown_targets(settings.file, unknown_targets, known_names))
 
 
 def _report_unknown_targets(

@@ -11,7 +11,7 @@ from ..language.problems import joined_lines
 from ..say.plain_text import count_with_unit
 from .arguments import Parser, a_path, add_specs_option
 from .facts import facts_data
-from .terminal import CommandError, Progress, print_json, problems
+from .terminal import CommandError, Progress, print_json, print_problems
 
 if TYPE_CHECKING:
     import argparse
@@ -103,7 +103,7 @@ def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> F
 
     families, report = load_families(specs)
     if report:
-        raise problems(report)
+        raise print_problems(report)
     families_by_name = {family.device.name: family for family in families if not family.device.base}
     known_names = ", ".join(families_by_name)
     if name is not None:

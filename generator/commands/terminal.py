@@ -184,7 +184,7 @@ def print_json(data: Any) -> None:
     print(json.dumps(data, indent=2, ensure_ascii=False))
 
 
-def problems(report: ProblemReport) -> CommandError:
+def print_problems(report: ProblemReport) -> CommandError:
     """Print all problems to standard error, and return the ``CommandError`` to raise."""
     for problem in report.shown:
         print(problem.format(), file=sys.stderr)

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..arguments import Parser, a_path, add_cache_option, add_specs, cache_for
-from ..terminal import CommandError, Progress, problems
+from ..terminal import CommandError, Progress, print_problems
 
 if TYPE_CHECKING:
     import argparse
@@ -154,7 +154,7 @@ def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Se
     with Progress("codewheel: checking the specs"):
         devices = complete_devices(families, targets, arguments.edition, report, selection.only)
     if report:
-        raise problems(report)
+        raise print_problems(report)
     specs_line = _line_about_specs(devices, report, arguments.packaged, selection.packaged)
     print(specs_line)
     accepted = devices_by_target([target.name for target in targets], devices, selection.only)
