@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: Most files in a message.
 _MOST_FILES = 8
 #: A family, the order code in it (None if the family was named), and the specs in which it was found.
-Located = tuple["Device", "LabelMatch | None", Sequence[Path]]
+FoundDevice = tuple["Device", "LabelMatch | None", Sequence[Path]]
 
 
 def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, LabelMatch, Sequence[Path]]:
@@ -70,7 +70,7 @@ def find_requested(
     return device, match_in_edition or match, register_bytes
 
 
-def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
+def find_family_or_code(specs: Specs, text: str, cache: Cache) -> FoundDevice:
     """Return a family named ``text`` without a match, or the result of ``find_order_code`` for the order code.
 
     Raises:
@@ -79,7 +79,7 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
     return _find_in_groups(specs, text, cache, accepts_family=True)
 
 
-def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> Located:
+def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> FoundDevice:
     """Return the family or order code from the first group of specs that contains it.
 
     A later group that also contains it is reported, unless its spec is the same.
