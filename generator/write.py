@@ -46,7 +46,7 @@ class FileChange:
     what: str
 
 
-def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[FileChange]:
+def list_changes(folder: Path, target: str, files: Mapping[str, str]) -> list[FileChange]:
     """Return the changes that writing ``files`` would make in the target's folder, ordered by path.
 
     Args:
@@ -177,7 +177,7 @@ def _written(
     ``guard`` and ``gate`` are called before anything changes, as in ``write``.
     """
     _remove_left_stages(folder)
-    changes_by_target = {target: changes(folder, target, files) for target, files in targets.items()}
+    changes_by_target = {target: list_changes(folder, target, files) for target, files in targets.items()}
     guard(changes_by_target)
     if any(map(_has_changes, changes_by_target.values())):
         gate()

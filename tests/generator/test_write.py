@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from codewheel import output_folder as stage_module
 from codewheel.output_folder import LIST, LIST_HEAD, Stage, WriteError
-from codewheel.write import FileChange, changes, digest_of, digest_on_disk, write
+from codewheel.write import FileChange, digest_of, digest_on_disk, list_changes, write
 
 FILES = {"python/a.py": "a\n", "python/pkg/b.py": "b\n"}
 
@@ -59,7 +59,7 @@ def test_removes_what_it_no_longer_writes_and_nothing_else(tmp_path: Path) -> No
 def test_check_changes_nothing(tmp_path: Path) -> None:
     write(tmp_path, {"python": FILES})
     before = tree(tmp_path)
-    assert changes(tmp_path, "python", {"python/a.py": "x"}) == [
+    assert list_changes(tmp_path, "python", {"python/a.py": "x"}) == [
         FileChange("python/a.py", "written"),
         FileChange("python/pkg/b.py", "removed"),
     ]
@@ -251,7 +251,7 @@ def test_a_stage_of_a_run_that_was_killed_at_its_mark_is_cleared(tmp_path: Path,
 def test_check_removes_nothing_of_a_run_under_way(tmp_path: Path) -> None:
     (tmp_path / ".codewheel-python-abcd1234").mkdir()
     (tmp_path / ".codewheel-python-abcd1234/.codewheel-stage").write_text(stage_module._MARK_TEXT)
-    changes(tmp_path, "python", FILES)
+    list_changes(tmp_path, "python", FILES)
     assert (tmp_path / ".codewheel-python-abcd1234/.codewheel-stage").is_file()
 
 

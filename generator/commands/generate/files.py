@@ -25,7 +25,7 @@ from ...removable_outputs import Guard
 from ...say.plain_text import count_with_unit
 from ...targets import Library, TargetError
 from ...targets.registry import load_target
-from ...write import FileChange, changes, digest_of, digest_on_disk, left_stages, write
+from ...write import FileChange, digest_of, digest_on_disk, left_stages, list_changes, write
 from ..outputs import accepted_devices
 from ..terminal import CommandError
 
@@ -82,7 +82,7 @@ def write_or_compare(
 
     try:
         if arguments.check:
-            changes_by_target = {name: changes(arguments.output, name, texts) for name, texts in files.items()}
+            changes_by_target = {name: list_changes(arguments.output, name, texts) for name, texts in files.items()}
             refuse_removals(changes_by_target)
             file_changes = list(chain.from_iterable(changes_by_target.values()))
             file_changes += left_stages(arguments.output)
