@@ -94,7 +94,7 @@ from .kinds import (
     Verdict,
 )
 from .layout import Fault, Layout, PlacedLayout, number_from_bytes, number_to_bytes
-from .lookup import assert_never, first_of, member_named
+from .lookup import assert_never, first_or_raise, member_named
 from .measurement import LayoutRange, Measurement
 from .order_codes import (
     Alternative,
@@ -244,7 +244,7 @@ __all__ = [
     "channel_frame",
     "choices",
     "cite",
-    "first_of",
+    "first_or_raise",
     "layer_in_words",
     "member_named",
     "number_from_bytes",

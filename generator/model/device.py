@@ -19,7 +19,7 @@ from .fields import Crc, Field, PlacedField
 from .interfaces import Biss, Interface
 from .kinds import CrcValue, Flag, Number
 from .layout import Layout, PlacedLayout
-from .lookup import first_of, member_named
+from .lookup import first_or_raise, member_named
 from .measurement import Measurement
 from .order_codes import Alternative, OrderCode, Parameter
 from .record import dataclass
@@ -276,7 +276,7 @@ class Device:
     def interface_of(self, layout: Layout) -> Interface:
         """Return the interface with this layout, or raise a ``LookupError``."""
         matches = (interface for interface, candidate in self.layouts() if candidate is layout)
-        return first_of(matches, f"interface with the layout '{layout.name}'")
+        return first_or_raise(matches, f"interface with the layout '{layout.name}'")
 
     def find_interface(self, interface_class: type[_Kind]) -> _Kind | None:
         """Return the interface of this kind, or None."""
@@ -440,7 +440,7 @@ class Device:
 
     def variant(self, code: str) -> Variant:
         matches = (variant for variant in self.variants if variant.code == code)
-        return first_of(matches, f"order code '{code}'")
+        return first_or_raise(matches, f"order code '{code}'")
 
     def variants_over(self, interface: str) -> tuple[Variant, ...]:
         """Return the listed order codes with this interface."""

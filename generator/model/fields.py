@@ -27,7 +27,7 @@ from .kinds import (
     Value,
     Verdict,
 )
-from .lookup import first_of, member_named
+from .lookup import first_or_raise, member_named
 from .part import (
     CrcNumber,
     Name,
@@ -225,7 +225,7 @@ class Field:
     def value_of(self, number: int) -> Value:
         """Return the named value with this number, or raise a ``LookupError``."""
         matches = (value for value in self.values if value.value == number)
-        return first_of(matches, f"value {number} of '{self.name}'")
+        return first_or_raise(matches, f"value {number} of '{self.name}'")
 
     @property
     def runs(self) -> tuple[Digits, ...]:

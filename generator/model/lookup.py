@@ -23,7 +23,7 @@ def member_named(members: Iterable[_N], name: str, kind: str) -> _N:
     raise LookupError(f"there is no {kind} called '{name}'")
 
 
-def first_of(values: Iterable[_T], kind: str) -> _T:
+def first_or_raise(values: Iterable[_T], kind: str) -> _T:
     """Return the first value, or raise a ``LookupError`` with the ``kind`` of value if there is none."""
     for value in values:
         return value

@@ -25,7 +25,7 @@ from ..model import (
     Value,
     Verdict,
     assert_never,
-    first_of,
+    first_or_raise,
 )
 from ..model.expressions import Expression
 from .commands import remedied
@@ -121,7 +121,7 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
     if register.bank is not None:
         facts_of_interface = device.interface(register.interface).facts()
         bank_selects = (fact for fact in facts_of_interface if isinstance(fact, BankSelect))
-        bank_select = first_of(bank_selects, f"register that selects the bank of '{register.name}'")
+        bank_select = first_or_raise(bank_selects, f"register that selects the bank of '{register.name}'")
         yield make_statement(
             f"First select bank {register.bank} with ", reference_to_register(device, bank_select.register)
         )

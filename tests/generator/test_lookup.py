@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterator
 
 import pytest
-from codewheel.model import Device, PlacedLayout, Register, first_of, member_named
+from codewheel.model import Device, PlacedLayout, Register, first_or_raise, member_named
 
 
 def placed(device: Device, code: str) -> PlacedLayout:
@@ -69,4 +69,4 @@ def test_lookup_in_a_generator() -> None:
     with pytest.raises(LookupError, match=re.escape("there is no register called 'torque'")):
         list(names())
     with pytest.raises(LookupError, match="there is no value left"):
-        first_of((), "value left")
+        first_or_raise((), "value left")

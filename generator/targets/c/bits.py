@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
-from ...model import BitSlice, Digits, Field, first_of
+from ...model import BitSlice, Digits, Field, first_or_raise
 from ...model.record import dataclass
 from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
 from ...plan.operations import FieldBits, JoinedNumber, Reserved
@@ -353,7 +353,7 @@ class UnusedMember:
     def bits_of(self, field: Field) -> CExpression:
         """Return the bits to send for one unused field, shifted to bit 0."""
         reserved_fields = (reserved for reserved in self.plan.reserved if reserved.field is field)
-        return self._bits_to_send(first_of(reserved_fields, f"unused field '{field.name}'"))
+        return self._bits_to_send(first_or_raise(reserved_fields, f"unused field '{field.name}'"))
 
     def _bits_to_send(self, reserved: Reserved) -> CExpression:
         """Return the documented bits of an unused field at bit 0, with those inverted that are 1 in the member."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...model import ChannelFrame, channel_frame, first_of
+from ...model import ChannelFrame, channel_frame, first_or_raise
 from .codec import StructCodec
 from .context import HeaderContext
 from .names import CExpression, DeclaredName, c_name
@@ -68,7 +68,7 @@ class ChannelCode:
         """The channel with the position."""
         interface = self._context.interface.name
         layouts = (layout for layout in self._frame.layouts if self._context.device.sends_position(interface, layout))
-        layout = first_of(layouts, "channel with the position")
+        layout = first_or_raise(layouts, "channel with the position")
         # The codecs are in the order of the layouts.
         return self.codecs[self._frame.layouts.index(layout)]
 

@@ -10,7 +10,7 @@ from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol, TypeVar
 
-from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_of
+from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_or_raise
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...order_codes.reduction import for_codes
@@ -280,7 +280,7 @@ class DeviceView:
             LookupError: There is no such frame.
         """
         codecs = (codec for codec in self.interface.codecs if codec.struct.layout.name in self.lengths.layouts)
-        return first_of(codecs, f"frame received over {self.context.interface.title}")
+        return first_or_raise(codecs, f"frame received over {self.context.interface.title}")
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:
         """Return the call for the counts after which the position wraps around, or ``0U`` if it may never wrap around.

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 from ...language.document import Path
-from ...model import Alternative, Answer, Device, Field, Layout, Parameter, Value, Verdict, cite, first_of
+from ...model import Alternative, Answer, Device, Field, Layout, Parameter, Value, Verdict, cite, first_or_raise
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.operations import FieldToDecode, Reserved
@@ -420,7 +420,7 @@ class Reports:
     def _find_path(self, report: NumberedReport) -> Path:
         """Return the path of the first frame with this report."""
         frames = (reporting for reporting in self._by_frame.values() if _has_report(reporting, report))
-        first_frame = first_of(frames, f"frame with the report '{report.name}'")
+        first_frame = first_or_raise(frames, f"frame with the report '{report.name}'")
         return ("interfaces", first_frame.interface.name, "layouts", first_frame.codec.layout.name)
 
 

@@ -19,7 +19,7 @@ from ...model import (
     Verdict,
     WriteStep,
     cite,
-    first_of,
+    first_or_raise,
     number_to_bytes,
 )
 from ...model.record import dataclass
@@ -151,7 +151,7 @@ class ExampleCode:
     def codec(self) -> StructCodec:
         """The functions of the frame."""
         codecs = (codec for codec in self.view.interface.codecs if codec.struct is self.struct)
-        return first_of(codecs, f"codec for '{self.struct.layout.name}'")
+        return first_or_raise(codecs, f"codec for '{self.struct.layout.name}'")
 
     @property
     def alternatives(self) -> tuple[AlternativeCode, ...]:
@@ -190,7 +190,7 @@ class ExampleCode:
         """The struct of the frame."""
         structs = (codec.struct for codec in self.view.interface.codecs)
         own_structs = (struct for struct in structs if struct.layout is self.frame.layout)
-        return first_of(own_structs, f"struct for '{self.frame.layout.name}'")
+        return first_or_raise(own_structs, f"struct for '{self.frame.layout.name}'")
 
     @property
     def reports(self) -> FrameReports | None:
@@ -239,7 +239,7 @@ class ExampleCode:
             return None
         structs = (codec.struct for codec in self.view.interface.codecs)
         requests = (struct for struct in structs if struct.layout.name == request_name)
-        request = first_of(requests, f"struct for '{request_name}'")
+        request = first_or_raise(requests, f"struct for '{request_name}'")
         parameters = self._chosen.variant.parameters
         reply_bits = self.frame.layout.place(parameters).bits
         return Session(
@@ -369,7 +369,7 @@ class ExampleCode:
             return None
         procedure, example = self._chosen.procedure
         candidates = (code for code in self.view.procedures if code.run.procedure is procedure)
-        code = first_of(candidates, f"code for the procedure '{procedure.name}'")
+        code = first_or_raise(candidates, f"code for the procedure '{procedure.name}'")
         argument_values: dict[str, int] = {}
         if example is not None:
             argument_values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
@@ -387,7 +387,7 @@ class ExampleCode:
         """Return a register that the program reads, with the source of its worked example."""
         _, example = self._chosen.registers[register.name]
         candidates = (code for code in self.view.registers if code.register is register)
-        code = first_of(candidates, f"code for the register '{register.name}'")
+        code = first_or_raise(candidates, f"code for the register '{register.name}'")
         return ShownRegister(
             title=f"{ascii_text(title_of(register))} {register.address:02X}h",
             name=c_name(register.name, _TAKEN),

@@ -18,7 +18,7 @@ from ...model import (
     Ssi,
     Timeout,
     WordFormat,
-    first_of,
+    first_or_raise,
 )
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
@@ -177,9 +177,9 @@ class InterfaceCode:
         if exchanged is None or not ports:
             return None
         candidates = (candidate for candidate in self.codecs if candidate.struct.layout is exchanged.request)
-        codec = first_of(candidates, f"codec for '{exchanged.request.name}'")
+        codec = first_or_raise(candidates, f"codec for '{exchanged.request.name}'")
         variants = self.device.variants_over(self.interface.name)
-        parameters = first_of(variants, f"order code with the interface '{self.interface.name}'").parameters
+        parameters = first_or_raise(variants, f"order code with the interface '{self.interface.name}'").parameters
         reply_names = set(_member_names(reply))
         common_names = [name for name in _member_names(exchanged.request) if name in reply_names]
         bytes_on_line = (exchanged.request.widest + reply.widest) // 8

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Biss, Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, channel_frame, choices, first_of
+from ...model import Biss, Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, channel_frame, choices, first_or_raise
 from ...model.record import dataclass
 from ...plan.crcs import UndetectedErrors, residual_of
 from ...plan.verdicts import reportings
@@ -161,7 +161,7 @@ class ReceiverCode:
         self.longest = max(example.received, key=lambda frame: frame.bits)
         variant = self.longest.variant
         rows = (row for row in view.variants.rows if row.variant is variant)
-        self.row: CodeRow = first_of(rows, f"row for {variant.code}")
+        self.row: CodeRow = first_or_raise(rows, f"row for {variant.code}")
         #: The macros of the bits in a frame and of the bytes in its buffer.
         self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
         reading = view.reading
@@ -341,8 +341,8 @@ class Guide:
         variant = self.example.row.variant
         frames = (frame for frame in self.example.received if frame.variant is variant)
         # The first of its two macros takes the bits, the second takes the bytes.
-        macros = self.example.view.lengths.macros_of(first_of(frames, f"frame received from {variant.code}"))
-        return first_of(macros, f"macro for the length of the frames of {variant.code}").name
+        macros = self.example.view.lengths.macros_of(first_or_raise(frames, f"frame received from {variant.code}"))
+        return first_or_raise(macros, f"macro for the length of the frames of {variant.code}").name
 
     @property
     def number(self) -> str:

@@ -21,7 +21,7 @@ from ...model import (
     Write,
     assert_never,
     cite,
-    first_of,
+    first_or_raise,
     member_named,
 )
 from ...model.record import dataclass
@@ -205,7 +205,7 @@ class SelfTest:
             interface = self.view.context.interface.name
             writable = [register for register in self.view.device.registers_over(interface) if register.writable]
             registers = (register for register in writable if register.address == write.address)
-            length = first_of(registers, f"writable register at {write.address:#x}").length
+            length = first_or_raise(registers, f"writable register at {write.address:#x}").length
         for byte in write.value.to_bytes(length, "big"):
             yield _format_hex(write.address), _format_hex(byte)
 
@@ -289,7 +289,7 @@ class SelfTest:
     def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
         """Yield the check that a register decodes to the values of the example, or nothing if it has no decoder."""
         codes = (code for code in self.view.registers if code.register.name == example.register)
-        code = first_of(codes, f"code for the register '{example.register}'")
+        code = first_or_raise(codes, f"code for the register '{example.register}'")
         if code.codec is not None:
             yield FrameCheck(
                 codec=code.codec,

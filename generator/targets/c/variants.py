@@ -8,7 +8,7 @@ from copy import copy
 from itertools import chain
 
 from ...language.problems import join_words
-from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
+from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_or_raise
 from ...model.record import dataclass
 from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
 from ...plan.values import UnsignedNumber, ZeroMeans, parameters_in_measurement, widest_value
@@ -231,7 +231,7 @@ class VariantCode:
         ordered: list[Parameter] = []
         while waiting:
             ready = (parameter for parameter in waiting.values() if _needs_none_of(parameter, waiting.keys()))
-            parameter = first_of(ready, f"order in which to calculate {', '.join(waiting)}")
+            parameter = first_or_raise(ready, f"order in which to calculate {', '.join(waiting)}")
             ordered.append(waiting.pop(parameter.name))
         return ordered
 

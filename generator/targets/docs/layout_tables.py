@@ -18,7 +18,7 @@ from ...model import (
     PlacedLayout,
     Register,
     choices,
-    first_of,
+    first_or_raise,
 )
 from ...model.expressions import Expression
 from ...model.record import dataclass
@@ -190,7 +190,7 @@ def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], Gr
     bit of the group. Without such questions, there is one result with no answers.
     """
     layouts = (layout for _, layout in device.layouts() if _has_group(layout, name))
-    layout = first_of(layouts, f"frame with the field group '{name}'")
+    layout = first_or_raise(layouts, f"frame with the field group '{name}'")
     fields = [field for field in layout.fields if field.group == name]
     alternatives = device.alternatives_of(layout)
     deciding_alternatives = [alternative for alternative in alternatives if _decides_place_of_any(fields, alternative)]
@@ -247,7 +247,7 @@ def group_places(
         answers_by_place: dict[str, str] = {}
         for answers, group_fields in shapes:
             places = (bits(high, low) for moved_field, high, low in group_fields if moved_field is field)
-            place = first_of(places, f"place of '{field.name}'")
+            place = first_or_raise(places, f"place of '{field.name}'")
             answers_by_place.setdefault(place, answers_text(answers))
         if len(answers_by_place) == 1:
             yield field, join_filled(answers_by_place)

@@ -18,7 +18,7 @@ from ...masters.text import (
     refusal_text,
     standing_mark,
 )
-from ...model import Device, Interface, first_of
+from ...model import Device, Interface, first_or_raise
 from ...say.evidence import grade_below_manual
 from ...say.markdown import code_span, escape, join_filled, link_list, markdown_link
 from ...say.text import Statement
@@ -67,7 +67,7 @@ def page_links(device: Device) -> list[str]:
 def page_values(device: Device, interface_name: str, masters: Sequence[Master]) -> MastersPage:
     """Return the values of the page with the settings of all masters for an interface, which has such settings."""
     interface_sheets = sheets_of(device, masters)
-    group_sheets = first_of(
+    group_sheets = first_or_raise(
         (group for group in interface_sheets if group.interface.name == interface_name), f"sheets of {interface_name}"
     )
     sheets: list[SettingsSheet] = []

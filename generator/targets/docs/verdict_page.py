@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_of
+from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_or_raise
 from ...model.record import dataclass
 from ...plan.values import ActiveFlag, meaning_of
 from ...plan.verdicts import (
@@ -174,7 +174,7 @@ def _answer_text(device: Device, question: Alternative, parameter_condition: Cod
     answer_names = " or ".join(answer_codes)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
-    interface = first_of(interfaces, f"frame whose verdict '{question.name}' decides")
+    interface = first_or_raise(interfaces, f"frame whose verdict '{question.name}' decides")
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
     # The default answer sets the parameter to 0.
     default = "" if parameter_condition.holds else ", the default"

@@ -9,7 +9,7 @@ from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
 from ...masters.places import ObjectWrite, SettingPlace, write_order
 from ...masters.sheet import Setting, SettingsSheet
 from ...masters.text import condition_text
-from ...model.lookup import first_of
+from ...model.lookup import first_or_raise
 from ...model.record import dataclass
 
 Raw = Mapping[str, Any]
@@ -259,7 +259,7 @@ def _channels_of_device(sheet: SettingsSheet, device: str, file_values: Sequence
     if not file_values:
         return ()
     devices = (master_device for master_device in sheet.master.devices if master_device.name == device)
-    first_name, *further_names = first_of(devices, f"device '{device}' of the master").channels
+    first_name, *further_names = first_or_raise(devices, f"device '{device}' of the master").channels
     if not any(file_value.place.channel for file_value in file_values):
         return (Channel("" if further_names else first_name, tuple(file_values)),)
     # The first channel also contains the shared values.

@@ -14,7 +14,7 @@ from posixpath import relpath
 from runpy import run_path
 from typing import Annotated, TypedDict
 
-from ...model import Device, Manufacturer, Rs485, Spi, first_of
+from ...model import Device, Manufacturer, Rs485, Spi, first_or_raise
 from ...plan import operations, steps
 from ...plan.limits import Refusal
 from ...render import Templates, our_templates, tests_for
@@ -238,7 +238,7 @@ def _package_values(
 def _family_of(order_code: str, modules: Iterable[Module]) -> Module:
     """Return the module of the family with this order code."""
     families = (module for module in modules if _has_order_code(module, order_code))
-    return first_of(families, f"family with the order code '{order_code}'")
+    return first_or_raise(families, f"family with the order code '{order_code}'")
 
 
 def _has_order_code(module: Module, order_code: str) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...model import Interface, channel_frame, first_of
+from ...model import Interface, channel_frame, first_or_raise
 from ...model.record import dataclass
 from ...plan.description import describe
 from .codec import LayoutClass
@@ -136,7 +136,7 @@ def channel_code(context: ModuleContext, interface: Interface, scope: ParameterE
         class_names = ClassNames(field.layout, register=None, crcs=())
         channel_index = index_by_layout[field.layout.name]
         compared.append((channel_index, class_names.attribute(field.name), scope.expression_of(field.width)))
-    position_layout = first_of(position_layouts, "channel with the position")
+    position_layout = first_or_raise(position_layouts, "channel with the position")
     return ChannelCode(
         kinds=tuple(context.frames[layout.name] for layout in frame.layouts),
         position=index_by_layout[position_layout.name],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from ...model import Field, Flag, Verdict, first_of
+from ...model import Field, Flag, Verdict, first_or_raise
 from ...model.expressions import Expression
 from ...plan.codec import LayoutPlan
 from ...plan.operations import FieldToDecode, Reserved
@@ -102,7 +102,7 @@ class FrameReports:
     def name_of(self, field: Field) -> str:
         """Return the name of a field's report."""
         causes = (cause for cause in self._report_causes if cause.by.field.name == field.name)
-        return first_of(causes, f"report about '{field.name}'").report.name
+        return first_or_raise(causes, f"report about '{field.name}'").report.name
 
     # -- conditions
 

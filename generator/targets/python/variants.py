@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-from ...model import Interface, Layout, Measurement, Register, Spi, Variant, first_of
+from ...model import Interface, Layout, Measurement, Register, Spi, Variant, first_or_raise
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
@@ -410,7 +410,7 @@ class VariantTable:
             if self.device.verdict_alternatives(layout):
                 interface_names.add(interface.name)
         variants = (variant for variant in reversed(self.device.variants) if variant.interface in interface_names)
-        return first_of(variants, "order code with a frame whose verdict an answer decides").code
+        return first_or_raise(variants, "order code with a frame whose verdict an answer decides").code
 
     def answered_parameters(self, question: OpenQuestion) -> list[tuple[str, str]]:
         """Return the parameters that an answer sets, each with its attribute in the Enum of the answers."""
