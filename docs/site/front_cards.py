@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 
 from codewheel.loading.library import load_library
-from codewheel.model import Device, Flag, Layout, PlacedField, PlacedLayout, Variant, choices
+from codewheel.model import Device, Flag, Layout, PlacedField, PlacedLayout, Variant, answer_combinations
 from codewheel.say.evidence import GRADES
 from codewheel.say.layout import box_colour
 from codewheel.say.names_and_places import name_in_words
@@ -104,7 +104,7 @@ def _is_narrow(placed: PlacedLayout, field: PlacedField) -> bool:
 def _size_of(device: Device, variant: Variant, placed: PlacedLayout) -> str:
     """Return the length of a frame, or each length that it can have, with a link to the open question."""
     open_ = device.alternatives_of(placed.layout)
-    bits = [placed.layout.place({**variant.parameters, **sets}).bits for _, sets in choices(open_)]
+    bits = [placed.layout.place({**variant.parameters, **sets}).bits for _, sets in answer_combinations(open_)]
     if len(set(bits)) == 1:
         return f"{placed.bits} bits"
     page = f"generated/docs/{device.name}/{variant.interface}.md#alternative-{open_[0].name}"

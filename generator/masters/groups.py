@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
-from ..model import Device, Interface, Variant, choices
+from ..model import Device, Interface, Variant, answer_combinations
 from ..model.record import dataclass
 from .frame_parts import NoRecord
 from .record import EncoderFacts, Undecided, record
@@ -115,7 +115,7 @@ def _records_by_answers(device: Device, variant: Variant) -> Iterator[EncoderFac
         yield record(device, variant)
     except Undecided as error:
         deciding_alternatives = device.alternatives_of(error.layout)
-        for answers, _ in choices(deciding_alternatives):
+        for answers, _ in answer_combinations(deciding_alternatives):
             pairs = zip(deciding_alternatives, answers, strict=True)
             chosen_answers = {alternative.name: answer.name for alternative, answer in pairs}
             yield record(device, variant, answers=chosen_answers)

@@ -106,7 +106,7 @@ from .order_codes import (
     Parameter,
     SpelledValue,
     Spelling,
-    choices,
+    answer_combinations,
 )
 from .registers import FieldGroup, Register, RegisterMeaning
 from .steps import (
@@ -242,7 +242,7 @@ __all__ = [
     "WriteStep",
     "assert_never",
     "channel_frame",
-    "choices",
+    "answer_combinations",
     "cite",
     "first_or_raise",
     "layer_in_words",

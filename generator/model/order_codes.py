@@ -100,7 +100,7 @@ class Alternative:
         return next(iter(self.answers[0].sets))
 
 
-def choices(alternatives: Sequence[Alternative]) -> Iterator[tuple[tuple[Answer, ...], Mapping[str, int]]]:
+def answer_combinations(alternatives: Sequence[Alternative]) -> Iterator[tuple[tuple[Answer, ...], Mapping[str, int]]]:
     """Yield every combination of answers to the alternatives, with the parameters that it sets.
 
     Without alternatives there is one combination, which is empty.

@@ -20,9 +20,9 @@ from ..model import (
     Spi,
     Ssi,
     Variant,
+    answer_combinations,
     assert_never,
     channel_frame,
-    choices,
     member_named,
 )
 from ..model.record import dataclass
@@ -261,7 +261,7 @@ def received_sizes(device: Device, interface: Interface) -> Iterator[FrameSize]:
             if not length_parameters.isdisjoint(question.answers[0].sets):
                 questions.append(question)
         for variant, (answers, answered_parameters) in product(
-            device.variants_over(interface.name), choices(questions)
+            device.variants_over(interface.name), answer_combinations(questions)
         ):
             parameters = {**variant.parameters, **answered_parameters}
             whole_bits = whole.sent_bits.value(parameters)

@@ -18,7 +18,7 @@ from ..model import (
     Rs485,
     Sign,
     Unused,
-    choices,
+    answer_combinations,
 )
 from ..model.expressions import Expression
 from .errata import answer_names, deciding_alternatives, describe_erratum, errata, needed_answers
@@ -75,7 +75,7 @@ def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iter
         yield layout.bits
         return
     possible_lengths: list[list[TextPart]] = []
-    for answers, answered_parameters in choices(deciding):
+    for answers, answered_parameters in answer_combinations(deciding):
         bits = layout.bits.value(answered_parameters)
         possible_lengths.append([f"{bits} (", *answer_names(answers), ")"])
     yield from join_groups(possible_lengths, " or ")

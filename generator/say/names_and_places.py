@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
 
-from ..model import Alternative, Biss, Device, Field, Interface, Layout, Register, Rs485, choices
+from ..model import Alternative, Biss, Device, Field, Interface, Layout, Register, Rs485, answer_combinations
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .errata import answer_names, deciding_alternatives
@@ -196,7 +196,7 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
         return
     possible_places: list[list[TextPart]] = []
     # If nothing decides, there is one place, without answers.
-    for answers, answered_parameters in choices(deciding):
+    for answers, answered_parameters in answer_combinations(deciding):
         place = _place_text(layout, high.value(answered_parameters), field.low.value(answered_parameters))
         explanation: list[TextPart] = [" (", *answer_names(answers), ")"] if answers else []
         possible_places.append([place, *explanation])

@@ -19,7 +19,7 @@ from ..model import (
     Spi,
     Unused,
     Variant,
-    choices,
+    answer_combinations,
 )
 from ..reference.bits import reflect
 from .exchanges import echo_hypotheses
@@ -339,7 +339,7 @@ def other_answer_hypotheses(
 
     Answers that do not change the layout, or that lead to a frame without a CRC, are skipped.
     """
-    for answers, changed_parameters in choices(device.alternatives_of(placed_layout.layout)):
+    for answers, changed_parameters in answer_combinations(device.alternatives_of(placed_layout.layout)):
         other_layout = placed_layout.layout.place({**variant.parameters, **changed_parameters})
         crc = device.crc_of(other_layout)
         if other_layout == placed_layout or crc is None:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from codewheel.model import Alternative, Device, Variant, choices
+from codewheel.model import Alternative, Device, Variant, answer_combinations
 from codewheel.model.expressions import Expression
 
 #: All kinds of undefined behaviour that the checker knows, except overflow of floating point.
@@ -142,7 +142,7 @@ class Variants:
         optional = [question for question in deciding if question.default]
         fixed_values = set()
         for variant in variants:
-            for _, chosen in choices(optional):
+            for _, chosen in answer_combinations(optional):
                 values = {**variant.parameters, **chosen}
                 fixed_values.add(tuple(values[name] for name in fixed))
         ranges = {}

@@ -14,7 +14,7 @@ from typing import Annotated, TypedDict
 
 from ...dump.plain import device_dump, variant_dump
 from ...dump.xml import XSD_NAME, schema_text, to_xml
-from ...model import Alternative, Answer, Biss, Device, Manufacturer, Variant, choices
+from ...model import Alternative, Answer, Biss, Device, Manufacturer, Variant, answer_combinations
 from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import run_time_widths
 from ...render import Templates, our_templates
@@ -134,7 +134,7 @@ def _single_encoder_files(biss_id: int, device: Device, library: Library) -> Ite
     question_names = [question.name for question in open_questions]
     encoders: list[tuple[Variant, tuple[Answer, ...]]] = []
     for variant in device.variants_over(Biss.name):
-        encoders += [(variant, answers) for answers, _ in choices(open_questions)]
+        encoders += [(variant, answers) for answers, _ in answer_combinations(open_questions)]
     names = names_of_codes(_encoder_name(variant, answers) for variant, answers in encoders)
     for name, (variant, answers) in zip(names, encoders, strict=True):
         answers_by_question = dict(zip(question_names, answers, strict=True))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from ...model import Biss, Crc, Device, Field, Layout, PlacedLayout, Register, Variant, choices
+from ...model import Biss, Crc, Device, Field, Layout, PlacedLayout, Register, Variant, answer_combinations
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.codec import only_value
@@ -172,7 +172,7 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
     listed once for each answer to the choices that the manual leaves open.
     """
     lengths: list[DataLength] = []
-    for answers, parameters_of_answers in choices(device.alternatives_of(layout)):
+    for answers, parameters_of_answers in answer_combinations(device.alternatives_of(layout)):
         codes_by_widths: dict[tuple[tuple[str, int], ...], list[str]] = {}
         layout_by_widths: dict[tuple[tuple[str, int], ...], PlacedLayout] = {}
         for variant in device.variants_over(Biss.name):

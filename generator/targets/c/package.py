@@ -7,7 +7,19 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Biss, Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, channel_frame, choices, first_or_raise
+from ...model import (
+    Biss,
+    Crc,
+    Device,
+    Layout,
+    Manufacturer,
+    Spi,
+    Ssi,
+    Verdict,
+    answer_combinations,
+    channel_frame,
+    first_or_raise,
+)
 from ...model.record import dataclass
 from ...plan.crcs import UndetectedErrors, residual_of
 from ...plan.verdicts import reportings
@@ -91,7 +103,7 @@ def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterato
         for crc in device.crcs_of(layout):
             yield crc, layout.widest
     for variant in device.variants_over(interface):
-        for _, parameters_of_answers in choices(device.alternatives):
+        for _, parameters_of_answers in answer_combinations(device.alternatives):
             placed = layout.place({**variant.parameters, **parameters_of_answers})
             placed_crc = device.crc_of(placed)
             if placed_crc is not None:

@@ -17,7 +17,7 @@ from ...model import (
     PlacedField,
     PlacedLayout,
     Register,
-    choices,
+    answer_combinations,
     first_or_raise,
 )
 from ...model.expressions import Expression
@@ -175,7 +175,7 @@ def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Altern
 
 def _first_answers(device: Device) -> Mapping[str, int]:
     """Return the parameters with the values that the first answer to each question sets."""
-    return next(parameters for _, parameters in choices(device.alternatives))
+    return next(parameters for _, parameters in answer_combinations(device.alternatives))
 
 
 def _first_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
@@ -195,7 +195,7 @@ def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], Gr
     alternatives = device.alternatives_of(layout)
     deciding_alternatives = [alternative for alternative in alternatives if _decides_place_of_any(fields, alternative)]
     shapes = []
-    for answers, parameters in choices(deciding_alternatives):
+    for answers, parameters in answer_combinations(deciding_alternatives):
         group_low = _first_bit(fields, parameters)
         group_fields: GroupFields = []
         for field in fields:
@@ -277,7 +277,7 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     questions = [question for question in device.alternatives_of(layout) if _decides_length(layout, question)]
     # ``parameters`` are those that the answers set.
     answers_and_placements: list[tuple[tuple[Answer, ...], Placement]] = []
-    for answers, parameters in choices(questions):
+    for answers, parameters in answer_combinations(questions):
         for placement in distinct_placements(device, layout, interface_name, parameters):
             answers_and_placements.append((answers, placement))
     if len(answers_and_placements) < 2:
@@ -353,7 +353,7 @@ def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[
     A frame of bytes with a single picture has no caption.
     """
     stacks_by_rows: dict[tuple[ByteRow, ...], Stack] = {}
-    for answers, parameters in choices(device.alternatives_of(layout)):
+    for answers, parameters in answer_combinations(device.alternatives_of(layout)):
         for stack in _stacks_of_shapes(layout, distinct_placements(device, layout, interface.name, parameters)):
             captioned_stack = replace(stack, caption=_caption_with_answers(answers, stack.caption))
             stacks_by_rows.setdefault(stack.rows, captioned_stack)
@@ -382,7 +382,7 @@ def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> li
     A single shape has an empty caption.
     """
     shapes: dict[_Shape, tuple[str, PlacedLayout]] = {}
-    for answers, parameters in choices(device.alternatives_of(layout)):
+    for answers, parameters in answer_combinations(device.alternatives_of(layout)):
         for placement in distinct_placements(device, layout, interface.name, parameters):
             caption = _caption_with_answers(answers, f"{placement.placed_layout.bits} bits")
             shapes.setdefault(_shape_of(placement.placed_layout), (caption, placement.placed_layout))

@@ -18,8 +18,8 @@ from ...model import (
     Ssi,
     Supply,
     Variant,
+    answer_combinations,
     assert_never,
-    choices,
 )
 from ...model.order_codes import fits
 from ...model.record import dataclass
@@ -389,7 +389,7 @@ def _baud_section(family_device: Device, device: Device, interface: Rs485) -> Sp
 
 def _frame_lengths(device: Device, layout: Layout) -> list[int]:
     """Return the lengths of a frame in bits, one for each answer to questions that the manual leaves open."""
-    return sorted({layout.sent_bits.value(sets) for _, sets in choices(device.alternatives_of(layout))})
+    return sorted({layout.sent_bits.value(sets) for _, sets in answer_combinations(device.alternatives_of(layout))})
 
 
 def _joined_by_or(alternatives: Iterable[str]) -> str:
