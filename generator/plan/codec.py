@@ -119,7 +119,7 @@ class LayoutPlan:
         return bits_of(self.layout, self.layout.field(name))
 
 
-def codec_of(device: Device, layout: Layout) -> LayoutPlan:
+def layout_plan_of(device: Device, layout: Layout) -> LayoutPlan:
     """Return the plan for a layout of a frame or of a register's bytes, see ``LayoutPlan``."""
     # The bytes of a field are unknown if the order code moves its bits.
     all_have_bytes = all(field.pieces or field.padding_of for field in layout.fields)

@@ -29,7 +29,7 @@ from ..model import (
 )
 from ..model.record import dataclass
 from .closing_steps import closing_steps
-from .codec import allowed_values, codec_of
+from .codec import allowed_values, layout_plan_of
 from .frames import Reply, reply_to
 from .limits import NotOneOf, NumberLimits, TooWide, limited_member, limits_of
 
@@ -425,7 +425,7 @@ def _argument_refusals(device: Device, write: WriteRegister, argument: Argument)
                 yield from _limit_refusals(device, write.register, argument)
         case AsNumber():
             yield from _limit_refusals(device, write.register, argument)
-            if codec_of(device, write.register.layout).checks:
+            if layout_plan_of(device, write.register.layout).checks:
                 yield Undecodable(write.register)
         case InField(field=field):
             yield from field_refusals(device, write.register, field, argument)

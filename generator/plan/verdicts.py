@@ -15,7 +15,7 @@ from ..model import Device, Field, Flag, Interface, Layout, Verdict
 from ..model.expressions import Expression
 from ..model.kinds import Unused
 from ..model.record import dataclass
-from .codec import LayoutPlan, codec_of
+from .codec import LayoutPlan, layout_plan_of
 from .operations import FieldToDecode, Reserved
 
 
@@ -321,7 +321,7 @@ def reportings(device: Device) -> dict[str, ReportsAndVerdict]:
     reports = _index_reports(device)
     reporting_by_frame: dict[str, ReportsAndVerdict] = {}
     for interface, layout in _sent_layouts(device):
-        codec = codec_of(device, layout)
+        codec = layout_plan_of(device, layout)
         causes: list[ReportCause] = []
         for cause in verdict_causes(codec):
             for field, only in by_order_code(cause.field):

@@ -17,7 +17,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device
-from codewheel.plan.codec import codec_of
+from codewheel.plan.codec import layout_plan_of
 from codewheel.reference import codec
 from codewheel.targets.python.readme import Readme
 
@@ -164,7 +164,7 @@ def test_the_highest_position_of_equal_widths_depends_on_the_order_code(tmp_path
     (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
     (ring,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
     assert not report
-    assert codec_of(ring, ring.layout("word")).depends
+    assert layout_plan_of(ring, ring.layout("word")).depends
 
 
 def test_the_lowest_position_depends_on_the_order_code_even_if_the_highest_does_not(tmp_path: Path) -> None:
@@ -175,7 +175,7 @@ def test_the_lowest_position_depends_on_the_order_code_even_if_the_highest_does_
     (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
     (ring,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
     assert not report
-    assert codec_of(ring, ring.layout("word")).depends
+    assert layout_plan_of(ring, ring.layout("word")).depends
 
 
 @pytest.mark.parametrize(("bits", "accepted"), [(12, False), (13, True), (16, True)])

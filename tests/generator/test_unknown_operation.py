@@ -17,7 +17,7 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Fault, Field, Kind, Layout
 from codewheel.plan import values
-from codewheel.plan.codec import bits_of, codec_of
+from codewheel.plan.codec import bits_of, layout_plan_of
 from codewheel.plan.limits import _field_refusals
 from codewheel.plan.operations import FieldBits
 from codewheel.targets import Library, Target
@@ -170,7 +170,7 @@ def test_the_plan_decides_which_bits_of_an_unknown_operation_have_a_value(monkey
     device = library(SPECS[0]).devices[0]
     monkeypatch.setattr("codewheel.plan.operations.meaning_of", lambda _: Unknown())
     with pytest.raises(AssertionError, match="no case for Unknown"):
-        codec_of(device, next(layout for _, layout in device.layouts()))
+        layout_plan_of(device, next(layout for _, layout in device.layouts()))
 
 
 @pytest.mark.parametrize("output", ["c", "rust"])

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import BitSlice, Device, Fault, Rs485
-from codewheel.plan.codec import LayoutPlan, ShiftedBits, codec_of, moved_bits
+from codewheel.plan.codec import LayoutPlan, ShiftedBits, layout_plan_of, moved_bits
 from codewheel.plan.frames import (
     Reply,
     dispatches,
@@ -64,7 +64,7 @@ def by_hand() -> Device:
 
 
 def plan(device: Device, layout: str) -> LayoutPlan:
-    return codec_of(device, device.layout(layout))
+    return layout_plan_of(device, device.layout(layout))
 
 
 def rs485_of(device: Device) -> Rs485:
@@ -177,7 +177,7 @@ def test_limits_of_registers(
     checked: list[str],
 ) -> None:
     limits = limits_of(small, small.register(register))
-    codec = codec_of(small, small.register(register).layout)
+    codec = layout_plan_of(small, small.register(register).layout)
     assert (limits.member, limits.signed, limits.stands_for) == (member, signed, stands_for)
     assert (limits.binds_low, limits.binds_high) == binds
     # The speed has a name for both values, so none is refused.

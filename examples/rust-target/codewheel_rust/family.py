@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from codewheel.model import Answer, Device, Field, Interface, Layout, Register, Value
-from codewheel.plan.codec import LayoutPlan, characters, codec_of
+from codewheel.plan.codec import LayoutPlan, characters, layout_plan_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches, held_parameters
 from codewheel.plan.limits import NumberLimits, limits_of
@@ -172,7 +172,7 @@ class Family:
         runs = [run.name for field in layout.fields for run in field.runs]
         for name in [*(join.name for join in layout.joins), *runs]:
             methods.give(snake(name), *place)
-        codec = codec_of(self.device, layout)
+        codec = layout_plan_of(self.device, layout)
         crc = codec.only_crc
         crc_function = function_of(self.device, layout, crc.crc) if crc is not None else None
         struct = Struct(layout, pascal(interface), codec, crc_function, types)

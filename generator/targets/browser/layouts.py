@@ -26,7 +26,7 @@ from ...model.expressions import Expression, Factor, Term
 from ...model.key_types import LARGEST
 from ...model.lookup import assert_never
 from ...order_codes.labels import edition_before, tests_of
-from ...plan.codec import LayoutPlan, codec_of
+from ...plan.codec import LayoutPlan, layout_plan_of
 from ...plan.description import DescribedReportCause, Description, Name, describe
 from ...plan.limits import NumberLimits, limits_of
 from ...plan.operations import (
@@ -168,7 +168,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
     ``usual`` contains the values that fields usually have, which are evidence for the frame.
     """
     usual_values = usual_values_of(device, interface, layout)
-    codec = codec_of(device, layout)
+    codec = layout_plan_of(device, layout)
     description = describe(codec, reporting)
     causes = reporting.causes if reporting is not None else ()
     reports = []
@@ -202,7 +202,7 @@ def register_data(device: Device, register: Register) -> Data:
         alarm = alarm_of(device, field, register.name)
         if alarm is not None:
             alarm_reports.append(_alarm_report_data(field, alarm))
-    codec = codec_of(device, register.layout)
+    codec = layout_plan_of(device, register.layout)
     return _layout_data(device, codec, describe(codec)) | without_empty(
         title=title_of(register),
         source=cite(register.source),

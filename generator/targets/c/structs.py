@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 from ...model import Field, Layout, Register, Spi
-from ...plan.codec import LayoutPlan, characters, codec_of
+from ...plan.codec import LayoutPlan, characters, layout_plan_of
 from ...plan.operations import FrameCrc
 from ...plan.values import (
     ActiveFlag,
@@ -55,7 +55,7 @@ class LayoutStruct:
         self.type = f"{name}_frame" if name == context.prefix else name
         self.length_macro = length_macro
         self.register = register
-        self.plan: LayoutPlan = codec_of(context.device, layout)
+        self.plan: LayoutPlan = layout_plan_of(context.device, layout)
         self.reader = BitReader(self.plan, context.scope, word_size(context, layout))
         #: The numbers of the scales of its fields.
         self.scales: tuple[CMacro, ...] = tuple(scale_macros(layout, name))

@@ -26,7 +26,7 @@ from ...model import (
     assert_never,
 )
 from ...model.record import dataclass
-from ...plan.codec import codec_of
+from ...plan.codec import layout_plan_of
 from ...plan.frames import RequestAndReply, exchanges
 from ...plan.values import TwosComplement, UnsignedNumber, meaning_of
 from ...say.commands import Commands, commands_over
@@ -365,7 +365,7 @@ def bytes_of_zero_position(device: Device, register: Register, variant: Variant)
     """
     if register not in _preset_registers(device):
         return None
-    constants = codec_of(device, register.layout).constants
+    constants = layout_plan_of(device, register.layout).constants
     content = 0
     for placed_field in register.layout.place(variant.parameters).fields:
         if placed_field.name in constants:

@@ -11,7 +11,7 @@ from enum import Enum
 
 from ...model import Biss, Device, Interface, Rs485, SendStep, Spi, Ssi, assert_never
 from ...model.record import dataclass
-from ...plan.codec import LayoutPlan, codec_of
+from ...plan.codec import LayoutPlan, layout_plan_of
 from ...plan.values import ActiveFlag, meaning_of
 from ...say.evidence import Topic, place_of_mention, word_for_document
 from ...say.layout import DATA, box_colour
@@ -176,7 +176,9 @@ def _spi_words(first: str, second: str) -> tuple[SignalPart, ...]:
 
 def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
     """Return a frame: acknowledge, start bit, CDS, the fields of the single cycle data, time-out."""
-    names_and_fills = list(_data_boxes(codec_of(device, interface.layouts[0]), device.position_names(interface.name)))
+    names_and_fills = list(
+        _data_boxes(layout_plan_of(device, interface.layouts[0]), device.position_names(interface.name))
+    )
     boxes = [
         SignalPart(Trace.EITHER, width=max(34.0, text_width(name, 11) + 10), label=name, fill=fill)
         for name, fill in names_and_fills

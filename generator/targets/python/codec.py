@@ -10,7 +10,7 @@ from functools import cached_property
 from ...model import Digits, Fault, Field, Layout, Register
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...plan.codec import codec_of
+from ...plan.codec import layout_plan_of
 from ...plan.crcs import carrier_of
 from ...plan.limits import NumberLimits, limits_of, powers_of_two
 from ...plan.operations import FieldToDecode, FrameCrc, JoinedNumber
@@ -53,7 +53,7 @@ class LayoutClass:
         self, context: ModuleContext, interface: str, layout: Layout, register: Register | None = None
     ) -> None:
         self.context, self.layout, self.register = context, layout, register
-        self.plan = codec_of(context.device, layout)
+        self.plan = layout_plan_of(context.device, layout)
         self.name = context.frames[layout.name] if register is None else context.registers[register.name]
         self.layout_interface = interface
         self.interface, self.encoder = interface_name(interface), encoder_name(interface)

@@ -23,7 +23,7 @@ from ...model import (
     cite,
 )
 from ...model.record import dataclass
-from ...plan.codec import LayoutPlan, codec_of
+from ...plan.codec import LayoutPlan, layout_plan_of
 from ...plan.limits import powers_of_two
 from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
@@ -217,7 +217,7 @@ def _is_one_number(layout: Layout) -> bool:
 
 def frame_rows(device: Device) -> dict[str, tuple[CallLiteral, ...]]:
     """Return the facts of the fields of frames, by the name of the frame."""
-    return {layout.name: _field_records(codec_of(device, layout)) for _, layout in device.layouts()}
+    return {layout.name: _field_records(layout_plan_of(device, layout)) for _, layout in device.layouts()}
 
 
 def register_rows(device: Device) -> dict[str, CallLiteral]:
@@ -231,5 +231,5 @@ def _register_record(device: Device, register: Register) -> CallLiteral:
         register,
         default=register.default_bytes(),
         wait_ms=register.wait_at_least_ms,
-        fields=() if _is_one_number(register.layout) else _field_records(codec_of(device, register.layout)),
+        fields=() if _is_one_number(register.layout) else _field_records(layout_plan_of(device, register.layout)),
     )
