@@ -48,11 +48,11 @@ from .fields import LayoutContext, LayoutSite
 from .frame_kinds import check_errata, check_frame_kinds
 from .from_mapping import (
     Raw,
+    build_part,
     build_procedures,
     check_alarms,
     check_only,
     only_while,
-    record,
     records,
     set_parameters,
     sources,
@@ -129,7 +129,7 @@ def _build_context(
     groups = {}
     for index, group in enumerate(raw_spec.get("field_groups", ())):
         groups[group["name"]] = (group, ("field_groups", index))
-    crcs = {crc["name"]: record(Crc, crc) for crc in raw_spec.get("crcs", ())}
+    crcs = {crc["name"]: build_part(Crc, crc) for crc in raw_spec.get("crcs", ())}
     data_ids = {kind: records(DataId, interface, "data_ids") for kind, interface in raw_spec["interfaces"].items()}
     return LayoutContext(
         report=report,
@@ -154,19 +154,21 @@ def _build_device_without_procedures(
     # Interfaces come before registers, which determines the order of the reported problems.
     interfaces, registers = build_interfaces(raw_spec, context), _build_registers(raw_spec, context)
     parameters = raw_spec["parameters"].items()
-    return record(
+    return build_part(
         Device,
         raw_spec,
         name=raw_spec["device"],
         manufacturer=manufacturer,
-        documents=tuple(record(Document, document, key=key) for key, document in raw_spec.get("documents", {}).items()),
+        documents=tuple(
+            build_part(Document, document, key=key) for key, document in raw_spec.get("documents", {}).items()
+        ),
         parameters=tuple(_build_parameter(name, parameter, context) for name, parameter in parameters),
         order_code=order_code,
         variants=variants,
         crcs=tuple(context.crcs.values()),
         interfaces=interfaces,
         registers=registers,
-        alarms=tuple(record(Alarm, {"implemented": True, **alarm}) for alarm in raw_spec.get("alarms", ())),
+        alarms=tuple(build_part(Alarm, {"implemented": True, **alarm}) for alarm in raw_spec.get("alarms", ())),
         procedures=(),
         examples=build_examples(raw_spec),
         measurement=build_measurement(raw_spec, context),
@@ -193,13 +195,13 @@ def code_grammar(raw_spec: Raw) -> OrderCode:
     """Return the grammar of order codes from its checked data."""
     parts = tuple(_build_code_part(part) for part in raw_spec["parts"])
     spellings = tuple(_build_spelling(spelling) for spelling in raw_spec.get("also_written", ()))
-    return record(OrderCode, raw_spec, parts=parts, also_written=spellings)
+    return build_part(OrderCode, raw_spec, parts=parts, also_written=spellings)
 
 
 def _build_code_part(raw_part: Raw) -> CodePart:
     """Return a part of the order code with its values."""
     values = tuple(_build_code_value(text, value or {}, raw_part) for text, value in raw_part["values"].items())
-    return record(CodePart, raw_part, values=values, open_only_with=_allowed_values(raw_part, "open_only_with"))
+    return build_part(CodePart, raw_part, values=values, open_only_with=_allowed_values(raw_part, "open_only_with"))
 
 
 def _build_spelling(raw_spelling: Raw) -> Spelling:
@@ -207,7 +209,7 @@ def _build_spelling(raw_spelling: Raw) -> Spelling:
     spelled_values: list[SpelledValue] = []
     for part, values_by_text in raw_spelling.get("values", {}).items():
         spelled_values += [SpelledValue(part, text, value) for text, value in values_by_text.items()]
-    return record(Spelling, raw_spelling, values=tuple(spelled_values))
+    return build_part(Spelling, raw_spelling, values=tuple(spelled_values))
 
 
 def _build_alternative(raw_alternative: Raw) -> Alternative:
@@ -229,7 +231,7 @@ def _build_answer(name: str, raw_answer: Raw) -> Answer:
 def _build_code_value(text_in_code: str, raw_value: Raw, raw_part: Raw) -> CodeValue:
     """Return a value of a part of the order code. ``text_in_code`` is its text in a label."""
     allowed_values = _allowed_values(raw_value, "only_with")
-    return record(
+    return build_part(
         CodeValue, raw_value, text=text_in_code, only_with=allowed_values, supply=supply(raw_value, sources(raw_part))
     )
 
@@ -266,7 +268,9 @@ def _build_parameter(name: str, raw_parameter: Raw, context: LayoutContext) -> P
     for sets_of_interface in context.parameter_sets.values():
         all_values += [parameters.get(name, 0) for parameters in sets_of_interface]
     equals = context.definitions.get(name)
-    return record(Parameter, raw_parameter, name=name, equals=equals, largest=max(all_values, default=0), by_code=codes)
+    return build_part(
+        Parameter, raw_parameter, name=name, equals=equals, largest=max(all_values, default=0), by_code=codes
+    )
 
 
 def _build_registers(raw_spec: Raw, context: LayoutContext) -> tuple[Register, ...]:
@@ -286,7 +290,7 @@ def _build_register(raw_register: Raw, path: Path, context: LayoutContext) -> Re
     if layout is None:
         return None
     opener = raw_register.get("opened_by", {})  # The register that must have a value before this one is written.
-    register = record(
+    register = build_part(
         Register,
         raw_register,
         interface=interface,
@@ -304,7 +308,7 @@ def _build_register(raw_register: Raw, path: Path, context: LayoutContext) -> Re
 
 
 def _build_register_meaning(raw_meaning: Raw, context: LayoutContext) -> RegisterMeaning:
-    return record(
+    return build_part(
         RegisterMeaning, raw_meaning, value=raw_meaning["is"], **context.expressions(raw_meaning, ("min", "max"))
     )
 

@@ -18,7 +18,7 @@ from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_in_words
 from ..order_codes.reduction import for_codes
 from .change_titles import change_title
-from .from_mapping import record
+from .from_mapping import build_part
 from .overlays import Build, Family, errata_of, join_shortened, without_examples
 
 #: Largest number of editions times values. Each edition is checked like a spec. The largest manual needs 26,000.
@@ -55,7 +55,7 @@ def editions(raw_spec: Raw) -> tuple[ManualEdition, ...]:
 
 def _build_edition(definition: Raw, revision: str, date: str) -> ManualEdition:
     """Return an edition. ``definition`` is its entry in the spec, or empty if it has none."""
-    return record(ManualEdition, definition, revision=revision, date=date)
+    return build_part(ManualEdition, definition, revision=revision, date=date)
 
 
 def revision_for(device: Device, wanted: str) -> str:
@@ -202,7 +202,7 @@ def _edition_erratum(raw_spec: Raw, change: Raw, revision: str, change_number: i
     else:
         used = _value_in_words(change.get("to", change.get("value")))
     stated = {key: change[key] for key in ("why", "source", "severity") if key in change}
-    return record(
+    return build_part(
         Erratum,
         {"severity": "wrong_data", **stated},
         name=f"edition_{re.sub('[^a-z0-9]+', '_', revision.lower())}_{change_number}",

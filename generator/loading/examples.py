@@ -27,7 +27,7 @@ from ..order_codes.parameters import with_answers
 from ..reference.bits import bits_in_crc_order, compute_bytes, covered_bits, init_for_result
 from ..reference.codec import DecodedFrame, EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
 from ..reference.registers import register_writes
-from .from_mapping import Raw, record
+from .from_mapping import Raw, build_part
 from .valid_parts import valid_parts_so_far
 
 #: Key in an example that is wrong, such as ``("values", "position")``, and the message.
@@ -47,7 +47,7 @@ def _build_example(raw_example: Raw) -> Example:
         **raw_example,
         "bytes": bytes.fromhex(raw_example.get("bytes", "")),
     }
-    return record(_EXAMPLES[raw_example["kind"]], members)
+    return build_part(_EXAMPLES[raw_example["kind"]], members)
 
 
 def check_examples(device: Device, report: DocumentReport) -> None:

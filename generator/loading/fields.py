@@ -31,7 +31,7 @@ from ..model import (
 )
 from ..model.expressions import Expression, ExpressionError
 from ..model.record import dataclass
-from .from_mapping import Raw, record
+from .from_mapping import Raw, build_part
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def kind_of(raw_field: Raw, context: LayoutContext, interface: str, width: Expre
         return Decimal(_digit_runs(raw_field["digits"]))
     if "text" in raw_field:
         return Text()
-    return record(Number, raw_field)
+    return build_part(Number, raw_field)
 
 
 def _named_values(raw_field: Raw, width: Expression) -> tuple[Value, ...]:
@@ -193,7 +193,7 @@ def _build_flag(raw_field: Raw, context: LayoutContext, interface: str) -> Flag:
     for parameter, verdict in raw_field.get("makes_position_if", {}).items():
         verdict_parameter = parameter
         verdict_if_set = Verdict(verdict)
-    return record(
+    return build_part(
         Flag,
         raw_field,
         verdict_parameter=verdict_parameter,
@@ -207,7 +207,7 @@ def _build_flag(raw_field: Raw, context: LayoutContext, interface: str) -> Flag:
 def build_values(raw_field: Raw) -> tuple[Value, ...]:
     """Return the named values in ``raw_field['values']``, in the order of the spec."""
     values = raw_field.get("values", {}).items()
-    return tuple(record(Value, value, name=name, makes_position=_verdict_of_value(value)) for name, value in values)
+    return tuple(build_part(Value, value, name=name, makes_position=_verdict_of_value(value)) for name, value in values)
 
 
 def _verdict_of_value(raw_value: Raw) -> Verdict | None:
@@ -223,7 +223,7 @@ def build_combinations(raw_layout: Raw) -> tuple[Combination, ...]:
 def _build_combination(raw_combination: Raw) -> Combination:
     """Return a combination. Its conditions are texts such as ``warning.active``, of a field and a value."""
     conditions = tuple(f"{name}.{value}" for name, value in raw_combination["when"].items())
-    return record(
+    return build_part(
         Combination, raw_combination, when=conditions, makes_position=Verdict(raw_combination["makes_position"])
     )
 
@@ -264,7 +264,7 @@ def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
     # From the least significant run, so that the divisor grows by the digits of each.
     for run in reversed(digits):
         modulus = 10 ** run["digits"]
-        runs.append(record(Digits, run, divisor=divisor, modulus=modulus))
+        runs.append(build_part(Digits, run, divisor=divisor, modulus=modulus))
         divisor *= modulus
     return tuple(reversed(runs))
 

@@ -62,7 +62,7 @@ def sources(raw_part: Raw, source_key: str = "source") -> Sources:
     return parse_sources(raw_part[source_key]) if source_key in raw_part else ()
 
 
-def record(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
+def build_part(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
     """Return a ``part_class`` whose members have the values in ``values``, or else the values in ``raw``.
 
     Other members have their default, otherwise an empty value: no text, 0, false, or None if the type allows it. Nested
@@ -83,7 +83,7 @@ def record(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
 
 def records(part_class: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
     """Return a ``part_class`` for each definition that ``raw`` lists under ``key``."""
-    return tuple(record(part_class, definition) for definition in raw.get(key, ()))
+    return tuple(build_part(part_class, definition) for definition in raw.get(key, ()))
 
 
 @cache
@@ -114,13 +114,13 @@ def _convert_to_type(member_type: Any, raw_value: Any) -> Any:
 
 def _convert_map(part_class: Any, raw_value: Any) -> Any:
     """Return a map of the spec as an object of a class, and any other value as it is."""
-    return record(part_class, raw_value) if isinstance(raw_value, Mapping) else raw_value
+    return build_part(part_class, raw_value) if isinstance(raw_value, Mapping) else raw_value
 
 
 def build_manufacturer(raw_manufacturer: Raw) -> Manufacturer:
     """Return the manufacturer described by a checked manufacturer file."""
     name = raw_manufacturer["manufacturer"]
-    return record(
+    return build_part(
         Manufacturer, {"python_package": f"{name}_encoders", "version": "0.0.0", **raw_manufacturer, "name": name}
     )
 
@@ -134,11 +134,11 @@ def supply(raw_owner: Raw, inherited: Sources = ()) -> Supply | None:
         return None
     definition = raw_owner["supply"]
     source = sources(definition) or sources(raw_owner) or inherited
-    return record(Supply, definition, source=source)
+    return build_part(Supply, definition, source=source)
 
 
 def table(raw_table: Raw) -> Table:
-    return record(Table, raw_table, rows=tuple(tuple(map(str, row)) for row in raw_table["rows"]))
+    return build_part(Table, raw_table, rows=tuple(tuple(map(str, row)) for row in raw_table["rows"]))
 
 
 def only_while(only: str, variants: Sequence[Variant], parameters: Collection[str]) -> str:
@@ -244,13 +244,14 @@ def build_procedures(raw_spec: Raw, device: Device) -> tuple[Procedure, ...]:
 def _build_procedure(raw_procedure: Raw, device: Device) -> Procedure:
     """Return a procedure. Steps without a source have its source, and ``do`` selects the function for a step."""
     arguments = [
-        record(Argument, argument, meant_as=argument.get("as", "")) for argument in raw_procedure.get("arguments", ())
+        build_part(Argument, argument, meant_as=argument.get("as", ""))
+        for argument in raw_procedure.get("arguments", ())
     ]
     steps = []
     for step in raw_procedure["steps"]:
         build_step = _STEPS[step["do"]]
         steps.append(build_step(step, sources(step) or sources(raw_procedure), device))
-    return record(Procedure, raw_procedure, arguments=tuple(arguments), steps=tuple(steps))
+    return build_part(Procedure, raw_procedure, arguments=tuple(arguments), steps=tuple(steps))
 
 
 def _build_write_step(raw_step: Raw, source: Sources, device: Device) -> Step:
@@ -278,15 +279,15 @@ def _build_write_step(raw_step: Raw, source: Sources, device: Device) -> Step:
 
 
 def _build_read_step(raw_step: Raw, source: Sources, device: Device) -> Step:
-    return record(ReadStep, raw_step, source=source)
+    return build_part(ReadStep, raw_step, source=source)
 
 
 def _build_poll_step(raw_step: Raw, source: Sources, device: Device) -> Step:
-    return record(PollStep, raw_step, source=source, value=raw_step.get("until", 0))
+    return build_part(PollStep, raw_step, source=source, value=raw_step.get("until", 0))
 
 
 def _build_wait_step(raw_step: Raw, source: Sources, device: Device) -> Step:
-    return record(WaitStep, raw_step, source=source, microseconds=1000 * raw_step.get("at_least_ms", 0))
+    return build_part(WaitStep, raw_step, source=source, microseconds=1000 * raw_step.get("at_least_ms", 0))
 
 
 def _build_send_step(raw_step: Raw, source: Sources, device: Device) -> Step:
@@ -296,7 +297,7 @@ def _build_send_step(raw_step: Raw, source: Sources, device: Device) -> Step:
     controls = [data_id.control for data_id in data_ids if data_id.name == raw_step.get("data_id")]
     request = bytes(controls[:1])  # Empty if there is no such data ID.
     pause_us = raw_step.get("every_at_least_us", 0)
-    return record(SendStep, raw_step, source=source, request=request, microseconds=pause_us)
+    return build_part(SendStep, raw_step, source=source, request=request, microseconds=pause_us)
 
 
 _STEPS = {

@@ -30,7 +30,7 @@ from ..model import (
 from ..model.expressions import Expression
 from ..say.plain_text import count_with_unit
 from .fields import LayoutContext, LayoutSite, build_values
-from .from_mapping import Raw, record, sources
+from .from_mapping import Raw, build_part, sources
 from .layouts import build_layout
 from .valid_parts import valid_parts_so_far
 
@@ -51,7 +51,7 @@ def _build_interface(name: str, raw_interface: Raw, context: LayoutContext) -> I
     kind: Callable[..., Interface] = INTERFACES[name]
     members_of_kind = _INTERFACES[name](raw_interface, context)
     measurement = build_measurement(raw_interface, context)
-    return record(kind, raw_interface, layouts=tuple(layouts), measurement=measurement, **members_of_kind)
+    return build_part(kind, raw_interface, layouts=tuple(layouts), measurement=measurement, **members_of_kind)
 
 
 #: Least and highest number of bits in an SPI word.
@@ -147,7 +147,7 @@ def _build_clock(raw_clock: Raw) -> Clock:
     """Return a clock. The clocks in use are one number or a list in the spec, and sorted here."""
     used_hz = raw_clock.get("used_hz", ())
     clocks_in_use = tuple(sorted(used_hz)) if isinstance(used_hz, Sequence) else (used_hz,)
-    return record(Clock, raw_clock, used_hz=clocks_in_use)
+    return build_part(Clock, raw_clock, used_hz=clocks_in_use)
 
 
 def _one_or_more(raw_or_list: Raw | Sequence[Raw]) -> Sequence[Raw]:
@@ -169,7 +169,7 @@ def _members_of_ssi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, 
             raw_interface.get("alignment", ""), sources(raw_interface, "alignment_source") or source
         ),
         "output_code": output_code,
-        "cable_lengths": tuple(record(CableLength, row, source=sources(row) or source) for row in cable_rows),
+        "cable_lengths": tuple(build_part(CableLength, row, source=sources(row) or source) for row in cable_rows),
     }
 
 
@@ -179,7 +179,7 @@ def _members_of_biss(raw_interface: Raw, context: LayoutContext) -> Mapping[str,
     timeouts = _one_or_more(raw_interface.get("timeout", ()))
     return {
         "clocks": _build_clocks(raw_interface),
-        "timeouts": tuple(record(Timeout, timeout) for timeout in timeouts),
+        "timeouts": tuple(build_part(Timeout, timeout) for timeout in timeouts),
         "channels": _build_channels(raw_interface, context),
         "control_data": tuple(
             _build_control_field(definition, control, context) for definition in control.get("fields", ())
@@ -195,13 +195,13 @@ def _build_channels(raw_interface: Raw, context: LayoutContext) -> DataChannels 
     raw_channels = raw_interface["channels"]
     source = sources(raw_channels) or sources(raw_interface)
     bits = context.expressions(raw_channels, ("compared_bits",))
-    return record(DataChannels, {"order": (), **raw_channels}, source=source, **bits)
+    return build_part(DataChannels, {"order": (), **raw_channels}, source=source, **bits)
 
 
 def _members_of_rs485(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of an RS-485 interface that differ from the spec, by name."""
     return {
-        "port": record(Port, {**_PORT, **raw_interface.get("port", {})}),
+        "port": build_part(Port, {**_PORT, **raw_interface.get("port", {})}),
         "exchanges": _build_exchanges(raw_interface, context),
     }
 
@@ -226,7 +226,7 @@ def _build_exchanges(raw_interface: Raw, context: LayoutContext) -> tuple[Exchan
 def _build_exchange(raw_exchange: Raw, source: str, context: LayoutContext) -> Exchange:
     """Return an exchange. ``source`` is the source of the interface, for an exchange without its own."""
     word_bits = context.expression(raw_exchange["word_bits"]) if "word_bits" in raw_exchange else None
-    return record(Exchange, {"source": source, **raw_exchange}, word_bits=word_bits)
+    return build_part(Exchange, {"source": source, **raw_exchange}, word_bits=word_bits)
 
 
 #: Settings of a port that the manual does not give.
@@ -243,7 +243,7 @@ def _build_control_field(raw_field: Raw, parent: Raw, context: LayoutContext) ->
     if not isinstance(bits, int):  # Already reported: the control frame has fixed widths.
         bits = 0
     source = sources(raw_field) or sources(parent)
-    return record(ControlField, raw_field, bits=bits, values=build_values(raw_field), source=source)
+    return build_part(ControlField, raw_field, bits=bits, values=build_values(raw_field), source=source)
 
 
 #: Field of a frame that holds the value of a register.

@@ -27,7 +27,7 @@ from .fields import (
     zero_field,
 )
 from .frame_kinds import with_unknown_verdicts
-from .from_mapping import Raw, record, sources
+from .from_mapping import Raw, build_part, sources
 from .gaps import (
     ZERO,
     bits_text,
@@ -109,7 +109,7 @@ def _build_layout(
     for name, values in raw_layout.get("when", {}).items():
         selector = name
         selects = tuple(values)
-    return record(
+    return build_part(
         Layout,
         raw_layout,
         sender=raw_layout.get("from", ""),
@@ -412,7 +412,7 @@ def _build_fields(field_item: UnplacedItem, site: LayoutSite) -> Iterable[Field]
         if "scale" in raw and widest > WIDEST:
             message = f"'{raw['name']}' has {widest} bits; a number with 'scale' has at most {WIDEST}"
             site.context.report.add("scale-of", (*expanded_item.path, "scale"), message, at_key=True)
-        yield record(
+        yield build_part(
             Field,
             raw,
             kind=kind_of(raw, site.context, site.interface, width),

@@ -20,7 +20,7 @@ from ..language.problems import Problem, ProblemReport, quoted, suggest_word
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay, layer_in_words
 from ..order_codes.reduction import for_codes
 from .change_titles import change_title
-from .from_mapping import record
+from .from_mapping import build_part
 
 #: Largest number of places named in one sentence.
 _MOST_NAMED = 8
@@ -218,7 +218,7 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
         affected_paths: list[str] = []
         for change in changes:
             affected_paths += change.affects
-        yield record(
+        yield build_part(
             Erratum,
             stated_facts,  # The schema reports the rest.
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
