@@ -50,6 +50,7 @@ from .from_mapping import (
     Raw,
     build_part,
     build_procedures,
+    build_table,
     check_alarms,
     check_only,
     only_while,
@@ -57,7 +58,6 @@ from .from_mapping import (
     set_parameters,
     sources,
     supply,
-    table,
 )
 from .interfaces import build_interfaces, build_measurement, check_spi_registers
 from .layouts import build_layout
@@ -172,7 +172,7 @@ def _build_device_without_procedures(
         procedures=(),
         examples=build_examples(raw_spec),
         measurement=build_measurement(raw_spec, context),
-        tables=tuple(map(table, raw_spec.get("tables", ()))),
+        tables=tuple(map(build_table, raw_spec.get("tables", ()))),
         supply=supply(raw_spec),
         alternatives=alternatives,
     )

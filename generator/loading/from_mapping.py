@@ -137,7 +137,7 @@ def supply(raw_owner: Raw, inherited: Sources = ()) -> Supply | None:
     return build_part(Supply, definition, source=source)
 
 
-def table(raw_table: Raw) -> Table:
+def build_table(raw_table: Raw) -> Table:
     return build_part(Table, raw_table, rows=tuple(tuple(map(str, row)) for row in raw_table["rows"]))
 
 
