@@ -50,6 +50,7 @@ from .from_mapping import (
     Raw,
     build_part,
     build_procedures,
+    build_supply,
     build_table,
     check_alarms,
     check_only,
@@ -57,7 +58,6 @@ from .from_mapping import (
     records,
     set_parameters,
     sources,
-    supply,
 )
 from .interfaces import build_interfaces, build_measurement, check_spi_registers
 from .layouts import build_layout
@@ -173,7 +173,7 @@ def _build_device_without_procedures(
         examples=build_examples(raw_spec),
         measurement=build_measurement(raw_spec, context),
         tables=tuple(map(build_table, raw_spec.get("tables", ()))),
-        supply=supply(raw_spec),
+        supply=build_supply(raw_spec),
         alternatives=alternatives,
     )
 
@@ -232,7 +232,11 @@ def _build_code_value(text_in_code: str, raw_value: Raw, raw_part: Raw) -> CodeV
     """Return a value of a part of the order code. ``text_in_code`` is its text in a label."""
     allowed_values = _allowed_values(raw_value, "only_with")
     return build_part(
-        CodeValue, raw_value, text=text_in_code, only_with=allowed_values, supply=supply(raw_value, sources(raw_part))
+        CodeValue,
+        raw_value,
+        text=text_in_code,
+        only_with=allowed_values,
+        supply=build_supply(raw_value, sources(raw_part)),
     )
 
 

@@ -125,7 +125,7 @@ def build_manufacturer(raw_manufacturer: Raw) -> Manufacturer:
     )
 
 
-def supply(raw_owner: Raw, inherited: Sources = ()) -> Supply | None:
+def build_supply(raw_owner: Raw, inherited: Sources = ()) -> Supply | None:
     """Return the supply of a device or of a value of its order code, or None if it has none.
 
     Without its own source, it has the source of ``raw_owner``, or else ``inherited``, the source of the parent.
