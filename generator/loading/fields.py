@@ -269,7 +269,7 @@ def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
     return tuple(reversed(runs))
 
 
-def pieces(field: Field, length: int, low_first: bool) -> tuple[BitSlice, ...]:
+def bit_slices_of(field: Field, length: int, low_first: bool) -> tuple[BitSlice, ...]:
     """Return the parts of a field in each byte of a frame of ``length`` bytes, or none if the order code moves them.
 
     They begin with the lowest bits of the field. Each consists of the byte, the lowest bit in that byte, a mask of as

@@ -19,10 +19,10 @@ from .fields import (
     LayoutContext,
     LayoutSite,
     bit_range,
+    bit_slices_of,
     build_combinations,
     expected_value,
     kind_of,
-    pieces,
     with_joins_covered,
     zero_field,
 )
@@ -84,7 +84,7 @@ def build_layout(raw_layout: Raw, site: LayoutSite, total: int | None = None) ->
         fields, bits = in_whole_bytes(fields, bits)
     if byte_order:
         length = site.widest(bits) // 8
-        fields = [replace(field, pieces=pieces(field, length, low_first)) for field in fields]
+        fields = [replace(field, pieces=bit_slices_of(field, length, low_first)) for field in fields]
     fields = with_joins_covered(raw_layout, fields, site)
     layout = _build_layout(
         raw_layout, site, byte_order, bits, _sort_for_sending(fields, low_first and total is None), gaps
