@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from codewheel.language.rules.walk import items, mapping
+from codewheel.language.rules.walk import mapping, maps_in_list
 
 from .places import Place
 
@@ -37,7 +37,7 @@ def other_names(place: Place, data: dict[str, Any]) -> Iterator[str]:
         return
     if place.kind != "name" or key in _DEFINES:
         return
-    known_names = [named["name"] for _, named in items(data, _OF_LISTS.get(key, "")) if "name" in named]
+    known_names = [named["name"] for _, named in maps_in_list(data, _OF_LISTS.get(key, "")) if "name" in named]
     known_names += _names_nearby(place, data)
     if not known_names:
         known_names = list(_texts_under(key, data))
@@ -47,8 +47,8 @@ def other_names(place: Place, data: dict[str, Any]) -> Iterator[str]:
 def _dotted(text: str, data: dict[str, Any]) -> Iterator[str]:
     """Yield other fields of the register in a reference such as ``register.field``."""
     name, _, field = text.partition(".")
-    register = next((register for _, register in items(data, "registers") if register.get("name") == name), {})
-    field_names = [raw_field.get("name") for _, raw_field in items(register, "fields")]
+    register = next((register for _, register in maps_in_list(data, "registers") if register.get("name") == name), {})
+    field_names = [raw_field.get("name") for _, raw_field in maps_in_list(register, "fields")]
     yield from (f"{name}.{field_name}" for field_name in field_names if field_name not in (field, None))
 
 
@@ -59,17 +59,20 @@ def _names_nearby(place: Place, data: dict[str, Any]) -> list[str]:
         chain.append(chain[-1][step])
     owner = next((node for node in reversed(chain) if isinstance(node, dict)), {})
     register = next(
-        (register for _, register in items(data, "registers") if register.get("name") == owner.get("register")), {}
+        (register for _, register in maps_in_list(data, "registers") if register.get("name") == owner.get("register")),
+        {},
     )
     if register:
-        fields = [field for _, field in items(register, "fields")]
+        fields = [field for _, field in maps_in_list(register, "fields")]
         if place.path[-1] == "field":
             return [field["name"] for field in fields if "name" in field]
         return [name for field in fields for name in mapping(field, "values")]
     holder = next((node for node in reversed(chain) if isinstance(node, dict) and "fields" in node), None)
     if holder is None or place.path[-1] in _OF_LISTS:
         return []
-    return [field["name"] for _, field in items(holder, "fields") if "name" in field] + list(mapping(holder, "join"))
+    return [field["name"] for _, field in maps_in_list(holder, "fields") if "name" in field] + list(
+        mapping(holder, "join")
+    )
 
 
 def _texts_under(key: str, node: Any) -> Iterator[str]:

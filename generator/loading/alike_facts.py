@@ -12,7 +12,7 @@ from ..language.document import Document, Path, label_of
 from ..language.problems import ProblemReport, quoted
 from ..language.rules.connectors import signal_names
 from ..language.rules.parts import as_affected_name, has_erratum_at
-from ..language.rules.walk import items, leaves, mapping
+from ..language.rules.walk import leaves, mapping, maps_in_list
 from ..language.schema_files import PROSE
 
 #: Steps of the path to an interface, such as ``interfaces.ssi``.
@@ -125,7 +125,7 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
             document = documents_by_device.get(device)
             if document is None:
                 continue
-            connectors = items(document.data, "connectors")
+            connectors = maps_in_list(document.data, "connectors")
             place = next((path for path, connector in connectors if connector.get("name") == name), None)
             if place is not None:
                 _compare_connector(contacts_by_line, document, place, report)
@@ -150,7 +150,7 @@ def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
     connector = document.data["connectors"][path[-1]]
     if connector["kind"] == "cable":
         wires: set[str] = set()
-        for _, contact in items(connector, "contacts"):
+        for _, contact in maps_in_list(connector, "contacts"):
             is_shield = not _SHIELDS.isdisjoint(signal_names(str(contact["signal"])))
             if not is_shield:
                 wires.add(str(contact["contact"]).casefold())
@@ -218,7 +218,7 @@ def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_L
     """Return the contact of each line of a connector. Lines with several contacts are left out."""
     interfaces = connector.get("interfaces") or [""]  # Without a list, it is for all of them.
     contacts: list[tuple[_Line, _Contact]] = []
-    for contact_path, contact in items(connector, "contacts"):
+    for contact_path, contact in maps_in_list(connector, "contacts"):
         place = _Contact(str(contact["contact"]), str(connector["name"]), document, (*path, *contact_path))
         contacts += [(line, place) for line in _lines_of_signal(str(contact["signal"]), interfaces)]
     counts = Counter(line for line, _ in contacts)

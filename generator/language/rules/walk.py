@@ -20,7 +20,7 @@ def mapping(root: object, *keys: str) -> Data:
     return root if isinstance(root, dict) else {}
 
 
-def items(root: object, *keys: str) -> Iterator[tuple[Path, Data]]:
+def maps_in_list(root: object, *keys: str) -> Iterator[tuple[Path, Data]]:
     """Yield the maps in the list found by following ``keys``, each with its path.
 
     For ``("manual", "editions")`` these have paths such as ``("manual", "editions", 0)``.
