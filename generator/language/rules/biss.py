@@ -17,7 +17,7 @@ from .parts import (
     by_part_name,
     has_erratum_at,
     interface_of,
-    layouts,
+    layouts_of_interfaces,
     position_names,
     with_groups_expanded,
 )
@@ -136,7 +136,7 @@ def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
     """
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     crcs = by_part_name(as_read.crcs)
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         layout = frame.layout
         if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
             continue

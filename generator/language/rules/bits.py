@@ -19,7 +19,7 @@ from .parts import (
     field_lists,
     field_names,
     interfaces,
-    layouts,
+    layouts_of_interfaces,
     owner_of_alarm,
     position_names,
 )
@@ -37,7 +37,7 @@ def check_missing_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
     """
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     positions = {interface: position_names(spec, interface) for interface, _ in interfaces(spec)}
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         has_position = not positions[frame.interface].isdisjoint(field_names(frame, groups))
         if not frame.is_from_encoder or not has_position:
             continue
@@ -262,7 +262,9 @@ def _names_gray(code_value: WrittenCodeValue) -> bool:
 
 def _with_position(spec: WrittenSpec, as_read: WrittenSpec, interface_name: str) -> list[FieldList]:
     """Return the layouts of the encoder that contain the position, or all of its layouts if none is known to do so."""
-    sent_layouts = [frame for frame in layouts(spec) if frame.interface == interface_name and frame.is_from_encoder]
+    sent_layouts = [
+        frame for frame in layouts_of_interfaces(spec) if frame.interface == interface_name and frame.is_from_encoder
+    ]
     with_position = [frame for frame in sent_layouts if _find_position(frame, spec, as_read) != _UNKNOWN_POSITION]
     return with_position or sent_layouts
 

@@ -10,7 +10,7 @@ from ...model.expressions import Expression, ExpressionError
 from ..problems import DocumentReport, quoted
 from ..written_codes import WrittenCodeValue
 from ..written_parts import WrittenSpec
-from .parts import layouts
+from .parts import layouts_of_interfaces
 
 #: Names of interfaces in manuals, without RS-485, which is also the name of the signals.
 _INTERFACES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
@@ -114,7 +114,7 @@ def _codes_named(spec: WrittenSpec, code_value: WrittenCodeValue) -> dict[str, i
     if says_gray == says_binary:
         return {}
     deciding_parameters = set()
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         # A value that selects no interface applies to all of them.
         is_of_value = code_value.interface is None or frame.interface == code_value.interface
         if is_of_value and frame.layout is not None and frame.layout.gray is not None:

@@ -13,7 +13,7 @@ from ..written import LocatedPart
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
-from .parts import FieldList, FieldOwner, Groups, by_name, has_erratum_at, layouts, with_groups_expanded
+from .parts import FieldList, FieldOwner, Groups, by_name, has_erratum_at, layouts_of_interfaces, with_groups_expanded
 
 #: Interfaces over which a master sends only a clock, or control data, which are not a layout.
 _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
@@ -23,7 +23,7 @@ _OF_MEMORY = frozenset(("read", "write"))
 
 def check_layouts_without_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the encoder sends every layout of an interface without requests."""
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         layout = frame.layout
         if layout is not None and frame.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
             message = f"a master sends no frame over {frame.interface}; write 'from: encoder'"
@@ -38,7 +38,7 @@ def check_parities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that name the fields.
         return
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         layout = frame.layout
         if layout is None or frame.interface == Rs485.name:
             continue

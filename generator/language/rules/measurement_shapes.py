@@ -6,7 +6,7 @@ from ...model.measurement import LayoutRange, Measurement
 from ..problems import DocumentReport, quoted
 from ..written import LocatedPart
 from ..written_parts import WrittenSpec
-from .parts import by_name, interfaces, layouts, measurements, readable_names
+from .parts import by_name, interfaces, layouts_of_interfaces, measurements, readable_names
 
 #: Keys of the measurement of an angle, and of a length.
 _ANGLE = ("counts_per_turn", "turns")
@@ -51,8 +51,8 @@ def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: 
     """
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     own_measurements = {name: interface.measurement for name, interface in interfaces(as_read)}
-    raw_frames = {frame.owner.path: frame for frame in layouts(as_read)}
-    for frame in layouts(spec):
+    raw_frames = {frame.owner.path: frame for frame in layouts_of_interfaces(as_read)}
+    for frame in layouts_of_interfaces(spec):
         own_range = frame.layout.position_range if frame.layout is not None else None
         if own_range is None or not own_range.is_given:
             continue

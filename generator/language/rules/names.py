@@ -16,7 +16,7 @@ from .parts import (
     interface_of,
     interfaces,
     last_address,
-    layouts,
+    layouts_of_interfaces,
     with_groups_expanded,
 )
 
@@ -97,7 +97,7 @@ def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
         "an LED": spec.leds,
         "an example": spec.examples,
         "an erratum": spec.errata,
-        "a layout": [frame.owner for frame in layouts(spec)],
+        "a layout": [frame.owner for frame in layouts_of_interfaces(spec)],
         "a part": spec.order_code.parts,
     }
 
@@ -137,7 +137,7 @@ def check_duplicate_field(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 def check_duplicate_selection(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that each value of the selecting field identifies one frame of its sender and interface."""
     first_names: dict[tuple[str, str, int], str] = {}  # The first frame with each value.
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         sender = frame.layout.from_ if frame.layout is not None else ""
         for selector, values in frame.selectors.items():
             for index, value in enumerate(values):

@@ -21,7 +21,7 @@ from .parts import (
     field_lists,
     interface_of,
     interfaces,
-    layouts,
+    layouts_of_interfaces,
     measurements,
     origins_of,
     with_groups_expanded,
@@ -88,7 +88,7 @@ def expressions(spec: WrittenSpec) -> _Expressions:
             yield from _expressions_under(limited, ("min", "max"))
     for measurement in measurements(spec):
         yield from _expressions_under(measurement, _MEASURED)
-    for field_list in layouts(spec):
+    for field_list in layouts_of_interfaces(spec):
         yield from _of_position_range(field_list)
         yield from _of_gray_code(field_list, ("excess",))
     for _, interface in interfaces(spec):
@@ -110,7 +110,7 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
     """
     spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also contains the invalid groups.
     groups = by_name(spec_of_groups.field_groups)
-    field_owners = list(layouts(spec))
+    field_owners = list(layouts_of_interfaces(spec))
     field_owners += [FieldList(FieldOwner.REGISTER, register, interface_of(register)) for register in spec.registers]
     for field_list in field_owners:
         for path, field in with_groups_expanded(field_list, groups):

@@ -152,7 +152,7 @@ class FieldList:
         return self.layout.when if self.layout is not None else MappingProxyType({})
 
 
-def layouts(spec: WrittenSpec) -> Iterator[FieldList]:
+def layouts_of_interfaces(spec: WrittenSpec) -> Iterator[FieldList]:
     """Yield the layouts of all interfaces."""
     for name, interface in interfaces(spec):
         for layout in interface.layouts:
@@ -163,7 +163,7 @@ def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
     """Yield every list of fields: of groups, layouts, control data and registers, in the order of the language."""
     for group in spec.field_groups:
         yield FieldList(FieldOwner.GROUP, group, "")
-    yield from layouts(spec)
+    yield from layouts_of_interfaces(spec)
     for name, interface in interfaces(spec):
         # Only BiSS has control data. An interface with an unknown name, which is reported, may be BiSS.
         control_data = WrittenBiss(interface.data, interface.path).control_data
@@ -278,7 +278,7 @@ def position_names(spec: WrittenSpec, interface: str) -> set[str]:
     measurement = measurement_of(spec, interface)
     measured_name = measurement.part.of if measurement is not None and measurement.has("of") else "position"
     names = {measured_name}
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         if frame.interface == interface:
             names.update(frame.joins.get(measured_name, ()))
     return names

@@ -19,7 +19,7 @@ from .parts import (
     constant_width,
     field_lists,
     field_names,
-    layouts,
+    layouts_of_interfaces,
     position_names,
     readable_names,
     value_names,
@@ -39,7 +39,9 @@ def check_value_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
     A group is in such a frame if one of them uses it. An error is a value named as an error.
     """
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
-    position_frames = [field_list for field_list in layouts(spec) if _has_position(spec, field_list, groups)]
+    position_frames = [
+        field_list for field_list in layouts_of_interfaces(spec) if _has_position(spec, field_list, groups)
+    ]
     position_paths = {field_list.owner.path for field_list in position_frames}
     used_groups = {field.use for field_list in position_frames for field in field_list.fields}
     for field_list in field_lists(spec):
@@ -107,7 +109,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
     or a combination with some of them, already gives the same verdict or a worse one.
     """
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
         if listed_combinations and not _has_position(spec, frame, groups):
             problem = f"{_reason_without_verdict(frame)}; remove 'combinations'"
@@ -130,7 +132,7 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 def check_report_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
-    for frame in layouts(spec):
+    for frame in layouts_of_interfaces(spec):
         used_names = set(readable_names(frame, groups))
         for path, name in _report_names(frame, groups):
             if name in used_names:

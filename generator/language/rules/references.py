@@ -25,7 +25,7 @@ from .parts import (
     field_lists,
     field_names,
     has_other_bits,
-    layouts,
+    layouts_of_interfaces,
     measurements,
     readable_names,
 )
@@ -151,7 +151,7 @@ def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             if text:
                 resolver.refer_to_bit((*hardware_input.path, key), text)
     readable_values: dict[str, None] = {}
-    for frame in layouts(as_read):
+    for frame in layouts_of_interfaces(as_read):
         readable_values |= dict.fromkeys(readable_names(frame, resolver.groups))
     for measurement in measurements(spec):
         if measurement.has("of"):
@@ -173,7 +173,7 @@ def _check_measured_field(
     path = measurement.path
     is_of_device = path == ("measurement",)
     kinds_in_frames = []
-    for frame in layouts(as_read):
+    for frame in layouts_of_interfaces(as_read):
         # The path of a measurement of an interface contains the name of the interface.
         is_measured = is_of_device or frame.interface in path
         field = field_names(frame, resolver.groups).get(name)
@@ -289,7 +289,7 @@ def _check_written_value(
 def check_example_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the arguments and fields with values, and errata."""
     resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    known_layouts = {frame.name: frame for frame in layouts(as_read) if frame.name}
+    known_layouts = {frame.name: frame for frame in layouts_of_interfaces(as_read) if frame.name}
     for example in spec.examples:
         resolver.refer_if_given(example.place_of("procedure"), "procedure", example.procedure)
         resolver.refer_if_given(example.place_of("erratum"), "erratum", example.erratum)
