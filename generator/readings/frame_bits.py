@@ -145,7 +145,7 @@ def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tu
     return default_in_register, True
 
 
-def word(owner: FactSubject, layout: Layout, register: Register | None = None) -> WordBits:
+def word_bits(owner: FactSubject, layout: Layout, register: Register | None = None) -> WordBits:
     """Return the word of a frame or register in each case of its interface, for comparing it bit by bit.
 
     Cases in which the layout is the same share one ``WordCase``. ``register`` is None for a frame.

@@ -23,7 +23,7 @@ from ..model import (
 from ..model.order_codes import Restricted, fits, repeated_names
 from ..say.names_and_places import bits
 from .channels import channel_facts
-from .frame_bits import word
+from .frame_bits import word_bits
 from .reading import (
     CodeAndState,
     ComparedFact,
@@ -100,7 +100,7 @@ def _add_frames(
             reading, key=key, place=place, description=f"'{layout.name}'", interface=interface.name
         )
         facts.add(_frame_facts(frame_subject, layout))
-        facts.words[key] = word(frame_subject, layout)
+        facts.words[key] = word_bits(frame_subject, layout)
         for field in layout.fields:
             if field.group:
                 facts.add_name(("group", interface.name), _group_name(frame_subject, field))

@@ -11,7 +11,7 @@ from ..model import (
 from ..model.registers import name_with_limits
 from ..say.names_and_places import bits
 from ..say.plain_text import count_with_unit
-from .frame_bits import word
+from .frame_bits import word_bits
 from .reading import (
     NOTHING,
     ComparedFact,
@@ -36,7 +36,7 @@ def add_registers(reading: SpecReading, facts: ComparedFacts) -> None:
         _add_names(subject, register, facts)
         # The bits of a joined number follow from its fields.
         facts.derived[FactClass.POSITION] += len(register.layout.joins)
-        facts.words[key] = word(subject, register.layout, register)
+        facts.words[key] = word_bits(subject, register.layout, register)
 
 
 def _add_names(subject: FactSubject, register: Register, facts: ComparedFacts) -> None:
