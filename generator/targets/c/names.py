@@ -168,7 +168,7 @@ def signed_number(value: int) -> str:
     return f"(-{magnitude})" if value < 0 else magnitude
 
 
-def mask(width: int) -> str:
+def mask_constant(width: int) -> str:
     """Return a constant whose lowest ``width`` bits are 1."""
     return number((1 << width) - 1, hexadecimal=True)
 
