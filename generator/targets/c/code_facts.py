@@ -10,7 +10,7 @@ from ...model import Biss, CableLength, Clock, Clocked, Interface, Ssi, Timeout,
 from ...model.order_codes import facts_for_code, repeated_names
 from ...model.record import dataclass
 from .context import CMacro, HeaderContext, timing_macros
-from .names import DeclaredName, number
+from .names import DeclaredName, c_number
 from .variants import CodeRow
 
 
@@ -111,7 +111,7 @@ class CodeFacts:
         code = row.variant.code
         if isinstance(interface, Clocked) and interface.clocks_by_code:
             for name, clock_hz, note in clock_limits(interface.clock_of(code)):
-                yield CMacro(f"{row.macro}_{name}", number(clock_hz), note)
+                yield CMacro(f"{row.macro}_{name}", c_number(clock_hz), note)
         if isinstance(interface, Biss) and interface.timeouts_by_code:
             yield from self._timeout_macros(row, interface.timeout_of(code))
         if isinstance(interface, Ssi) and has_cables_by_code(interface):
@@ -127,7 +127,7 @@ class CodeFacts:
         if timeout is None:
             return
         for name, time_ns in timeout_limits(timeout):
-            yield CMacro(f"{row.macro}_{name}", number(time_ns), "time-out in nanoseconds")
+            yield CMacro(f"{row.macro}_{name}", c_number(time_ns), "time-out in nanoseconds")
         product = timeout_product(timeout)
         if product:
             name_by_product = {function.product: function.name for function in self.timeouts}

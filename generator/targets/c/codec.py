@@ -22,8 +22,8 @@ from .names import (
     COperation,
     DeclaredName,
     c_name,
+    c_number,
     join_operands,
-    number,
     string,
     unsigned,
 )
@@ -288,9 +288,9 @@ class StructCodec:
                 return string(characters)
             case Expression(constant):
                 # Only values that are the same for all order codes have a macro.
-                return number(constant)
+                return c_number(constant)
             case _:
-                return number(field.equals or 0, hexadecimal=True)
+                return c_number(field.equals or 0, hexadecimal=True)
 
     def expected_macro(self, field: Field) -> str:
         return f"{self.name}_{field.name}_EXPECTED".upper()

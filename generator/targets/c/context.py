@@ -12,7 +12,7 @@ from ...plan.frames import held_parameters
 from ...say.order_code import describe_timing as say_timing
 from .comments import HEADER_STYLE
 from .enumerations import AlternativeCode, Enumerations, Reports
-from .names import BY_VALUE, CCast, CExpression, ParameterSpelling, StructPassing, number, unsigned
+from .names import BY_VALUE, CCast, CExpression, ParameterSpelling, StructPassing, c_number, unsigned
 
 
 class HeaderContext:
@@ -142,7 +142,7 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[CMacro]:
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
     for bound, value in bounds.items():
         if value is not None:
-            yield CMacro(f"{stem}_{timing.name}_{bound}_US".upper(), number(value), note)
+            yield CMacro(f"{stem}_{timing.name}_{bound}_US".upper(), c_number(value), note)
             note = f"see {timing.name} above"
 
 

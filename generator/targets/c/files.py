@@ -52,10 +52,10 @@ from .names import (
     FOLDER,
     StructPassing,
     c_name,
+    c_number,
     clashes,
     describe_path,
     mask_constant,
-    number,
     string,
     unsigned,
 )
@@ -88,7 +88,7 @@ TESTS = tests_for(
 
 def _format_hex(value: int, digits: int = 2) -> str:
     """Return a number as a hexadecimal constant of at least this many digits."""
-    return number(value, hexadecimal=True, digits=digits)
+    return c_number(value, hexadecimal=True, digits=digits)
 
 
 def _refuse_operation(op: object) -> NoReturn:
@@ -132,7 +132,7 @@ FILTERS: dict[str, Callable[..., object]] = {
     "mask": mask_constant,
     "md": _format_markdown,
     "never": _refuse_operation,
-    "number": number,
+    "number": c_number,
     "made_of": _fields_of_join,
     "place": place_of_field,
     "string": string,

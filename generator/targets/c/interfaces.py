@@ -42,7 +42,7 @@ from .code_facts import (
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
 from .context import CMacro, HeaderContext, timing_macros
-from .names import CExpression, DeclaredName, c_name, number
+from .names import CExpression, DeclaredName, c_name, c_number
 from .structs import LayoutStruct
 
 _PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}
@@ -69,7 +69,7 @@ class FrameTeller:
 
     def values(self, branch: SelectedFrame) -> list[str]:
         """Return the values that select a frame, as constants of an enumeration or as numbers such as ``0x1AU``."""
-        return [self._names.get(value, number(value, hexadecimal=True)) for value in branch.values]
+        return [self._names.get(value, c_number(value, hexadecimal=True)) for value in branch.values]
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,7 +255,7 @@ class InterfaceCode:
         if isinstance(about, Statement):
             self._macro_statements.append(about)
         note = about if isinstance(about, str) else HEADER_STYLE.sentence(about)
-        return CMacro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
+        return CMacro(f"{self.upper}_{name}".upper(), c_number(value, hexadecimal), note)
 
     def _yield_macros(self) -> Iterator[CMacro]:
         """Yield the constants of the interface: clock, time-out, port, words and times."""

@@ -151,7 +151,7 @@ def _escape_character(byte: int) -> str:
     return chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}"
 
 
-def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
+def c_number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
     """Return ``value`` as an unsigned constant, such as ``24U``, ``0x1BU`` or ``UINT64_C(4294967296)``.
 
     ``digits`` is the least number of hexadecimal digits. More than 8 digits also make it a constant of 64 bits.
@@ -170,7 +170,7 @@ def signed_number(value: int) -> str:
 
 def mask_constant(width: int) -> str:
     """Return a constant whose lowest ``width`` bits are 1."""
-    return number((1 << width) - 1, hexadecimal=True)
+    return c_number((1 << width) - 1, hexadecimal=True)
 
 
 def size_of(bits: int) -> int:
@@ -224,7 +224,7 @@ class CNumber(CExpression):
     signed: bool = False
 
     def __str__(self) -> str:
-        return signed_number(self.value) if self.signed else number(self.value, self.hexadecimal)
+        return signed_number(self.value) if self.signed else c_number(self.value, self.hexadecimal)
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,7 +29,7 @@ from .about import about_access, about_alarm, about_member, about_register, tabl
 from .codec import StructCodec
 from .comments import Paragraph
 from .context import CFunction, CMacro, HeaderContext, number_function
-from .names import CExpression, CName, DeclaredName, number
+from .names import CExpression, CName, DeclaredName, c_number
 from .names import CNumber as NumberExpr
 from .structs import LayoutStruct
 
@@ -129,9 +129,9 @@ def _alarm_macros(device: Device, alarm: Alarm, stem: str) -> Iterator[CMacro]:
     """Yield the macros of an alarm: the mask of its bits, and the supply voltage below which it is raised."""
     bits, note = _alarm_mask(device, alarm)
     if bits:
-        yield CMacro(f"{stem}_MASK", number(bits, hexadecimal=True), note)
+        yield CMacro(f"{stem}_MASK", c_number(bits, hexadecimal=True), note)
     if alarm.below_mv is not None:
-        yield CMacro(f"{stem}_BELOW_MV", number(alarm.below_mv), "raised below this, in millivolts")
+        yield CMacro(f"{stem}_BELOW_MV", c_number(alarm.below_mv), "raised below this, in millivolts")
 
 
 def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:

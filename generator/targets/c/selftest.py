@@ -33,7 +33,7 @@ from .codec import StructCodec
 from .crc_functions import WordCrc
 from .device import DeviceView
 from .enumerations import AlternativeCode
-from .names import c_name, number, signed_number, string
+from .names import c_name, c_number, signed_number, string
 from .positions import LengthPositions
 from .procedures import ProcedureCode
 from .runtime_texts import runtime_tests
@@ -190,7 +190,7 @@ class SelfTest:
         return ProcedureCheck(
             code=code,
             variant=self._find_variant(example.order_code),
-            arguments=tuple(number(example.arguments[name]) for name in argument_names),
+            arguments=tuple(c_number(example.arguments[name]) for name in argument_names),
             writes=tuple(written_bytes),
         )
 
@@ -270,7 +270,7 @@ class SelfTest:
         It is a literal if the example states bits, or else a call such as ``acme_x24_bits(variant, WIDE)``.
         """
         if example.bits:
-            return number(len(example.bits))
+            return c_number(len(example.bits))
         answers = self._format_answers(codec.length_alternatives, example).removesuffix(", ")
         arguments = ", ".join(filter(None, ("variant", answers)))
         return f"{codec.name}_bits({arguments})"
@@ -327,13 +327,13 @@ class SelfTest:
                 named_value = member_named(values, value, f"value of '{name}'").value
                 choice = self.view.context.choices.get((key, name))
                 constants = choice.names if choice else {}
-                return Expected(c_name(name), constants.get(named_value, number(named_value)))
+                return Expected(c_name(name), constants.get(named_value, c_number(named_value)))
             case ActiveFlag():
                 return Expected(c_name(name), "true" if value else "false")
             case TwosComplement() if int(value) < 0:
                 return Expected(c_name(name), signed_number(int(value)))
             case _:
-                return Expected(c_name(name), number(int(value)))
+                return Expected(c_name(name), c_number(int(value)))
 
     def _crc_checks(self, example: CrcExample) -> Iterator[Work]:
         """Yield the checks of a CRC over the bytes of the example, and over them as a word that ends in its CRC."""
@@ -354,8 +354,8 @@ class SelfTest:
             yield MeasureCheck(
                 function=f"{self.view.prefix}_micrometres",
                 variant=self._find_variant(example.order_code),
-                counts=number(example.counts),
-                micrometres=number(example.micrometres),
+                counts=c_number(example.counts),
+                micrometres=c_number(example.micrometres),
             )
 
 

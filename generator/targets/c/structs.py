@@ -29,9 +29,9 @@ from .names import (
     CNumber,
     COperation,
     c_name,
+    c_number,
     join_operands,
     masked,
-    number,
     shifted_right,
     signed,
     signed_number,
@@ -183,7 +183,7 @@ class LayoutStruct:
         for part in self.plan.parts:
             initial_values += self._initial_values(part.field, numbers[part.field.name])
         for whole in self.plan.joined_numbers:
-            initial_values.append(number(whole.joined(numbers, parameters), hexadecimal=True))
+            initial_values.append(c_number(whole.joined(numbers, parameters), hexadecimal=True))
         if self.unused:
             initial_values.append("0U")
         return ", ".join(initial_values)
@@ -201,17 +201,17 @@ class LayoutStruct:
             case OneOfNamedValues():
                 choice = self.choice(field)
                 constants = choice.names if choice is not None else {}
-                yield constants.get(initial_number, number(initial_number, hexadecimal=True))
+                yield constants.get(initial_number, c_number(initial_number, hexadecimal=True))
             case TwosComplement():
                 yield signed_number(initial_number)
             case DecimalDigits(runs):
-                yield number(initial_number)
+                yield c_number(initial_number)
                 for run in runs:
-                    yield number(initial_number // run.divisor % run.modulus)
+                    yield c_number(initial_number // run.divisor % run.modulus)
             case Latin1Text():
                 yield '""'
             case _:
-                yield number(initial_number, hexadecimal=True)
+                yield c_number(initial_number, hexadecimal=True)
 
     def is_none_of(self, field: Field, name: CExpression, values: Sequence[int], is_raw: bool = False) -> CExpression:
         """Return the condition that ``name`` has none of these values, such as ``kind != 0x01U && kind != 0x02U``.

@@ -28,8 +28,8 @@ from .names import (
     COperation,
     DeclaredName,
     c_name,
+    c_number,
     join_operands,
-    number,
     unsigned,
 )
 from .order_codes import OpenCode, open_codes, unknown_parts
@@ -219,7 +219,7 @@ class VariantCode:
         bit = 1
         for part in self.device.order_code.parts:
             if part.open and part.name not in unknown_names:
-                yield CMacro(self._unlisted_macro(part.name), number(bit, hexadecimal=True), part.name)
+                yield CMacro(self._unlisted_macro(part.name), c_number(bit, hexadecimal=True), part.name)
                 bit <<= 1
 
     def _unlisted_macro(self, part: str) -> str:
@@ -276,7 +276,7 @@ def _parameter_value(parameter: Parameter, variant: Variant) -> str:
     """Return a parameter of an order code, such as ``24U``. Codes are in hexadecimal, as in the manuals."""
     # A large number without a unit is a code, such as a profile ID.
     is_code = not parameter.unit and parameter.largest > 0xFF
-    return number(variant.parameters.get(parameter.name, 0), hexadecimal=is_code, digits=4)
+    return c_number(variant.parameters.get(parameter.name, 0), hexadecimal=is_code, digits=4)
 
 
 class LengthCode:
@@ -360,8 +360,8 @@ class LengthCode:
     def macros_of(self, frame: FrameSize) -> Iterator[CMacro]:
         """Yield the macros of the number of bits and of the bytes of a buffer."""
         stem = f"{self._prefix}{self.code_of(frame)}"
-        yield CMacro(f"{stem}_BITS", number(frame.bits), "number of bits in its frame")
-        yield CMacro(f"{stem}_RX_BYTES", number(frame.bytes), "number of bytes in its buffer")
+        yield CMacro(f"{stem}_BITS", c_number(frame.bits), "number of bits in its frame")
+        yield CMacro(f"{stem}_RX_BYTES", c_number(frame.bytes), "number of bytes in its buffer")
 
 
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
