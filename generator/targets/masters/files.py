@@ -147,7 +147,9 @@ def _names_with_mark(file_content: Content, mark: str) -> list[str]:
 def comment(paragraphs: Sequence[str], prefix: str) -> str:
     """Return paragraphs as a comment whose lines begin with ``prefix``, which is ``<!--`` in XML."""
     if prefix == "<!--":
-        lines = [wrap_text(note(paragraph), _WIDTH, prefix="       ", first="     ") for paragraph in paragraphs]
+        lines = [
+            wrap_text(comment_text(paragraph), _WIDTH, prefix="       ", first="     ") for paragraph in paragraphs
+        ]
         return "\n".join(["<!--", *lines, "-->"])
     if prefix == "//":
         # A backslash at the end of a line would continue it.
@@ -156,7 +158,7 @@ def comment(paragraphs: Sequence[str], prefix: str) -> str:
     return "\n".join(lines)
 
 
-def note(text: object) -> str:
+def comment_text(text: object) -> str:
     """Return text that cannot end a one-line comment in XML or C, without double hyphens, which XML does not allow."""
     comment_line = text_on_one_line(text).replace("*/", "* /")
     # Of three hyphens, one pass leaves two next to each other.
@@ -348,7 +350,7 @@ def _without_declaration(text: str) -> str:
 TEMPLATES = Templates(
     our_templates("masters"),
     values={"README.md.jinja": Index, **{f"{name}.jinja": MasterFile for name in FILE_FORMATS}},
-    filters={"comment": comment, "filled": fill_pattern, "note": note},
+    filters={"comment": comment, "filled": fill_pattern, "note": comment_text},
 )
 TARGET = Target(
     name="masters",
