@@ -235,8 +235,8 @@ def smooth_cost(values: Sequence[int], width: int) -> float:
 
     The first value, and with changes of steps also the first step, take ``width`` bits.
     """
-    steps = [signed(after - before, width) for before, after in itertools.pairwise(values)]
-    changes_of_steps = [signed(after - before, width) for before, after in itertools.pairwise(steps)]
+    steps = [as_signed(after - before, width) for before, after in itertools.pairwise(values)]
+    changes_of_steps = [as_signed(after - before, width) for before, after in itertools.pairwise(steps)]
     by_steps = width + _spread_cost(steps, width)
     if not changes_of_steps:
         return by_steps
@@ -253,7 +253,7 @@ def _spread_cost(numbers: Sequence[float], width: int) -> float:
     return len(numbers) * max(bits_each, 0.5) + _SCALE_BITS
 
 
-def signed(number: int, width: int) -> int:
+def as_signed(number: int, width: int) -> int:
     """Return a number modulo 2^width as a number from -2^(width-1) to 2^(width-1) - 1: -1 for 7 with 3 bits."""
     half = 1 << (width - 1)
     mask = (1 << width) - 1
@@ -281,7 +281,7 @@ def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[fl
     middle_position = sorted(positions)[len(positions) // 2]
     middle_value = values[list(positions).index(middle_position)]
     # Relative to the value in the middle, so that the values are as far from the wrap as possible.
-    heights = [signed(value - middle_value, width) for value in values]
+    heights = [as_signed(value - middle_value, width) for value in values]
     mean_position, mean_height = sum(positions) / len(positions), sum(heights) / len(heights)
     # The offsets from the mean, as x and y of the line.
     x_offsets = [position - mean_position for position in positions]
@@ -295,6 +295,6 @@ def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[fl
 def _residuals_of_factor(values: Sequence[int], width: int, positions: Sequence[float], factor: float) -> list[float]:
     """Return the differences of the values from the positions times a factor, across the wrap."""
     offsets = [value - round(position * factor) for value, position in zip(values, positions, strict=True)]
-    residuals = [signed(offset - offsets[0], width) for offset in offsets]
+    residuals = [as_signed(offset - offsets[0], width) for offset in offsets]
     mean = sum(residuals) / len(residuals)
     return [residual - mean for residual in residuals]
