@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.targets import Library
-from codewheel.targets.biss.dtd import DtdError, faults
+from codewheel.targets.biss.dtd import DtdError, validation_errors
 from codewheel.targets.biss.files import generate
 
 # Document types do not depend on wording or rules.
@@ -29,7 +29,7 @@ def document(library: Library) -> str:
 
 
 def check(document: str, dtd: bytes) -> list[str]:
-    return faults(document, "out/idbiss.xml", dtd, "mine/idbiss.dtd")
+    return validation_errors(document, "out/idbiss.xml", dtd, "mine/idbiss.dtd")
 
 
 def test_our_own_document_type_is_content(document: str, ours: bytes) -> None:

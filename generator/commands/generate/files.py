@@ -159,7 +159,7 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     Raises:
         CommandError: A file is not valid (exit code 1), or ``dtd`` cannot be used (exit code 2).
     """
-    from ...targets.biss.dtd import DtdError, faults, read_dtd
+    from ...targets.biss.dtd import DtdError, read_dtd, validation_errors
 
     idbiss_names = [name for name in files if Path(name).name.startswith("idbiss")]
     path_by_name = {name: (output / name).as_posix() for name in idbiss_names}
@@ -167,7 +167,7 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     try:
         dtd_text = read_dtd(dtd)
         for name in idbiss_names:
-            dtd_errors += faults(files[name], path_by_name[name], dtd_text, dtd.as_posix())
+            dtd_errors += validation_errors(files[name], path_by_name[name], dtd_text, dtd.as_posix())
     except DtdError as error:
         raise CommandError(str(error), 2) from None
     for dtd_error in dtd_errors:

@@ -62,7 +62,7 @@ def read_dtd(path: Path) -> bytes:
     return text
 
 
-def faults(document: str, name: str, dtd: bytes, dtd_name: str) -> list[str]:
+def validation_errors(document: str, name: str, dtd: bytes, dtd_name: str) -> list[str]:
     """Return the validation errors of ``document`` against ``dtd``, each as ``file:line: message``.
 
     Entities are not expanded into the document, which is ASCII text. The line is missing if the parser stops without
