@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from codewheel.dump.schema import DataMember, Kind, Shape, json_types_of, members, resolve_reference, show_schema
+from codewheel.dump.schema import DataMember, Kind, Shape, json_types_of, resolve_reference, schema_members, show_schema
 from codewheel.dump.xml import NAMESPACE
 from lxml import etree
 
@@ -31,7 +31,7 @@ def from_xml(data: bytes) -> dict[str, Any]:
 
 def _read(node: Any, shape: Shape, inherited: list[dict[str, Any]]) -> dict[str, Any]:
     sources = [_read_source(source) for source in node.findall(tag("source"))] or inherited
-    values = {member.name: _read_member(node, member, sources) for member in members(shape)}
+    values = {member.name: _read_member(node, member, sources) for member in schema_members(shape)}
     if "source" in shape["properties"]:
         values["source"] = sources[0] if sources else None
         if len(sources) > 1:

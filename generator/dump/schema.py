@@ -193,11 +193,11 @@ def fill_members(dumped: Mapping[str, Any], type_name: str) -> dict[str, Any]:
     A missing member has the value ``DataMember.empty``, which is an empty list, map or text, null, or the default.
     """
     shape = show_schema()["$defs"][type_name]
-    filled_members = {member.name: dumped.get(member.name, member.empty) for member in members(shape)}
+    filled_members = {member.name: dumped.get(member.name, member.empty) for member in schema_members(shape)}
     return filled_members | {name: dumped[name] for name in ("source", "sources") if name in dumped}
 
 
-def members(shape: Shape) -> Iterator[DataMember]:
+def schema_members(shape: Shape) -> Iterator[DataMember]:
     """Yield the members of an object in schema order, without its sources."""
     for name, inner in shape["properties"].items():
         if name not in ("source", "sources"):

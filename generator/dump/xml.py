@@ -24,7 +24,16 @@ from typing import Any
 
 from lxml import etree
 
-from .schema import DataMember, Kind, Shape, is_hexadecimal, json_types_of, members, resolve_reference, show_schema
+from .schema import (
+    DataMember,
+    Kind,
+    Shape,
+    is_hexadecimal,
+    json_types_of,
+    resolve_reference,
+    schema_members,
+    show_schema,
+)
 
 NAMESPACE = "urn:codewheel:device-description:1"
 XSD_NAME = "device-description.xsd"
@@ -94,7 +103,7 @@ def _write_object(
         sources = _sources_of(dumped)
         if sources != inherited_sources:
             _write_sources(element, sources)
-    for member in members(shape):
+    for member in schema_members(shape):
         value = dumped[member.name]
         if _is_omitted(member, value):
             continue
@@ -245,7 +254,7 @@ def _add_type(root: Any, name: str, shape: Shape, description: str) -> None:
     sequence = _add_schema_element(complex_type, "sequence")
     if "source" in shape["properties"]:
         _add_schema_element(sequence, "element", name="source", type="source", minOccurs="0", maxOccurs="unbounded")
-    for member in members(shape):
+    for member in schema_members(shape):
         description_of_member = shape["properties"][member.name]["description"]
         if member.kind in (Kind.ATTRIBUTE, Kind.LIST):
             _add_attribute(complex_type, member, description_of_member)
