@@ -36,7 +36,7 @@ from ..model import (
     Variant,
 )
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
-from ..model.registers import bounded_width, bounds, name_with_limits, numbers_that_fit
+from ..model.registers import bounded_width, name_with_limits, numbers_that_fit, value_bounds
 from ..order_codes.labels import listed_codes
 from ..reference.bits import join_value
 from .crc_rules import check_settings_of_crcs
@@ -354,7 +354,7 @@ def _limits_for_code(register: Register, placed: PlacedLayout, parameters: Mappi
     """Return the limits of a register for one order code. If the highest number is stored as 0, it is not ``high``."""
     bounded_field = placed.find_field(name_with_limits(register))
     zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
-    low, high = bounds(register, placed, (register.min, register.max), parameters)
+    low, high = value_bounds(register, placed, (register.min, register.max), parameters)
     if zero_means and high == zero_means:
         high -= 1  # The highest number is stored as zero.
     return _Limits(low, high, zero_means)

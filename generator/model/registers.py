@@ -139,7 +139,7 @@ def numbers_that_fit(register: Register, placed: PlacedLayout) -> tuple[int, int
     return 0, (1 << width) - 1
 
 
-def bounds(
+def value_bounds(
     register: Register,
     placed: PlacedLayout,
     limits: tuple[Expression | None, Expression | None],

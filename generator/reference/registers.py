@@ -21,7 +21,7 @@ from ..model import (
     number_to_bytes,
 )
 from ..model.expressions import Expression
-from ..model.registers import bounds, name_with_limits
+from ..model.registers import name_with_limits, value_bounds
 from ..order_codes.parameters import RegisterError, after_write
 from ..say import report
 from ..say.plain_text import count_with_unit
@@ -172,7 +172,7 @@ def _check_argument(register: Register, field_name: str, argument: int, placed: 
     allowed_values = [choice.value for field in fields for choice in field.values]
     if allowed_values and argument not in allowed_values:
         raise codec.EncodeError(f"{argument} is not a value of '{field_name}'")
-    lowest, highest = bounds(register, placed, limits, placed.parameters)
+    lowest, highest = value_bounds(register, placed, limits, placed.parameters)
     # The limits of a meaning apply to the field or register to which the argument is written.
     has_limits_of_meaning = limits != (register.min, register.max)
     is_limited = has_limits_of_meaning or field_name == name_with_limits(register)

@@ -16,7 +16,7 @@ from codewheel.commands.cli import main
 from codewheel.commands.decode.frames import FrameTextError, decode_text, frame_bytes, frame_number, undecorated
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text, number_to_bytes
-from codewheel.model.registers import bounds, name_with_limits
+from codewheel.model.registers import name_with_limits, value_bounds
 from codewheel.reference import codec
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate
@@ -338,7 +338,7 @@ def answer(case: Case, values: dict[str, Any]) -> str:
         return "refused"
     limits = (register.min, register.max)
     if not register.meanings and limits != (None, None):
-        low, high = bounds(register, case.placed, limits, case.variant.parameters)
+        low, high = value_bounds(register, case.placed, limits, case.variant.parameters)
         if not low <= int(decoded.values.get(name_with_limits(register), number)) <= high:
             return "refused"
     return number_to_bytes(case.layout, number, case.placed.bits).hex(" ").upper()

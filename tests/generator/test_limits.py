@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device
-from codewheel.model.registers import bounds
+from codewheel.model.registers import value_bounds
 from codewheel.order_codes.labels import find_code
 from codewheel.order_codes.parameters import with_registers
 from codewheel.reference.codec import EncodeError
@@ -22,7 +22,7 @@ def test_what_zero_stands_for_can_be_written() -> None:
     register = devices[0].register("scale")
     variant = next(variant for variant in devices[0].variants if variant.interface == register.interface)
     placed = register.layout.place(variant.parameters)
-    assert bounds(register, placed, (register.min, register.max), variant.parameters) == (1, 256)
+    assert value_bounds(register, placed, (register.min, register.max), variant.parameters) == (1, 256)
 
 
 def registers_after_resolution(device: Device, information: int, revolutions: int, position: int) -> dict[int, int]:

@@ -32,7 +32,7 @@ from codewheel.model import (
     number_from_bytes,
     number_to_bytes,
 )
-from codewheel.model.registers import bounds, name_with_limits
+from codewheel.model.registers import name_with_limits, value_bounds
 from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.reference.bits import compute, join_value
 from codewheel.reference.codec import DecodedFrame, EncodeError, decode, decode_bytes, encode
@@ -284,7 +284,7 @@ def is_allowed(case: Case, number: int) -> bool:
     join = next((join for join in case.layout.joins if join.name == name_with_limits(register)), None)
     if join is None:
         return True
-    low, high = bounds(register, case.placed, (register.min, register.max), case.variant.parameters)
+    low, high = value_bounds(register, case.placed, (register.min, register.max), case.variant.parameters)
     return low <= join_value(case.placed, join, number) <= high
 
 

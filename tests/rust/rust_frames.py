@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Variant, number_to_bytes
-from codewheel.model.registers import bounds, name_with_limits
+from codewheel.model.registers import name_with_limits, value_bounds
 from codewheel.order_codes.parameters import with_answers
 from codewheel.reference.bits import join_value
 from codewheel.reference.codec import UNUSED, DecodedField, DecodedFrame, EncodeError, FrameProblem, decode, encode
@@ -84,7 +84,7 @@ class Case:
         register = self.struct.register
         if register is not None and (register.min is not None or register.max is not None):
             name = name_with_limits(register)
-            low, high = bounds(register, self.placed, (register.min, register.max), self.variant.parameters)
+            low, high = value_bounds(register, self.placed, (register.min, register.max), self.variant.parameters)
             joined = {join.name: join_value(self.placed, join, number) for join in self.struct.layout.joins}
             value = {**values, **joined}.get(name, number)
             if not low <= int(value) <= high:
