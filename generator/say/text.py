@@ -8,8 +8,8 @@ from enum import Enum
 from ..model import PrintedTimeout, Sources, Timeout, Verdict, cite
 from ..model.expressions import Expression
 from ..model.record import dataclass
-from .plain_text import count_with_unit as counted
-from .plain_text import group_digits as number
+from .plain_text import count_with_unit as count_with_unit
+from .plain_text import group_digits as group_digits
 from .plain_text import with_unit as with_unit
 
 _RULE = {"follows_clock": "varies with the clock", "fixed": "fixed"}

@@ -444,5 +444,6 @@ def check_table_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         column_count = len(table.part.columns)
         for row_index, row in enumerate(table.part.rows):
             if len(row) != column_count:
-                message = f"the row has {count_with_unit(len(row), 'cell')}, but the table has {count_with_unit(column_count, 'column')}"
+                cells, columns = count_with_unit(len(row), "cell"), count_with_unit(column_count, "column")
+                message = f"the row has {cells}, but the table has {columns}"
                 report.add("table-shape", (*table.path, "rows", row_index), message)
