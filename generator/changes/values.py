@@ -162,15 +162,15 @@ def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
         return ""
     all_part_texts = _texts_by_part(device, device.variants)
     # Literal texts and the names of parts in turn, beginning and ending with a literal text. Parts have odd indices.
-    pieces = _PART_IN_BRACES.split(device.order_code.pattern)
-    pieces[1::2] = [_part_pattern(used_texts[name], all_part_texts[name]) for name in pieces[1::2]]
-    closed_indices = [index for index in range(1, len(pieces), 2) if pieces[index] != _ANY_TEXT]
+    bit_slices = _PART_IN_BRACES.split(device.order_code.pattern)
+    bit_slices[1::2] = [_part_pattern(used_texts[name], all_part_texts[name]) for name in bit_slices[1::2]]
+    closed_indices = [index for index in range(1, len(bit_slices), 2) if bit_slices[index] != _ANY_TEXT]
     last_closed_index = closed_indices[-1] if closed_indices else 0
-    has_open_parts_behind = last_closed_index + 2 < len(pieces)
+    has_open_parts_behind = last_closed_index + 2 < len(bit_slices)
     if not has_open_parts_behind:
-        return "".join(pieces)
+        return "".join(bit_slices)
     # If everything up to the end is open, one mark represents the rest.
-    return "".join(pieces[: last_closed_index + 1]) + _ANY_TEXT
+    return "".join(bit_slices[: last_closed_index + 1]) + _ANY_TEXT
 
 
 def _texts_by_part(device: Device, variants: Sequence[Variant]) -> dict[str, tuple[str, ...]]:

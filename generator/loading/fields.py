@@ -282,7 +282,7 @@ def bit_slices_of(field: Field, length: int, low_first: bool) -> tuple[BitSlice,
     bits_with_padding = field.container or width
     if not field.low.is_constant or not bits_with_padding:
         return ()
-    pieces = []
+    bit_slices = []
     bits_done = 0
     while bits_done < bits_with_padding:
         # Places count from the lowest bit of the frame.
@@ -291,9 +291,9 @@ def bit_slices_of(field: Field, length: int, low_first: bool) -> tuple[BitSlice,
         bits_in_byte = min(8 - low_bit_in_byte, bits_left)
         byte = byte_above_lowest if low_first else length - 1 - byte_above_lowest
         mask = (1 << bits_in_byte) - 1
-        pieces.append(BitSlice(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))
+        bit_slices.append(BitSlice(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))
         bits_done += bits_in_byte
-    return tuple(pieces)
+    return tuple(bit_slices)
 
 
 def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: LayoutSite) -> list[Field]:

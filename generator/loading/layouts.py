@@ -84,7 +84,7 @@ def build_layout(raw_layout: Raw, site: LayoutSite, total: int | None = None) ->
         fields, bits = in_whole_bytes(fields, bits)
     if byte_order:
         length = site.widest(bits) // 8
-        fields = [replace(field, pieces=bit_slices_of(field, length, low_first)) for field in fields]
+        fields = [replace(field, bit_slices=bit_slices_of(field, length, low_first)) for field in fields]
     fields = with_joins_covered(raw_layout, fields, site)
     layout = _build_layout(
         raw_layout, site, byte_order, bits, _sort_for_sending(fields, low_first and total is None), gaps

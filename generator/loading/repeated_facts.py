@@ -419,7 +419,7 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
             if field is None:
                 continue  # Reported by the rule on references.
             # A field has pieces in bytes only at a fixed place.
-            if not field.pieces:
+            if not field.bit_slices:
                 report.add(
                     "selector-place",
                     path,
@@ -427,8 +427,8 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
                     " have a fixed position",
                 )
                 continue
-            first_name, first_pieces = first_by_sender.setdefault(layout.sender, (layout.name, field.pieces))
-            if first_pieces != field.pieces:
+            first_name, first_pieces = first_by_sender.setdefault(layout.sender, (layout.name, field.bit_slices))
+            if first_pieces != field.bit_slices:
                 message = (
                     f"'{layout.selector}' is not at the same position as in '{first_name}'; the same bits must"
                     " distinguish all frames of a sender"

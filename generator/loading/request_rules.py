@@ -70,9 +70,9 @@ def _constant_bits(layout: Layout) -> dict[tuple[int, int], int]:
     for field in layout.fields:
         if not isinstance(field.kind, Constant):
             continue
-        for piece in field.pieces:
-            value_in_byte = field.kind.value >> piece.low_in_number
-            width_in_byte = piece.mask.bit_length()
+        for bit_slice in field.bit_slices:
+            value_in_byte = field.kind.value >> bit_slice.low_in_number
+            width_in_byte = bit_slice.mask.bit_length()
             for bit in range(width_in_byte):
-                constant_bits[piece.byte, piece.low_in_byte + bit] = (value_in_byte >> bit) & 1
+                constant_bits[bit_slice.byte, bit_slice.low_in_byte + bit] = (value_in_byte >> bit) & 1
     return constant_bits

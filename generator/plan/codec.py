@@ -122,7 +122,7 @@ class LayoutPlan:
 def layout_plan_of(device: Device, layout: Layout) -> LayoutPlan:
     """Return the plan for a layout of a frame or of a register's bytes, see ``LayoutPlan``."""
     # The bytes of a field are unknown if the order code moves its bits.
-    all_have_bytes = all(field.pieces or field.padding_of for field in layout.fields)
+    all_have_bytes = all(field.bit_slices or field.padding_of for field in layout.fields)
     by_word = not layout.in_bytes or not all_have_bytes or bool(layout.gray_of)
     return LayoutPlan(
         layout=layout,
@@ -176,18 +176,20 @@ def only_value(layout: Layout, field: Field) -> int | None:
 
 
 def bits_of(layout: Layout, field: Field) -> FieldBits:
-    """Return the bits of a field. In bytes, a padded field has no pieces for bytes that contain only padding."""
-    pieces = tuple(piece for piece in field.pieces if not field.container or piece.low_in_number < field.widest)
-    return _locate_bits(layout, field.low, field.width, field.widest, pieces)
+    """Return the bits of a field. In bytes, a padded field has no slices for bytes that contain only padding."""
+    bit_slices = tuple(
+        bit_slice for bit_slice in field.bit_slices if not field.container or bit_slice.low_in_number < field.widest
+    )
+    return _locate_bits(layout, field.low, field.width, field.widest, bit_slices)
 
 
 def _locate_bits(
-    layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[BitSlice, ...] = ()
+    layout: Layout, low: Expression, width: Expression, widest: int, bit_slices: tuple[BitSlice, ...] = ()
 ) -> FieldBits:
     """Return ``width`` bits, starting at ``low``. The bits are on top if a frame of bits has none above them."""
     bits_above = layout.bits - low - width
     on_top = not layout.in_bytes and bits_above == Expression(0)
-    return FieldBits(low, width, widest, on_top, pieces)
+    return FieldBits(low, width, widest, on_top, bit_slices)
 
 
 def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
@@ -224,18 +226,18 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
 
 
 def _bits_at_end(layout: Layout, width: int) -> FieldBits:
-    """Return the last ``width`` bits, in bytes with their pieces: a CRC that only some order codes have."""
+    """Return the last ``width`` bits, in bytes with their slices: a CRC that only some order codes have."""
     low_byte_first = layout.byte_order == "low_byte_first"
     low = layout.bits - Expression(width) if low_byte_first else Expression(0)
     byte_count = layout.widest // 8
-    pieces = []
+    bit_slices = []
     starts_of_bytes = range(0, width, 8) if layout.in_bytes else ()
     for low_in_crc in starts_of_bytes:
         byte = byte_count - (width - low_in_crc) // 8 if low_byte_first else byte_count - 1 - low_in_crc // 8
         bits_in_byte = min(8, width - low_in_crc)
         mask = (1 << bits_in_byte) - 1
-        pieces.append(BitSlice(byte=byte, low_in_byte=0, mask=mask, low_in_number=low_in_crc))
-    return _locate_bits(layout, low, Expression(width), width, tuple(pieces))
+        bit_slices.append(BitSlice(byte=byte, low_in_byte=0, mask=mask, low_in_number=low_in_crc))
+    return _locate_bits(layout, low, Expression(width), width, tuple(bit_slices))
 
 
 def _find_gray(layout: Layout) -> Gray | None:
@@ -278,9 +280,9 @@ def _checks_of_constants_and_parity(layout: Layout, by_word: bool) -> Iterator[C
 
 def _zeros_above(layout: Layout, padded_field: Field, padding: Field) -> ZerosAbove:
     """Return the check that the bits above a field are 0, in its own bytes and in those that only the padding has."""
-    # The pieces of ``bits`` lack the bytes that contain only padding.
+    # The slices of ``bits`` lack the bytes that contain only padding.
     bits = bits_of(layout, padded_field)
-    bytes_of_padding = tuple(piece for piece in padded_field.pieces if piece not in bits.pieces)
+    bytes_of_padding = tuple(bit_slice for bit_slice in padded_field.bit_slices if bit_slice not in bits.bit_slices)
     return ZerosAbove(padded_field, padding, bits, bytes_of_padding)
 
 
@@ -390,14 +392,14 @@ def characters(field: Field) -> tuple[tuple[int, int], ...]:
 
     If the characters do not fill whole bytes, or the field is not a text, return an empty tuple.
     """
-    fills_whole_bytes = all(piece.low_in_byte == 0 and piece.mask == 0xFF for piece in field.pieces)
+    fills_whole_bytes = all(bit_slice.low_in_byte == 0 and bit_slice.mask == 0xFF for bit_slice in field.bit_slices)
     if not isinstance(field.kind, Text) or not fills_whole_bytes:
         return ()
     indices = []
     last_index = field.widest // 8 - 1
-    for piece in reversed(field.pieces):
-        bytes_after = piece.low_in_number // 8
-        indices.append((last_index - bytes_after, piece.byte))
+    for bit_slice in reversed(field.bit_slices):
+        bytes_after = bit_slice.low_in_number // 8
+        indices.append((last_index - bytes_after, bit_slice.byte))
     return tuple(indices)
 
 
@@ -419,13 +421,13 @@ class ShiftedBits:
     value: int
 
 
-def moved_bits(codec: LayoutPlan) -> tuple[ShiftedBits, ...]:
+def moved_bits(layout_plan: LayoutPlan) -> tuple[ShiftedBits, ...]:
     """Return the unused bits whose position is fixed. Fields of a byte or word with the same shift are combined."""
     bits_by_shift: dict[tuple[int | None, int], ShiftedBits] = {}
-    for reserved in codec.reserved:
+    for reserved in layout_plan.reserved:
         if not reserved.bits.are_fixed:
             continue
-        for bits in _shifted_bits(reserved, codec.by_word):
+        for bits in _shifted_bits(reserved, layout_plan.by_word):
             byte_and_shift = (bits.byte, bits.shift)
             earlier_bits = bits_by_shift.get(byte_and_shift, bits)
             mask = earlier_bits.mask | bits.mask
@@ -441,8 +443,10 @@ def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
         shift = reserved.bits.low.constant - reserved.place
         yield ShiftedBits(byte=None, shift=shift, mask=reserved.mask, value=value)
         return
-    for piece in reserved.bits.pieces:
+    for bit_slice in reserved.bits.bit_slices:
         # Position of the byte's lowest bit in ``unused``. A negative shift moves the bits up.
-        bit_in_unused = reserved.place + piece.low_in_number
-        mask = piece.mask << bit_in_unused
-        yield ShiftedBits(byte=piece.byte, shift=piece.low_in_byte - bit_in_unused, mask=mask, value=value & mask)
+        bit_in_unused = reserved.place + bit_slice.low_in_number
+        mask = bit_slice.mask << bit_in_unused
+        yield ShiftedBits(
+            byte=bit_slice.byte, shift=bit_slice.low_in_byte - bit_in_unused, mask=mask, value=value & mask
+        )

@@ -194,28 +194,28 @@ def _describe_unused(reserved: Reserved) -> Unused:
     return Unused(reserved.field.low, reserved.field.width, reserved.value, reserved.place)
 
 
-def describe(codec: LayoutPlan, reporting: reports.ReportsAndVerdict | None = None) -> Description:
+def describe(layout_plan: LayoutPlan, reporting: reports.ReportsAndVerdict | None = None) -> Description:
     """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame.
 
-    Without a judgement, there are no causes. In a frame without the position, there are only causes of reports.
+    Without verdict rules, there are no causes. In a frame without the position, there are only causes of reports.
     """
-    layout = codec.layout
-    power_of_two_names = powers_of_two(codec)
+    layout = layout_plan.layout
+    power_of_two_names = powers_of_two(layout_plan)
     description = Description(
         bits=layout.bits,
-        length=codec.length if codec.in_bytes else 0,
-        order=_byte_order(codec),
+        length=layout_plan.length if layout_plan.in_bytes else 0,
+        order=_byte_order(layout_plan),
         columns=tuple(_describe_column(field, field.name in power_of_two_names) for field in layout.fields),
-        joins=tuple(_describe_join(whole) for whole in codec.joined_numbers),
-        unused=tuple(_describe_unused(reserved) for reserved in codec.reserved),
-        checks=tuple(_describe_check(check) for check in codec.checks),
-        parities=tuple(_computed_parities(codec)),
+        joins=tuple(_describe_join(whole) for whole in layout_plan.joined_numbers),
+        unused=tuple(_describe_unused(reserved) for reserved in layout_plan.reserved),
+        checks=tuple(_describe_check(check) for check in layout_plan.checks),
+        parities=tuple(_computed_parities(layout_plan)),
         verdict_causes=(),
         report_causes=(),
         fields=tuple(BitField(field.name, field.low, field.width) for field in layout.fields),
-        crcs=codec.crcs,
-        gray=codec.gray,
-        fixed=tuple(_constant_ones(codec)),
+        crcs=layout_plan.crcs,
+        gray=layout_plan.gray,
+        fixed=tuple(_constant_ones(layout_plan)),
         otherwise=None,
         judging_bits=None,
     )
@@ -223,34 +223,34 @@ def describe(codec: LayoutPlan, reporting: reports.ReportsAndVerdict | None = No
         return description
     report_causes = tuple(_describe_report_cause(cause) for cause in reporting.causes)
     description = replace(description, report_causes=report_causes)
-    judgement = reporting.judgement
-    if judgement is None:
+    verdict_rules = reporting.verdict_rules
+    if verdict_rules is None:
         return description
     return replace(
         description,
-        verdict_causes=tuple(_describe_verdict_causes(judgement)),
-        otherwise=judgement.otherwise,
-        judging_bits=judgement.judging_bits if judgement.may_be_unknown else None,
+        verdict_causes=tuple(_describe_verdict_causes(verdict_rules)),
+        otherwise=verdict_rules.otherwise,
+        judging_bits=verdict_rules.judging_bits if verdict_rules.may_be_unknown else None,
     )
 
 
-def _byte_order(codec: LayoutPlan) -> str:
+def _byte_order(layout_plan: LayoutPlan) -> str:
     """Return Python's name of the byte order, or an empty string if the layout is not sent as bytes."""
-    if not codec.in_bytes:
+    if not layout_plan.in_bytes:
         return ""
-    return "little" if codec.layout.byte_order == "low_byte_first" else "big"
+    return "little" if layout_plan.layout.byte_order == "low_byte_first" else "big"
 
 
-def _computed_parities(codec: LayoutPlan) -> Iterator[Check]:
+def _computed_parities(layout_plan: LayoutPlan) -> Iterator[Check]:
     """Yield the parity bits that an encoder of frames computes. A parity bit that never changes is a constant."""
-    for term in codec.terms:
+    for term in layout_plan.terms:
         if isinstance(term.value, ParityOf):
             yield _describe_parity(term.field, term.value)
 
 
-def _constant_ones(codec: LayoutPlan) -> Iterator[tuple[BitSpan, int]]:
+def _constant_ones(layout_plan: LayoutPlan) -> Iterator[tuple[BitSpan, int]]:
     """Yield the constants that are not all 0. An encoder of frames starts from 0, so it need not set constants of 0."""
-    for term in codec.terms:
+    for term in layout_plan.terms:
         if isinstance(term.value, ConstantNumber) and term.value.number:
             yield BitSpan(term.field.low, term.field.width), term.value.number
 
@@ -327,9 +327,9 @@ def _list_places(fields: tuple[Field, ...]) -> tuple[BitSpan, ...]:
     return tuple(BitSpan(field.low, field.width) for field in fields)
 
 
-def _describe_verdict_causes(judgement: verdicts.VerdictRules) -> Iterator[DescribedVerdictCause]:
+def _describe_verdict_causes(verdict_rules: verdicts.VerdictRules) -> Iterator[DescribedVerdictCause]:
     """Yield the causes of the verdict as data, with the causes of the worst verdict first."""
-    for verdict, verdict_causes in judgement.worst_first:
+    for verdict, verdict_causes in verdict_rules.worst_first:
         for verdict_cause in verdict_causes:
             cause = verdict_cause.by
             yield DescribedVerdictCause(

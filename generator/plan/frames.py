@@ -82,7 +82,7 @@ def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> FrameDispatch:
         branches.append(SelectedFrame(layout, layout.selects))
     # The selector has the same position in all frames, so the position in the first frame applies.
     selector = layouts[0].field(layouts[0].selector)
-    last_byte = max((piece.byte for piece in selector.pieces), default=0)
+    last_byte = max((bit_slice.byte for bit_slice in selector.bit_slices), default=0)
     return FrameDispatch(
         sender=sender,
         selector=selector,
@@ -199,10 +199,13 @@ def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
             content = field.name
         else:
             continue
-        for piece in field.pieces:
-            if piece.byte == 0:
+        for bit_slice in field.bit_slices:
+            if bit_slice.byte == 0:
                 content_of_bits = _ContentOfBits(
-                    lowest_bit=piece.low_in_byte, mask=piece.mask, low_in_number=piece.low_in_number, content=content
+                    lowest_bit=bit_slice.low_in_byte,
+                    mask=bit_slice.mask,
+                    low_in_number=bit_slice.low_in_number,
+                    content=content,
                 )
                 contents.append(content_of_bits)
     known_bits = sum(content_of_bits.mask.bit_count() for content_of_bits in contents)

@@ -233,29 +233,29 @@ Refusal = (
 )
 
 
-def refusals(codec: LayoutPlan) -> Iterator[Refusal]:
+def refusals(layout_plan: LayoutPlan) -> Iterator[Refusal]:
     """Yield the checks before encoding this layout, in the order of its fields, without the limits of a register.
 
     The range of a position replaces the other checks of its field.
     """
-    range_checks = {check.field.name: check for check in codec.checks if isinstance(check, (NotAbove, IsBetween))}
-    for part in codec.parts:
+    range_checks = {check.field.name: check for check in layout_plan.checks if isinstance(check, (NotAbove, IsBetween))}
+    for part in layout_plan.parts:
         match range_checks.get(part.field.name):
             case NotAbove(highest=highest):
                 yield TooHigh(part.field, highest)
             case IsBetween(lowest=lowest, highest=highest):
                 yield NotBetween(part.field, lowest, highest)
             case None:
-                yield from _field_refusals(codec.layout, part.field)
-    yield from (JoinDisagrees(whole) for whole in codec.joined_numbers)
+                yield from _field_refusals(layout_plan.layout, part.field)
+    yield from (JoinDisagrees(whole) for whole in layout_plan.joined_numbers)
 
 
-def powers_of_two(codec: LayoutPlan) -> frozenset[str]:
+def powers_of_two(layout_plan: LayoutPlan) -> frozenset[str]:
     """Return the names of the fields whose numbers must be powers of two."""
-    return frozenset(refusal.field.name for refusal in refusals(codec) if isinstance(refusal, NoPowerOfTwo))
+    return frozenset(refusal.field.name for refusal in refusals(layout_plan) if isinstance(refusal, NoPowerOfTwo))
 
 
-def outside(codec: LayoutPlan, limits: NumberLimits) -> OutsideLimits | None:
+def outside(layout_plan: LayoutPlan, limits: NumberLimits) -> OutsideLimits | None:
     """Return the check of a register's limits if they apply to a member and a value that fits can be outside, or None.
 
     A minimum of 1 is omitted if 0 is already rejected: a field in which 0 encodes a number, or with powers of two.
@@ -264,7 +264,7 @@ def outside(codec: LayoutPlan, limits: NumberLimits) -> OutsideLimits | None:
         return None
     bounds = limits.binding
     minimum_of_1 = ("min", Expression(1))
-    for part in codec.parts:
+    for part in layout_plan.parts:
         rejects_zero = bool(part.field.number.zero_means) or part.field.number.power_of_two
         if part.field.name == limits.member and rejects_zero:
             bounds = tuple(bound for bound in bounds if bound != minimum_of_1)

@@ -23,7 +23,7 @@ from .values import (
 
 @dataclass(frozen=True, slots=True)
 class FieldBits:
-    """``width`` bits of the word, starting at ``low``. ``pieces`` describe the same bits in bytes, lowest bits first.
+    """``width`` bits of the word, starting at ``low``. ``bit_slices`` are the same bits in bytes, lowest bits first.
 
     ``on_top`` is true if there are no bits above them, so a shift is enough to extract them. ``widest`` is the largest
     width of any order code.
@@ -33,7 +33,7 @@ class FieldBits:
     width: Expression
     widest: int
     on_top: bool
-    pieces: tuple[BitSlice, ...]
+    bit_slices: tuple[BitSlice, ...]
 
     @property
     def are_fixed(self) -> bool:

@@ -86,23 +86,24 @@ ValueSource = FixedNumber | InField | AsNumber | AsMember
 class WriteRegister:
     """Write a register, or one of its fields while keeping the others as read.
 
-    ``pieces`` are the affected bytes, whose bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``,
-    or empty if the position of the field depends on the order code. If an argument is written to the whole register,
-    ``determines_limits`` are the run-time parameters in it on which limits of later steps depend. They use the written
-    value. ``closes`` is true if the write undoes an earlier opening step. It is also done if a step in between fails.
+    ``bit_slices`` are the affected bytes, whose bits ``mask << low_in_byte`` become ``(number >> low_in_number) &
+    mask``, or empty if the position of the field depends on the order code. If an argument is written to the whole
+    register, ``determines_limits`` are the run-time parameters in it on which limits of later steps depend. They use
+    the written value. ``closes`` is true if the write undoes an earlier opening step. It is also done if a step in
+    between fails.
     """
 
     step: WriteStep | ModifyStep
     register: Register
     field: Field | None
-    pieces: tuple[BitSlice, ...]
+    bit_slices: tuple[BitSlice, ...]
     value: ValueSource
     determines_limits: tuple[Parameter, ...] = ()
     closes: bool = False
 
     @property
     def calls(self) -> tuple[MasterCall, ...]:
-        writes_whole_bytes = all(piece.mask == 0xFF for piece in self.pieces)
+        writes_whole_bytes = all(bit_slice.mask == 0xFF for bit_slice in self.bit_slices)
         return (MasterCall.WRITE,) if writes_whole_bytes else (MasterCall.READ, MasterCall.WRITE)
 
 
@@ -113,7 +114,7 @@ class ReadRegister:
     step: ReadStep
     register: Register
     field: Field | None
-    pieces: tuple[BitSlice, ...]
+    bit_slices: tuple[BitSlice, ...]
     calls = (MasterCall.READ,)
 
 
@@ -124,16 +125,16 @@ class PollRegister:
     step: PollStep
     register: Register
     field: Field
-    pieces: tuple[BitSlice, ...]
+    bit_slices: tuple[BitSlice, ...]
     calls = (MasterCall.READ, MasterCall.WAIT)
 
 
 @dataclass(frozen=True, slots=True)
 class VerifyWrite:
-    """Read back what ``write`` wrote, and stop if any of ``pieces`` differs."""
+    """Read back what ``write`` wrote, and stop if any of ``bit_slices`` differs."""
 
     write: WriteRegister
-    pieces: tuple[BitSlice, ...]
+    bit_slices: tuple[BitSlice, ...]
     calls = (MasterCall.READ,)
 
     @property
@@ -325,12 +326,12 @@ def _can_be_read_back(write: WriteRegister) -> bool:
 
 
 def _meaningful_pieces(write: WriteRegister) -> Iterator[BitSlice]:
-    """Yield the pieces without reserved bits, which can be anything when read. A whole access includes all bytes."""
-    for piece in write.pieces:
-        unused_in_piece = _unused_bits(write.register, piece.byte) >> piece.low_in_byte
-        meaningful_mask = piece.mask & ~unused_in_piece
+    """Yield the slices without reserved bits, which can be anything when read. A whole access includes all bytes."""
+    for bit_slice in write.bit_slices:
+        unused_in_piece = _unused_bits(write.register, bit_slice.byte) >> bit_slice.low_in_byte
+        meaningful_mask = bit_slice.mask & ~unused_in_piece
         if meaningful_mask or write.register.is_accessed_whole:
-            yield replace(piece, mask=meaningful_mask)
+            yield replace(bit_slice, mask=meaningful_mask)
 
 
 def _unused_bits(register: Register, byte_index: int) -> int:
@@ -364,7 +365,7 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Plan
         case WriteStep():
             register = device.register(step.register)
             source = _written_value(register, step, _argument_of_step(procedure, step))
-            return WriteRegister(step=step, register=register, field=None, pieces=pieces_of(register), value=source)
+            return WriteRegister(step=step, register=register, field=None, bit_slices=pieces_of(register), value=source)
         case _:
             assert_never(step)
 
@@ -375,16 +376,16 @@ def pieces_of(register: Register, field: Field | None = None) -> tuple[BitSlice,
     If a register is accessed whole, its bytes outside the field have the mask 0.
     """
     if field is not None:
-        pieces_by_byte = {piece.byte: piece for piece in field.pieces}
+        pieces_by_byte = {bit_slice.byte: bit_slice for bit_slice in field.bit_slices}
         if pieces_by_byte and register.is_accessed_whole:
             for byte in range(register.length):
                 pieces_by_byte.setdefault(byte, BitSlice(byte, low_in_byte=0, mask=0, low_in_number=0))
         return tuple(pieces_by_byte[byte] for byte in sorted(pieces_by_byte))
-    pieces = []
+    bit_slices = []
     for byte in range(register.length):
         bytes_below = byte if register.byte_order == "low_byte_first" else register.length - 1 - byte
-        pieces.append(BitSlice(byte, low_in_byte=0, mask=0xFF, low_in_number=8 * bytes_below))
-    return tuple(pieces)
+        bit_slices.append(BitSlice(byte, low_in_byte=0, mask=0xFF, low_in_number=8 * bytes_below))
+    return tuple(bit_slices)
 
 
 def _argument_of_step(procedure: Procedure, step: WriteStep | ModifyStep) -> Argument | None:

@@ -128,15 +128,15 @@ def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
     return all(bits.width.value(parameters) > 0 for bits in bits_of_cause)
 
 
-def judgement_of(codec: LayoutPlan) -> VerdictRules:
+def verdict_rules_of(layout_plan: LayoutPlan) -> VerdictRules:
     """Return the verdict on the position of a frame, with everything that it depends on.
 
     If no order code has bits that judge the position, the verdict without an active cause is UNKNOWN. Causes of
     warnings are then omitted, since UNKNOWN is worse.
     """
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {verdict: [] for verdict in Verdict}
-    part_by_name = {part.field.name: part for part in codec.parts}
-    for cause in verdict_causes(codec):
+    part_by_name = {part.field.name: part for part in layout_plan.parts}
+    for cause in verdict_causes(layout_plan):
         match cause.field.kind:
             case Flag():
                 for verdict, verdict_cause in _verdicts_of_flag(cause, part_by_name):
@@ -146,14 +146,14 @@ def judgement_of(codec: LayoutPlan) -> VerdictRules:
     not_usable = tuple(causes_by_verdict[Verdict.NOT_USABLE])
     with_warning: tuple[VerdictCause, ...] = ()
     otherwise = Verdict.UNKNOWN
-    if codec.layout.judges_position:
+    if layout_plan.layout.judges_position:
         with_warning = tuple(causes_by_verdict[Verdict.USABLE_WITH_WARNING])
         otherwise = Verdict.USABLE
     return VerdictRules(
         not_usable=not_usable,
         with_warning=with_warning,
         otherwise=otherwise,
-        judging_bits=codec.layout.judging_bits,
+        judging_bits=layout_plan.layout.judging_bits,
     )
 
 
@@ -226,15 +226,15 @@ def verdict_of(field: Field) -> Verdict | None:
     return field.kind.makes_position
 
 
-def verdict_causes(codec: LayoutPlan) -> Iterator[Cause]:
+def verdict_causes(layout_plan: LayoutPlan) -> Iterator[Cause]:
     """Yield the flags and the reserved bits of a frame, and the values that decide its verdict like a flag.
 
     Flags without a verdict are included.
     """
-    yield from (part for part in codec.parts if isinstance(part.field.kind, Flag))
-    yield from codec.reserved
-    part_by_name = {part.field.name: part for part in codec.parts}
-    for sign in codec.layout.signs:
+    yield from (part for part in layout_plan.parts if isinstance(part.field.kind, Flag))
+    yield from layout_plan.reserved
+    part_by_name = {part.field.name: part for part in layout_plan.parts}
+    for sign in layout_plan.layout.signs:
         yield MatchingValues(sign.flag, tuple((part_by_name[name], value) for name, value in sign.conditions))
 
 
@@ -299,12 +299,12 @@ class ReportCause:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class ReportsAndVerdict:
-    """Reports and verdict of one layout. ``judgement`` is None if the layout does not contain the position."""
+    """Reports and verdict of one layout. ``verdict_rules`` is None if the layout does not contain the position."""
 
     interface: Interface
     codec: LayoutPlan
     causes: tuple[ReportCause, ...]
-    judgement: VerdictRules | None
+    verdict_rules: VerdictRules | None
 
 
 def reports_of(device: Device) -> tuple[NumberedReport, ...]:
@@ -327,21 +327,21 @@ def reportings(device: Device) -> dict[str, ReportsAndVerdict]:
             for field, only in by_order_code(cause.field):
                 if _is_reported(field):
                     causes.append(ReportCause(reports[layout.name, field.name], by=cause, only=only))
-        judgement = judgement_of(codec) if device.has_verdict(interface.name, layout) else None
-        if causes or judgement is not None:
+        verdict_rules = verdict_rules_of(codec) if device.has_verdict(interface.name, layout) else None
+        if causes or verdict_rules is not None:
             reporting_by_frame[layout.name] = ReportsAndVerdict(
-                interface=interface, codec=codec, causes=tuple(causes), judgement=judgement
+                interface=interface, codec=codec, causes=tuple(causes), verdict_rules=verdict_rules
             )
     return reporting_by_frame
 
 
-def judgement_in_family(device: Device, layout: Layout) -> VerdictRules | None:
+def verdict_rules_in_family(device: Device, layout: Layout) -> VerdictRules | None:
     """Return how the verdict on a frame follows from its bits, or None for a frame without a position.
 
     ``device`` is the family with all its order codes.
     """
     reporting = reportings(device).get(layout.name)
-    return reporting.judgement if reporting is not None else None
+    return reporting.verdict_rules if reporting is not None else None
 
 
 def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:

@@ -29,7 +29,7 @@ SPECS = Path(__file__).parents[1] / "specs"
 #: Members that the XML does not carry: those that follow from the others and only guide code, the counts of the
 #: second reading, earlier versions, and the hash of the spec.
 COMPUTED = {
-    "Field": {"pieces", "widest"},
+    "Field": {"bit_slices", "widest"},
     "Layout": {"fold", "widest"},
     "Crc": {"form"},
     "Constant": {"fills_gap", "fills_byte"},
@@ -38,7 +38,7 @@ COMPUTED = {
     "Device": {"times_read", "releases", "samples", "content_hash"},
 }
 COMPUTED_AS = {
-    "pieces": (),
+    "bit_slices": (),
     "fold": (),
     "widest": 0,
     "form": "",

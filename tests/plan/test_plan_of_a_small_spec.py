@@ -80,7 +80,7 @@ def summary(operation: PlannedStep) -> tuple[str, str, str, list[BitSlice]]:
     """Return the kind of an operation, its register, its field, and its bytes."""
     register, field = getattr(operation, "register", None), getattr(operation, "field", None)
     names = (register.name if register is not None else "", field.name if field is not None else "")
-    return (type(operation).__name__, *names, list(getattr(operation, "pieces", ())))
+    return (type(operation).__name__, *names, list(getattr(operation, "bit_slices", ())))
 
 
 ONE_BYTE = [BitSlice(0, 0, 0xFF, 0)]
@@ -333,7 +333,7 @@ def test_places_of_bits(by_hand: Device) -> None:
     reply = plan(by_hand, "low_reply")
     assert (reply.by_word, reply.length) == (False, 4)
     assert [list(plan(by_hand, name).from_low) for name in ("low_reply", "high_reply")] == [[0, 1, 2, 3], [3, 2, 1, 0]]
-    assert [part.bits.pieces for part in reply.parts] == [(BitSlice(1, 0, 0xFF, 0), BitSlice(2, 0, 0xFF, 8))]
+    assert [part.bits.bit_slices for part in reply.parts] == [(BitSlice(1, 0, 0xFF, 0), BitSlice(2, 0, 0xFF, 8))]
     assert [part.shared for part in plan(by_hand, "parity_word").parts] == [True, True]
     assert [part.shared for part in plan(by_hand, "gray_word").parts] == [True, True, False]
 

@@ -34,7 +34,7 @@ class Struct:
     """A frame or register as a type. ``enums`` has the type of each member that is a choice.
 
     ``code`` is the type of the order codes of its interface. ``position_member`` is the member with the position
-    if there is a ``judgement`` on it, or empty.
+    if there is a ``verdict_rules`` on it, or empty.
     """
 
     layout: Layout
@@ -45,7 +45,7 @@ class Struct:
     register: Register | None = None
     limits: NumberLimits | None = None
     receiver: str = ""
-    judgement: VerdictRules | None = None
+    verdict_rules: VerdictRules | None = None
     position_member: str = ""
 
     @property
@@ -108,7 +108,7 @@ class Family:
         }
         self._inner = self._scope((*OF_MODULE, *self.interfaces))
         codes, methods = self._scope(OF_CODE), self._scope(OF_CODE)
-        self._judgements = {name: reporting.judgement for name, reporting in reportings(device).items()}
+        self._judgements = {name: reporting.verdict_rules for name, reporting in reportings(device).items()}
         self.codes = {variant.code: codes.give(constant(variant.code), "order_code") for variant in device.variants}
         self.held = tuple(held_parameters(device))
         for held_register in self.held:
@@ -146,11 +146,11 @@ class Family:
             owners[field.name] = interface.name if is_shared else layout.name
         place = ("interfaces", interface.name, "layouts", layout.name)
         struct = self._struct(self._top, self.enums, place, layout, owners, interface.name)
-        judgement = self._judgements.get(layout.name)
+        verdict_rules = self._judgements.get(layout.name)
         measurement = self.device.measurement_of(interface.name)
-        if judgement is None or measurement is None or measurement.of not in layout.member_names:
+        if verdict_rules is None or measurement is None or measurement.of not in layout.member_names:
             return struct
-        return replace(struct, receiver=interface.name, judgement=judgement, position_member=measurement.of)
+        return replace(struct, receiver=interface.name, verdict_rules=verdict_rules, position_member=measurement.of)
 
     def _register(self, register: Register) -> Struct:
         owners = {register_field.name: register.name for register_field in register.layout.fields}

@@ -77,25 +77,31 @@ def narrowed(value: str, type_: str) -> str:
     return value if type_[1:] == "64" else f"{value} as {type_}"
 
 
-def byte_of(piece: BitSlice) -> str:
+def byte_of(bit_slice: BitSlice) -> str:
     """Return the bits of a piece in its byte."""
-    byte = f"bytes[{piece.byte}] >> {piece.low_in_byte}" if piece.low_in_byte else f"bytes[{piece.byte}]"
-    masked = f"({byte}) & {hexadecimal(piece.mask)}" if piece.low_in_byte else f"{byte} & {hexadecimal(piece.mask)}"
-    return byte if piece.mask == 0xFF >> piece.low_in_byte else masked
+    byte = (
+        f"bytes[{bit_slice.byte}] >> {bit_slice.low_in_byte}" if bit_slice.low_in_byte else f"bytes[{bit_slice.byte}]"
+    )
+    masked = (
+        f"({byte}) & {hexadecimal(bit_slice.mask)}"
+        if bit_slice.low_in_byte
+        else f"{byte} & {hexadecimal(bit_slice.mask)}"
+    )
+    return byte if bit_slice.mask == 0xFF >> bit_slice.low_in_byte else masked
 
 
-def joined_pieces(pieces: Iterable[BitSlice]) -> str:
+def joined_pieces(bit_slices: Iterable[BitSlice]) -> str:
     """Return the bits of these pieces of ``bytes`` as one number."""
-    parts = ((f"u64::from({byte_of(piece)})", piece.low_in_number) for piece in pieces)
+    parts = ((f"u64::from({byte_of(bit_slice)})", bit_slice.low_in_number) for bit_slice in bit_slices)
     return " | ".join(f"({part} << {shift})" if shift else part for part, shift in parts) or "0_u64"
 
 
-def put_byte(piece: BitSlice, raw: str) -> str:
+def put_byte(bit_slice: BitSlice, raw: str) -> str:
     """Return the contribution of a piece of a number, which fits, to its byte."""
-    part = f"({raw} >> {piece.low_in_number}) as u8" if piece.low_in_number else f"{raw} as u8"
-    if piece.mask != 0xFF >> piece.low_in_byte:
-        part = f"{part} & {hexadecimal(piece.mask)}"
-    return f"({part}) << {piece.low_in_byte}" if piece.low_in_byte else part
+    part = f"({raw} >> {bit_slice.low_in_number}) as u8" if bit_slice.low_in_number else f"{raw} as u8"
+    if bit_slice.mask != 0xFF >> bit_slice.low_in_byte:
+        part = f"{part} & {hexadecimal(bit_slice.mask)}"
+    return f"({part}) << {bit_slice.low_in_byte}" if bit_slice.low_in_byte else part
 
 
 PIECES = (byte_of, put_byte, joined_pieces)

@@ -26,13 +26,13 @@ from .spelling import Scope, hexadecimal
 
 def conditions(struct: Struct, scope: Scope) -> Iterator[tuple[str, Verdict]]:
     """Yield the conditions of the verdicts that are worse than that without an active cause, worst first."""
-    judgement = struct.judgement
-    if judgement is None:
+    verdict_rules = struct.verdict_rules
+    if verdict_rules is None:
         return
-    causes = dict(judgement.worst_first)
+    causes = dict(verdict_rules.worst_first)
     for verdict in Verdict:
-        if verdict is Verdict.UNKNOWN and judgement.may_be_unknown:
-            yield f"{scope.expression(judgement.judging_bits)} == 0", verdict
+        if verdict is Verdict.UNKNOWN and verdict_rules.may_be_unknown:
+            yield f"{scope.expression(verdict_rules.judging_bits)} == 0", verdict
         for condition in _active(struct, causes.get(verdict, ()), scope):
             yield condition, verdict
 

@@ -282,7 +282,7 @@ FRAMES = (
             read="position",
         ),
         ModelMember("widest"),
-        ModelMember("pieces"),
+        ModelMember("bit_slices"),
         ModelMember("fills_gap"),
         ModelMember("fills_byte"),
         ModelMember("constants"),

@@ -277,7 +277,10 @@ def _dispatch_data(interface: Interface, dispatch: FrameDispatch) -> Data:
     return without_empty(
         sender=dispatch.sender,
         selector=dispatch.selector.name,
-        pieces=[[piece.byte, piece.low_in_byte, piece.mask, piece.low_in_number] for piece in dispatch.bits.pieces],
+        pieces=[
+            [bit_slice.byte, bit_slice.low_in_byte, bit_slice.mask, bit_slice.low_in_number]
+            for bit_slice in dispatch.bits.bit_slices
+        ],
         needs=dispatch.needs,
         frames=[[indexes[branch.layout.name], *map(json_number, branch.values)] for branch in dispatch.branches],
     ) | {"fallback": indexes[dispatch.fallback.name] if dispatch.fallback is not None else -1}

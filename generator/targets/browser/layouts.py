@@ -230,7 +230,7 @@ def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
     return data | _report_texts(field, alarm)
 
 
-def _layout_data(device: Device, codec: LayoutPlan, description: Description) -> Data:
+def _layout_data(device: Device, layout_plan: LayoutPlan, description: Description) -> Data:
     """Return the description of a frame or register with the texts about its parts.
 
     ``asks`` are the open questions that a decoder needs answers to, and ``offers`` those that only affect the verdict.
@@ -244,27 +244,29 @@ def _layout_data(device: Device, codec: LayoutPlan, description: Description) ->
         "otherwise": description.otherwise,
         "judging_bits": description.judging_bits,
     }
-    checks = zip(description.checks, codec.checks, strict=True)
-    crc = codec.only_crc
-    optional_crcs = {frame_crc.field.name: frame_crc.crc.name for frame_crc in codec.crcs if frame_crc.is_optional}
+    checks = zip(description.checks, layout_plan.checks, strict=True)
+    crc = layout_plan.only_crc
+    optional_crcs = {
+        frame_crc.field.name: frame_crc.crc.name for frame_crc in layout_plan.crcs if frame_crc.is_optional
+    }
     return without_empty(
-        name=codec.layout.name,
+        name=layout_plan.layout.name,
         **{name: plain_data(member) for name, member in described_members.items()},
-        fields=[*_field_data(codec, description)],
-        checks=[plain_data(check) | _check_message(codec.layout, operation) for check, operation in checks],
+        fields=[*_field_data(layout_plan, description)],
+        checks=[plain_data(check) | _check_message(layout_plan.layout, operation) for check, operation in checks],
         # A byte that the bits sent do not fill begins with these zeros.
-        fill=(codec.layout.bits - codec.layout.sent_bits).constant,
+        fill=(layout_plan.layout.bits - layout_plan.layout.sent_bits).constant,
         crc=crc.crc.name if crc is not None else "",
         crcs=optional_crcs,
         # If the CRC covers only a part of the frame: the lowest bit, and the number of bits.
         crc_of=[crc.low, crc.covered.constant] if crc is not None and crc.is_part else [],
-        asks=[alternative.name for alternative in codec.alternatives],
-        offers=[alternative.name for alternative in device.verdict_alternatives(codec.layout)],
-        held=_parameters_in_registers(device, codec.layout, codec),
+        asks=[alternative.name for alternative in layout_plan.alternatives],
+        offers=[alternative.name for alternative in device.verdict_alternatives(layout_plan.layout)],
+        held=_parameters_in_registers(device, layout_plan.layout, layout_plan),
     )
 
 
-def _parameters_in_registers(device: Device, layout: Layout, codec: LayoutPlan) -> list[str]:
+def _parameters_in_registers(device: Device, layout: Layout, layout_plan: LayoutPlan) -> list[str]:
     """Return the names of those parameters that registers hold and that the layout needs.
 
     It needs them for its length, for the places and widths of fields, or for its Gray code.
@@ -274,19 +276,19 @@ def _parameters_in_registers(device: Device, layout: Layout, codec: LayoutPlan) 
         names_in_layout.update(field.low.parameters, field.width.parameters)
     if layout.gray_excess is not None:
         names_in_layout.update(layout.gray_excess.parameters)
-    if codec.gray is not None and codec.gray.when:
-        names_in_layout.add(codec.gray.when)
+    if layout_plan.gray is not None and layout_plan.gray.when:
+        names_in_layout.add(layout_plan.gray.when)
     needed_names = device.needed_parameters(names_in_layout)
     return [parameter.name for parameter in device.run_time_parameters if parameter.name in needed_names]
 
 
-def _field_data(codec: LayoutPlan, description: Description) -> Iterator[Data]:
+def _field_data(layout_plan: LayoutPlan, description: Description) -> Iterator[Data]:
     """Yield the data of each field: its bits, the texts about it, and its encoding if it has a value of its own.
 
     A constant, a parity and a CRC have a value of their own. Users provide the values of other fields.
     """
-    own_values = {term.field.name: term.value for term in codec.terms}
-    for column, field in zip(description.columns, codec.layout.fields, strict=True):
+    own_values = {term.field.name: term.value for term in layout_plan.terms}
+    for column, field in zip(description.columns, layout_plan.layout.fields, strict=True):
         when_active, when_inactive = flag_state_meanings(field)
         only = codes_with_explanation(field)
         texts = without_empty(

@@ -29,36 +29,36 @@ from .names import (
 )
 
 
-def of_bytes(pieces: tuple[BitSlice, ...]) -> tuple[str, CExpression]:
-    """Return the type and the bits in these pieces of ``bytes``, as one number.
+def of_bytes(bit_slices: tuple[BitSlice, ...]) -> tuple[str, CExpression]:
+    """Return the type and the bits in these slices of ``bytes``, as one number.
 
-    For one piece, this is ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``. Without pieces, when no order code has such
+    For one slice, this is ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``. Without slices, when no order code has such
     bits, the number is 0.
     """
-    if not pieces:
+    if not bit_slices:
         return unsigned(1), CNumber(0)
     # The mask of a piece begins at bit 0, so that its length is the number of bits.
-    width = sum(piece.mask.bit_length() for piece in pieces)
+    width = sum(bit_slice.mask.bit_length() for bit_slice in bit_slices)
     type_ = unsigned(width)
-    if len(pieces) == 1:
-        bits = _bits_of_piece(pieces[0])
+    if len(bit_slices) == 1:
+        bits = _bits_of_piece(bit_slices[0])
         is_whole_byte = isinstance(bits, CName)
         return type_, bits if is_whole_byte else CCast("uint8_t", bits)
     # Bytes are shifted in a type that is not promoted to a signed one.
     shifted_type = "uint64_t" if width > 32 else "uint32_t"
     shifted_pieces: list[CExpression] = []
-    for piece in pieces:
-        shifted_pieces.append(shifted_left(CCast(shifted_type, _bits_of_piece(piece)), piece.low_in_number))
+    for bit_slice in bit_slices:
+        shifted_pieces.append(shifted_left(CCast(shifted_type, _bits_of_piece(bit_slice)), bit_slice.low_in_number))
     number = join_operands("|", tuple(shifted_pieces))
     return type_, number if type_ == shifted_type else CCast(type_, number)
 
 
-def _bits_of_piece(piece: BitSlice) -> CExpression:
+def _bits_of_piece(bit_slice: BitSlice) -> CExpression:
     """Return the bits of a byte that belong to a field, shifted to bit 0, such as ``(bytes[2] >> 3) & 0x07U``."""
-    shifted_byte = shifted_right(CName(f"bytes[{piece.byte}]"), piece.low_in_byte)
+    shifted_byte = shifted_right(CName(f"bytes[{bit_slice.byte}]"), bit_slice.low_in_byte)
     # Without bits above the piece, no mask is needed.
-    reaches_top = piece.low_in_byte + piece.mask.bit_length() == 8
-    return shifted_byte if reaches_top else masked(shifted_byte, piece.mask)
+    reaches_top = bit_slice.low_in_byte + bit_slice.mask.bit_length() == 8
+    return shifted_byte if reaches_top else masked(shifted_byte, bit_slice.mask)
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class BitReader:
     def value(self, bits: FieldBits) -> tuple[str, CExpression]:
         """Return the type and the bits of a field, such as ``uint16_t`` and ``(uint16_t)(word >> 6)``."""
         if not self.plan.by_word:
-            return of_bytes(bits.pieces)
+            return of_bytes(bits.bit_slices)
         type_ = unsigned(bits.widest)
         if bits.are_fixed and bits.width.constant == 64:
             return type_, self.word
@@ -123,8 +123,8 @@ class BitReader:
         ``flags`` is the local for the byte. A flag at a place that depends on the order code is shifted to bit 0.
         """
         if not self.plan.by_word:
-            (piece,) = bits.pieces
-            return masked(CName("flags"), piece.mask << piece.low_in_byte)
+            (bit_slice,) = bits.bit_slices
+            return masked(CName("flags"), bit_slice.mask << bit_slice.low_in_byte)
         if not bits.are_fixed:
             return self.in_word(bits)
         return masked(self.lower(bits.low.constant + 1), 1 << bits.low.constant)
@@ -335,9 +335,9 @@ class UnusedMember:
             assert moved.byte is not None
             yield moved.byte, self._moved_bits_to_send(moved)
         for reserved in self.single:
-            for piece in reserved.bits.pieces:
-                bits = shifted_right(self._bits_to_send(reserved), piece.low_in_number)
-                yield piece.byte, _shift_bits(_masked_byte(bits, piece.mask), -piece.low_in_byte)
+            for bit_slice in reserved.bits.bit_slices:
+                bits = shifted_right(self._bits_to_send(reserved), bit_slice.low_in_number)
+                yield bit_slice.byte, _shift_bits(_masked_byte(bits, bit_slice.mask), -bit_slice.low_in_byte)
 
     def _moved_bits_to_send(self, moved: ShiftedBits) -> CExpression:
         """Return bits of the member, shifted to their places in the frame and combined with the documented bits."""

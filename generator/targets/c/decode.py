@@ -186,9 +186,9 @@ class CDecoder:
         # A known parity covers a single field with a single value: here the selector, with the value of this frame.
         (selected_value,) = self.plan.layout.selects
         (selector_bits,) = parity.of_bits
-        pieces = [(piece, selected_value) for piece in selector_bits.pieces]
-        pieces += [(piece, parity.known_parity) for piece in parity.bits.pieces]
-        bytes_of_pieces = {piece.byte for piece, _ in pieces}
+        bit_slices = [(bit_slice, selected_value) for bit_slice in selector_bits.bit_slices]
+        bit_slices += [(bit_slice, parity.known_parity) for bit_slice in parity.bits.bit_slices]
+        bytes_of_pieces = {bit_slice.byte for bit_slice, _ in bit_slices}
         if self.plan.by_word or len(bytes_of_pieces) != 1:
             return self._selector_or_parity_differs(parity, parity.known_parity)
         (byte,) = bytes_of_pieces
@@ -200,9 +200,9 @@ class CDecoder:
             if constant.byte == byte:
                 mask = constant.mask
                 expected_value = constant.value
-        for piece, number in pieces:
-            mask |= piece.mask << piece.low_in_byte
-            expected_value |= ((number >> piece.low_in_number) & piece.mask) << piece.low_in_byte
+        for bit_slice, number in bit_slices:
+            mask |= bit_slice.mask << bit_slice.low_in_byte
+            expected_value |= ((number >> bit_slice.low_in_number) & bit_slice.mask) << bit_slice.low_in_byte
         whole_byte = CName(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
         return COperation("!=", (compared_bits, CNumber(expected_value, hexadecimal=True)))
@@ -313,7 +313,7 @@ class CDecoder:
         previous_byte = -1
         for part in self.plan.parts:
             if is_plain_flag(part) and not self.plan.by_word:
-                byte = part.bits.pieces[0].byte
+                byte = part.bits.bit_slices[0].byte
                 if byte != previous_byte:
                     byte_by_first_flag[part.field.name] = byte
                 previous_byte = byte
@@ -385,19 +385,21 @@ def _constant_bytes(checks: Iterable[Check]) -> list[ConstantByte]:
         name = name_in_words(check.field.name)
         match check:
             case ZerosAbove(beyond=pieces_beyond):
-                for piece in pieces_beyond:
-                    constant_bytes[piece.byte] = ConstantByte(
-                        piece.byte, mask=0xFF, value=0, reasons=(f"above {name}",)
+                for bit_slice in pieces_beyond:
+                    constant_bytes[bit_slice.byte] = ConstantByte(
+                        bit_slice.byte, mask=0xFF, value=0, reasons=(f"above {name}",)
                     )
             case AlwaysIs(bits=bits, value=constant):
-                for piece in bits.pieces:
+                for bit_slice in bits.bit_slices:
                     # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
-                    value_in_byte = ((constant >> piece.low_in_number) & piece.mask) << piece.low_in_byte
+                    value_in_byte = ((constant >> bit_slice.low_in_number) & bit_slice.mask) << bit_slice.low_in_byte
                     # The constants that earlier checks have in the same byte.
-                    earlier = constant_bytes.get(piece.byte, ConstantByte(piece.byte, mask=0, value=0, reasons=()))
-                    constant_bytes[piece.byte] = ConstantByte(
-                        piece.byte,
-                        mask=earlier.mask | (piece.mask << piece.low_in_byte),
+                    earlier = constant_bytes.get(
+                        bit_slice.byte, ConstantByte(bit_slice.byte, mask=0, value=0, reasons=())
+                    )
+                    constant_bytes[bit_slice.byte] = ConstantByte(
+                        bit_slice.byte,
+                        mask=earlier.mask | (bit_slice.mask << bit_slice.low_in_byte),
                         value=earlier.value | value_in_byte,
                         reasons=tuple(dict.fromkeys((*earlier.reasons, name))),
                     )

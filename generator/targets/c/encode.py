@@ -248,17 +248,17 @@ class CEncoder:
         crc = self.plan.only_crc
         if crc is None or not self.plan.layout.crc_covers_bytes:
             return set()
-        return {piece.byte for piece in crc.bits.pieces}
+        return {bit_slice.byte for bit_slice in crc.bits.bit_slices}
 
     def _constant_bits_by_byte(self) -> dict[int, int]:
         """Return the constant bits of every byte, by its index, such as ``{0: 0x80, 1: 0}``."""
         constants = dict.fromkeys(range(self.plan.length), 0)
         for term in self.plan.terms:
             if isinstance(term.value, ConstantNumber):
-                for piece in term.field.pieces:
+                for bit_slice in term.field.bit_slices:
                     # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
-                    bits_of_piece = (term.value.number >> piece.low_in_number) & piece.mask
-                    constants[piece.byte] |= bits_of_piece << piece.low_in_byte
+                    bits_of_piece = (term.value.number >> bit_slice.low_in_number) & bit_slice.mask
+                    constants[bit_slice.byte] |= bits_of_piece << bit_slice.low_in_byte
         return constants
 
     def _variable_bits_by_byte(self) -> dict[int, list[CExpression]]:
@@ -282,9 +282,9 @@ class CEncoder:
             case ValueOfField(field):
                 yield from self._bits_in_bytes(term, field)
             case ParityOf():
-                for piece in term.field.pieces:
-                    parity = shifted_right(self._express_value(term), piece.low_in_number)
-                    yield piece.byte, shifted_left(parity, piece.low_in_byte)
+                for bit_slice in term.field.bit_slices:
+                    parity = shifted_right(self._express_value(term), bit_slice.low_in_number)
+                    yield bit_slice.byte, shifted_left(parity, bit_slice.low_in_byte)
             case _:
                 assert_never(term.value)
 
@@ -296,42 +296,44 @@ class CEncoder:
                 for index, byte in characters(field):
                     yield byte, CCast("uint8_t", CName(f"{member}[{index}]"))
             case ActiveFlag(low):
-                for piece in field.pieces:
-                    yield piece.byte, _flag_in_byte(member, piece, low_is_active=low)
+                for bit_slice in field.bit_slices:
+                    yield bit_slice.byte, _flag_in_byte(member, bit_slice, low_is_active=low)
             case TwosComplement():
                 # Copies of the sign must not reach the zeros above the field.
                 bits = self._express_value(term) if field.name in self._padded_names else CCast("uint64_t", member)
-                for piece in field.pieces:
-                    yield piece.byte, self._piece_in_byte(field, piece, bits, may_be_wider=True)
+                for bit_slice in field.bit_slices:
+                    yield bit_slice.byte, self._piece_in_byte(field, bit_slice, bits, may_be_wider=True)
             case UnsignedNumber() | ZeroMeans() | OneOfNamedValues() | DecimalDigits():
                 # A single piece contains all bits of the member, so that no bits are above them.
-                is_split = len(field.pieces) > 1
-                for piece in field.pieces:
+                is_split = len(field.bit_slices) > 1
+                for bit_slice in field.bit_slices:
                     # Bits above the type of the member are 0.
-                    if piece.low_in_number < size_of(widest_value(field)):
+                    if bit_slice.low_in_number < size_of(widest_value(field)):
                         value = self._express_value(term)
-                        yield piece.byte, self._piece_in_byte(field, piece, value, may_be_wider=is_split)
+                        yield bit_slice.byte, self._piece_in_byte(field, bit_slice, value, may_be_wider=is_split)
             case meaning:
                 assert_never(meaning)
 
-    def _piece_in_byte(self, field: Field, piece: BitSlice, bits: CExpression, *, may_be_wider: bool) -> CExpression:
+    def _piece_in_byte(
+        self, field: Field, bit_slice: BitSlice, bits: CExpression, *, may_be_wider: bool
+    ) -> CExpression:
         """Return one piece of the bits of a field, shifted to its place in its byte.
 
         ``may_be_wider`` is True if ``bits`` can have 1 bits above the piece, which must be masked.
         """
-        bits_of_piece = shifted_right(bits, piece.low_in_number)
-        if may_be_wider and piece.mask != 0xFF:
-            bits_of_piece = masked(bits_of_piece, piece.mask)
-        if piece.low_in_byte:
-            return shifted_left(CCast("uint32_t", bits_of_piece), piece.low_in_byte)
+        bits_of_piece = shifted_right(bits, bit_slice.low_in_number)
+        if may_be_wider and bit_slice.mask != 0xFF:
+            bits_of_piece = masked(bits_of_piece, bit_slice.mask)
+        if bit_slice.low_in_byte:
+            return shifted_left(CCast("uint32_t", bits_of_piece), bit_slice.low_in_byte)
         # The bits are still a ``CName`` if they are the member itself, neither shifted nor masked.
         is_wide_member = isinstance(bits_of_piece, CName) and self.struct.type_of(field) != unsigned(8)
         return CCast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
 
 
-def _flag_in_byte(flag: CExpression, piece: BitSlice, *, low_is_active: bool) -> CExpression:
+def _flag_in_byte(flag: CExpression, bit_slice: BitSlice, *, low_is_active: bool) -> CExpression:
     """Return the bit of a flag at its place in its byte, such as ``in->error ? 0x80U : 0x00U``."""
-    bit = CNumber(piece.mask << piece.low_in_byte, hexadecimal=True)
+    bit = CNumber(bit_slice.mask << bit_slice.low_in_byte, hexadecimal=True)
     zero = CNumber(0, hexadecimal=True)
     return Conditional(flag, zero, bit) if low_is_active else Conditional(flag, bit, zero)
 

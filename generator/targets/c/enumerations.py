@@ -264,8 +264,8 @@ class FrameReports:
         self._choices = choices
         #: Returns the condition on a parameter of the order code.
         self._holds = partial(_express_condition, family.scope)
-        self.judgement = reporting.judgement
-        self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
+        self.verdict_rules = reporting.verdict_rules
+        self.verdict = f"{frame}_verdict" if reporting.verdict_rules is not None else ""
         self.reports = f"{frame}_reports" if reporting.causes else ""
         self._mask_of_all_unused = sum(reserved.mask for reserved in reporting.codec.reserved)
 
@@ -291,7 +291,7 @@ class FrameReports:
     @property
     def may_be_unknown(self) -> bool:
         """True if the frames of some order codes, but not of all, have no bits that judge the position."""
-        return self.judgement is not None and self.judgement.may_be_unknown
+        return self.verdict_rules is not None and self.verdict_rules.may_be_unknown
 
     @property
     def reports_depend(self) -> bool:
@@ -301,7 +301,7 @@ class FrameReports:
     @property
     def _causes_by_verdict(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
         """Verdicts with their causes, worst first."""
-        return self.judgement.worst_first if self.judgement is not None else ()
+        return self.verdict_rules.worst_first if self.verdict_rules is not None else ()
 
     def _is_active(self, cause: Cause) -> CExpression:
         """Return the condition that a cause is active."""
@@ -330,12 +330,12 @@ class FrameReports:
         Separate conditions become one test of the bits of the frame. Flags joined by ``||`` are slower: compilers load
         neighbouring members as one number, so that the decoder must store them first.
         """
-        if self.judgement is None:
+        if self.verdict_rules is None:
             return
         causes_by_verdict = dict(self._causes_by_verdict)
         for verdict in Verdict:
-            if verdict is Verdict.UNKNOWN and self.judgement.may_be_unknown:
-                judging_bits = self.family.scope.expression_of(self.judgement.judging_bits)
+            if verdict is Verdict.UNKNOWN and self.verdict_rules.may_be_unknown:
+                judging_bits = self.family.scope.expression_of(self.verdict_rules.judging_bits)
                 yield COperation("==", (judging_bits, CNumber(0))), verdict
             else:
                 for condition in self._conditions_of_causes(causes_by_verdict.get(verdict, ())):

@@ -64,7 +64,7 @@ class FrameTeller:
     @property
     def value(self) -> CExpression:
         """The selecting field, extracted from the bytes, such as ``bytes[0] & 0x1FU``."""
-        _, bits = of_bytes(self.dispatch.bits.pieces)
+        _, bits = of_bytes(self.dispatch.bits.bit_slices)
         return bits
 
     def values(self, branch: SelectedFrame) -> list[str]:

@@ -114,8 +114,12 @@ def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with a position whose verdict is always unknown: no flag or unused bit affects it."""
     for device in devices:
         for reporting in reportings(device).values():
-            judgement = reporting.judgement
-            if judgement is not None and judgement.otherwise is Verdict.UNKNOWN and not judgement.worst_first:
+            verdict_rules = reporting.verdict_rules
+            if (
+                verdict_rules is not None
+                and verdict_rules.otherwise is Verdict.UNKNOWN
+                and not verdict_rules.worst_first
+            ):
                 yield _frame_name(device, reporting.interface.title, reporting.codec.layout)
 
 

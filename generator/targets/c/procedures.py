@@ -296,7 +296,7 @@ class ProcedureCode:
                         code=self.registers[register],
                         local=c_name(f"{argument}_{register}_held", self._names),
                         bytes=c_name(f"{argument}_{register}_sent", self._names),
-                        values=tuple(self._byte_value(write, piece) for piece in write.pieces),
+                        values=tuple(self._byte_value(write, bit_slice) for bit_slice in write.bit_slices),
                     )
                     yield (argument, register), whole
 
@@ -331,16 +331,16 @@ class ProcedureCode:
                 yield FilledRows(first_index, kind="write", filled=filled_register, note=note)
             return
         _refuse_unsupported(step)
-        for index, piece in enumerate(step.pieces):
-            value = self._byte_value(step, piece)
-            yield self._build_row(first_index + index, step, note if index == 0 else "", piece, value)
+        for index, bit_slice in enumerate(step.bit_slices):
+            value = self._byte_value(step, bit_slice)
+            yield self._build_row(first_index + index, step, note if index == 0 else "", bit_slice, value)
 
     def _build_row(
         self,
         index: int,
         step: WriteRegister | ReadRegister | PollRegister | VerifyWrite,
         note: str,
-        piece: BitSlice,
+        bit_slice: BitSlice,
         value: CExpression,
     ) -> StepRow:
         """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
@@ -348,10 +348,10 @@ class ProcedureCode:
             at=index,
             op=step,
             note=note,
-            address=self._address(step.register, piece.byte),
-            mask=piece.mask << piece.low_in_byte,
+            address=self._address(step.register, bit_slice.byte),
+            mask=bit_slice.mask << bit_slice.low_in_byte,
             value=value,
-            more=step.register.is_accessed_whole and piece.byte > 0,
+            more=step.register.is_accessed_whole and bit_slice.byte > 0,
         )
 
     def _address(self, register: Register, byte: int) -> str:
@@ -364,14 +364,14 @@ class ProcedureCode:
         self, first_index: int, step: VerifyWrite, filled_register: FilledRegister, note: str
     ) -> Iterator[StepRow | FilledRows]:
         """Yield one row for all bytes if every bit of them counts, else one row per byte."""
-        if step.pieces == step.write.pieces:
+        if step.bit_slices == step.write.bit_slices:
             yield FilledRows(first_index, kind="verify", filled=filled_register, note=note)
             return
-        for index, piece in enumerate(step.pieces):
-            written_byte = CName(f"{filled_register.bytes}[{piece.byte}]")
+        for index, bit_slice in enumerate(step.bit_slices):
+            written_byte = CName(f"{filled_register.bytes}[{bit_slice.byte}]")
             # A mask of 0 is a byte of reserved bits, which is read but not compared.
-            expected = masked(written_byte, piece.mask) if piece.mask else _ZERO
-            yield self._build_row(first_index + index, step, note if index == 0 else "", piece, expected)
+            expected = masked(written_byte, bit_slice.mask) if bit_slice.mask else _ZERO
+            yield self._build_row(first_index + index, step, note if index == 0 else "", bit_slice, expected)
 
     def _filled_by(self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite) -> FilledRegister | None:
         """Return the register whose struct a step writes or reads back, or None if it has no struct."""
@@ -381,13 +381,13 @@ class ProcedureCode:
         return None
 
     def _byte_value(
-        self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, piece: BitSlice
+        self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, bit_slice: BitSlice
     ) -> CExpression:
         """Return the value that a step writes to a byte, waits for, or reads back, or 0 for a step that only reads.
 
-        It has the bits of ``piece`` at their place in the byte. The other bits of the byte are 0.
+        It has the bits of ``bit_slice`` at their place in the byte. The other bits of the byte are 0.
         """
-        if isinstance(step, ReadRegister) or not piece.mask:
+        if isinstance(step, ReadRegister) or not bit_slice.mask:
             return _ZERO
         write_or_poll = step.write if isinstance(step, VerifyWrite) else step
         value = (
@@ -395,12 +395,12 @@ class ProcedureCode:
         )
         # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
         if isinstance(value, FixedNumber):
-            bits_of_piece = (value.number >> piece.low_in_number) & piece.mask
-            return CNumber(bits_of_piece << piece.low_in_byte, hexadecimal=True)
-        bits = shifted_right(CName(self._names[value.argument.name]), piece.low_in_number)
-        if piece.mask != 0xFF:
-            return CCast("uint8_t", shifted_left(masked(bits, piece.mask), piece.low_in_byte))
-        is_whole_byte = isinstance(value, AsNumber) and len(step.pieces) == 1
+            bits_of_piece = (value.number >> bit_slice.low_in_number) & bit_slice.mask
+            return CNumber(bits_of_piece << bit_slice.low_in_byte, hexadecimal=True)
+        bits = shifted_right(CName(self._names[value.argument.name]), bit_slice.low_in_number)
+        if bit_slice.mask != 0xFF:
+            return CCast("uint8_t", shifted_left(masked(bits, bit_slice.mask), bit_slice.low_in_byte))
+        is_whole_byte = isinstance(value, AsNumber) and len(step.bit_slices) == 1
         return bits if is_whole_byte else CCast("uint8_t", bits)
 
     def _read_members(self) -> Iterator[ReadMember]:
@@ -411,7 +411,7 @@ class ProcedureCode:
         used_names: set[str] = set()
         first_byte = 0
         for read in self.run.reads:
-            length = len(read.pieces)
+            length = len(read.bit_slices)
             stem = read.register.name
             if length != read.register.length and read.field is not None:
                 stem += f"_{read.field.name}"
@@ -434,13 +434,13 @@ def _unused_name(name: str, used_names: Collection[str]) -> str:
 
 def _refuse_unsupported(step: WriteRegister | ReadRegister | PollRegister | VerifyWrite) -> None:
     """Raise an error if the bytes of a step depend on the order code, or would be polled one after the other."""
-    if not step.pieces:
+    if not step.bit_slices:
         raise TargetError(
             f"the place of '{_place_text(step)}' depends on the order code; the C target cannot access it alone"
         )
-    if isinstance(step, PollRegister) and len(step.pieces) > 1 and not step.register.is_accessed_whole:
+    if isinstance(step, PollRegister) and len(step.bit_slices) > 1 and not step.register.is_accessed_whole:
         # The bytes could match one after the other, and never all at the same time.
-        problem = f"'{_place_text(step)}' is spread over {len(step.pieces)} bytes"
+        problem = f"'{_place_text(step)}' is spread over {len(step.bit_slices)} bytes"
         raise TargetError(f"{problem}, which the C target would poll one after the other")
 
 
@@ -453,7 +453,7 @@ def _has_variable_limits(refusal: ArgumentRefusal) -> bool:
 
 def _number_of_rows(step: PlannedStep) -> int:
     """Return the number of elementary steps: one for each byte of a register."""
-    return 1 if isinstance(step, (WaitTime, SendRequest)) else len(step.pieces)
+    return 1 if isinstance(step, (WaitTime, SendRequest)) else len(step.bit_slices)
 
 
 def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:

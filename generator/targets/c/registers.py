@@ -140,12 +140,12 @@ def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
     A flag in a frame counts before one in a register. The mask is 0 if the alarm has no bits at a fixed place.
     """
     frame_field = _frame_field_of(device, alarm)
-    if frame_field is not None and len(frame_field.pieces) == 1:
-        (piece,) = frame_field.pieces
+    if frame_field is not None and len(frame_field.bit_slices) == 1:
+        (bit_slice,) = frame_field.bit_slices
         group = member_named(device.field_groups, alarm.group, "field group")
         # A group of several bytes has several bits with the same mask.
         note = "in its byte" if group.bits > 8 else ""
-        return piece.mask << piece.low_in_byte, note
+        return bit_slice.mask << bit_slice.low_in_byte, note
     if not alarm.register:
         return 0, ""
     layout = device.register(alarm.register).layout
@@ -164,7 +164,7 @@ def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
         return None
     for _, layout in device.layouts():
         for field in layout.fields:
-            if field.group == alarm.group and field.name == alarm.field and field.pieces:
+            if field.group == alarm.group and field.name == alarm.field and field.bit_slices:
                 return field
     return None
 

@@ -45,7 +45,7 @@ class HeldValue:
     def __init__(self, context: HeaderContext, parameter_in_register: HeldParameter) -> None:
         parameter = parameter_in_register.parameter
         field = parameter_in_register.field
-        if not field.pieces:
+        if not field.bit_slices:
             problem = f"the place of '{parameter.read_from}' depends on the order code; the C target cannot read it"
             raise TargetError(problem)
         self.held_parameter = parameter_in_register
@@ -70,7 +70,7 @@ class HeldValue:
         If 0 represents another number, a local with the bits as read comes first. A code has a local that ends in
         ``_code``.
         """
-        type_, bits = of_bytes(self.held_parameter.bits.pieces)
+        type_, bits = of_bytes(self.held_parameter.bits.bit_slices)
         match self.held_parameter.meaning:
             case ZeroMeans(number):
                 raw_local = CName(f"{self.local}_raw")

@@ -25,7 +25,7 @@ from ...model import (
 from ...order_codes.labels import fill_pattern
 from ...order_codes.parameters import parameters_of, run_time_names, with_answers
 from ...plan.values import ActiveFlag, TwosComplement, meaning_of
-from ...plan.verdicts import judgement_in_family
+from ...plan.verdicts import verdict_rules_in_family
 from ...say.layout import crc_inverted, crc_reflected
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import heading
@@ -378,16 +378,16 @@ def _verdict_facts(
     family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str], has_crc: bool
 ) -> Iterator[tuple[str, str]]:
     """Yield the verdict on the position, if there is one, and verdicts to which other answers add causes."""
-    judgement = judgement_in_family(family_device, layout)
-    if judgement is None:
+    verdict_rules = verdict_rules_in_family(family_device, layout)
+    if verdict_rules is None:
         return
-    yield "Position", verdict_line(judgement, variant, has_crc)
+    yield "Position", verdict_line(verdict_rules, variant, has_crc)
     alternatives = [question for question in family_device.verdict_alternatives(layout) if question.name in choices]
     for alternative in alternatives:
         # The first answer is the default.
         for answer in alternative.answers[1:]:
             variant_with_answer = with_answers(family_device, variant, {alternative.name: answer.name})
-            changed_verdicts = changed_verdicts_of(judgement, variant, variant_with_answer)
+            changed_verdicts = changed_verdicts_of(verdict_rules, variant, variant_with_answer)
             if changed_verdicts:
                 with_answer = markdown_link(f"With {code_span(answer.name)}", f"#alternative-{alternative.name}")
                 yield with_answer, "; ".join(changed_verdicts)

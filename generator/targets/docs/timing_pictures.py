@@ -223,14 +223,14 @@ def _words_without_timeout(device: Device, interface: Biss) -> str:
     return f"see the {place}" if place else f"not in the {word_for_document(device)}"
 
 
-def _data_boxes(codec: LayoutPlan, position_names: Container[str]) -> Iterator[tuple[str, str]]:
+def _data_boxes(layout_plan: LayoutPlan, position_names: Container[str]) -> Iterator[tuple[str, str]]:
     """Yield the name and colour class of each field of the single cycle data, with the position as one field.
 
     Constants are left out.
     """
     has_position = False
-    for field in codec.layout.fields:
-        if field in codec.layout.crc_fields:
+    for field in layout_plan.layout.fields:
+        if field in layout_plan.layout.crc_fields:
             yield "CRC", box_colour(field)
         elif isinstance(meaning_of(field), ActiveFlag):
             yield name_in_words(field.name), box_colour(field)
@@ -238,7 +238,7 @@ def _data_boxes(codec: LayoutPlan, position_names: Container[str]) -> Iterator[t
             if not has_position:
                 yield "position", DATA
             has_position = True
-        elif field.name not in codec.constants:
+        elif field.name not in layout_plan.constants:
             yield name_in_words(field.name), DATA
 
 

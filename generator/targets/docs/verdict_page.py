@@ -72,10 +72,10 @@ def _deciding_rows(device: Device, reporting_frames: Iterable[ReportsAndVerdict]
     """
     layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
     for reporting in reporting_frames:
-        if reporting.judgement is not None:
+        if reporting.verdict_rules is not None:
             layout = reporting.codec.layout
-            judgement = reporting.judgement
-            rows_of_frame = tuple(_rows_of_frame(device, reporting.interface, layout, judgement))
+            verdict_rules = reporting.verdict_rules
+            rows_of_frame = tuple(_rows_of_frame(device, reporting.interface, layout, verdict_rules))
             layouts_by_rows.setdefault((reporting.interface.title, rows_of_frame), []).append(layout)
     for (interface_title, rows_of_frame), layouts in layouts_by_rows.items():
         first_row, *further_rows = rows_of_frame
@@ -87,18 +87,18 @@ def _deciding_rows(device: Device, reporting_frames: Iterable[ReportsAndVerdict]
         yield titles, "no frame with a position", "", "", "", "", ""
 
 
-def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgement: VerdictRules) -> Iterator[Row]:
+def _rows_of_frame(device: Device, interface: Interface, layout: Layout, verdict_rules: VerdictRules) -> Iterator[Row]:
     """Yield a row for each field that decides the verdict on a frame, then a row for all other cases.
 
     A last row is for order codes without the bits that judge the position, if there are any.
     """
     signs = {sign.flag.name: sign for sign in layout.signs}
-    deciders = _deciding_fields(layout, judgement)
+    deciders = _deciding_fields(layout, verdict_rules)
     for decider in deciders:
         yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
     name_of_other_cases = "none of these" if deciders else "no field decides"
-    yield name_of_other_cases, "", EFFECTS[judgement.otherwise], "", ""
-    if judgement.may_be_unknown:
+    yield name_of_other_cases, "", EFFECTS[verdict_rules.otherwise], "", ""
+    if verdict_rules.may_be_unknown:
         judging_names = [CodeText(field.name) for field in layout.judging_fields]
         missing_names = MARKDOWN.phrase(make_statement(*list_parts(judging_names)))
         yield f"order codes that lack {missing_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
@@ -113,7 +113,7 @@ class _Decider:
     conditions: tuple[CodeCondition, ...] = ()
 
 
-def _deciding_fields(layout: Layout, judgement: VerdictRules) -> list[_Decider]:
+def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decider]:
     """Return the fields that decide the verdict on a frame, worst verdict first, then in order of the frame.
 
     With ``otherwise`` UNKNOWN, fields with a warning or UNKNOWN also lead to UNKNOWN. Fields for which the position is
@@ -121,13 +121,13 @@ def _deciding_fields(layout: Layout, judgement: VerdictRules) -> list[_Decider]:
     """
     fields_and_signs = (*layout.fields, *(sign.flag for sign in layout.signs))
     deciders: list[_Decider] = []
-    for verdict, causes in judgement.worst_first:
+    for verdict, causes in verdict_rules.worst_first:
         deciders += [_Decider(verdict, cause.by.field, cause.conditions) for cause in causes]
-    if judgement.otherwise is Verdict.UNKNOWN:
+    if verdict_rules.otherwise is Verdict.UNKNOWN:
         # A warning cannot improve an unknown verdict.
         not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
         warning_fields = [field for field in layout.fields if verdict_of(field) in not_better]
-        deciders += [_Decider(judgement.otherwise, field) for field in warning_fields]
+        deciders += [_Decider(verdict_rules.otherwise, field) for field in warning_fields]
     # The enumeration lists the verdicts from the worst to the best.
     worst_first = list(Verdict)
     field_names = [field.name for field in fields_and_signs]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import Device, Field, Layout, PlacedField, PlacedLayout, Variant, Verdict
 from ...plan.values import ActiveFlag, meaning_of
-from ...plan.verdicts import MatchingValues, VerdictCause, VerdictRules, judgement_in_family
+from ...plan.verdicts import MatchingValues, VerdictCause, VerdictRules, verdict_rules_in_family
 from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import bits, frame_bytes, heading
@@ -32,17 +32,17 @@ def verdict_table(family_device: Device, device: Device, layout: Layout, variant
     The rows are the causes of each verdict, then all other flags, then the verdict without any cause. ``device`` is the
     family with only the order codes of the page, and their alarms and remedies.
     """
-    judgement = judgement_in_family(family_device, layout)
+    verdict_rules = verdict_rules_in_family(family_device, layout)
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
-    if judgement is not None:
-        judgement = judgement.for_parameters(variant.parameters)
-        causes_by_verdict = applicable_causes(judgement, variant)
+    if verdict_rules is not None:
+        verdict_rules = verdict_rules.for_parameters(variant.parameters)
+        causes_by_verdict = applicable_causes(verdict_rules, variant)
     placed = layout.place(variant.parameters)
     rows = list(_cause_rows(device, placed, causes_by_verdict))
-    rows += _rows_of_other_flags(device, placed, causes_by_verdict, judgement)
-    if judgement is not None and causes_by_verdict:
+    rows += _rows_of_other_flags(device, placed, causes_by_verdict, verdict_rules)
+    if verdict_rules is not None and causes_by_verdict:
         with_crc = "" if placed.crc_field is None else ", and the CRC is correct"
-        rows.append(("", f"none of these{with_crc}", "", EFFECTS[judgement.otherwise], ""))
+        rows.append(("", f"none of these{with_crc}", "", EFFECTS[verdict_rules.otherwise], ""))
     columns_with_content = _indices_with_content(rows)
     return _cells_at(_HEAD, columns_with_content), [_cells_at(row, columns_with_content) for row in rows]
 
@@ -78,7 +78,7 @@ def _rows_of_other_flags(
     device: Device,
     placed_layout: PlacedLayout,
     causes_by_verdict: dict[Verdict, list[VerdictCause]],
-    judgement: VerdictRules | None,
+    verdict_rules: VerdictRules | None,
 ) -> Iterator[Row]:
     """Yield a row for each flag that leads to no verdict for this order code.
 
@@ -87,7 +87,7 @@ def _rows_of_other_flags(
     names_of_causes: set[str] = set()
     for causes in causes_by_verdict.values():
         names_of_causes.update(cause.by.field.name for cause in causes)
-    effect = "unchanged" if judgement is not None else ""
+    effect = "unchanged" if verdict_rules is not None else ""
     for placed_field in placed_layout.fields:
         field = placed_field.field
         if isinstance(meaning_of(field), ActiveFlag) and field.name not in names_of_causes:
@@ -158,10 +158,10 @@ def _while_flags_are_inactive(cause: VerdictCause) -> str:
     return f"while {flags} {verb} inactive"
 
 
-def applicable_causes(judgement: VerdictRules, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
+def applicable_causes(verdict_rules: VerdictRules, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
     """Return the causes of each verdict that apply to an order code, the worst verdict first."""
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
-    for verdict, causes in judgement.worst_first:
+    for verdict, causes in verdict_rules.worst_first:
         causes_for_variant = [cause for cause in causes if _holds_for_variant(cause, variant)]
         if causes_for_variant:
             causes_by_verdict[verdict] = causes_for_variant
@@ -178,22 +178,22 @@ def join_as_any_of(names: Sequence[str]) -> str:
     return f"any of {', '.join(names)}" if len(names) > _MOST_ALTERNATIVES else " or ".join(names)
 
 
-def verdict_line(judgement: VerdictRules, variant: Variant, has_crc: bool) -> str:
+def verdict_line(verdict_rules: VerdictRules, variant: Variant, has_crc: bool) -> str:
     """Return the verdicts on the position of an order code with their conditions, the worst first."""
-    judgement = judgement.for_parameters(variant.parameters)
-    causes_by_verdict = applicable_causes(judgement, variant)
+    verdict_rules = verdict_rules.for_parameters(variant.parameters)
+    causes_by_verdict = applicable_causes(verdict_rules, variant)
     conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
     if not conditional_verdicts:
-        return MARKDOWN.phrase(make_statement(VERDICT_CLAUSES[judgement.otherwise]))
+        return MARKDOWN.phrase(make_statement(VERDICT_CLAUSES[verdict_rules.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
-    return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
+    return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[verdict_rules.otherwise]}"])
 
 
-def changed_verdicts_of(judgement: VerdictRules, variant: Variant, variant_with_answer: Variant) -> list[str]:
+def changed_verdicts_of(verdict_rules: VerdictRules, variant: Variant, variant_with_answer: Variant) -> list[str]:
     """Return verdicts with the causes that an answer adds, which ``variant`` with the defaults lacks."""
-    default_causes = applicable_causes(judgement, variant)
+    default_causes = applicable_causes(verdict_rules, variant)
     changed_verdicts = []
-    for verdict, causes in applicable_causes(judgement, variant_with_answer).items():
+    for verdict, causes in applicable_causes(verdict_rules, variant_with_answer).items():
         default_conditions = [cause.by for cause in default_causes.get(verdict, ())]
         added_causes = [cause for cause in causes if cause.by not in default_conditions]
         if added_causes:

@@ -43,9 +43,9 @@ _LONG_COMMENT = 60
 class BitsEncoder:
     """Expressions of joined numbers. They use the attributes of a class."""
 
-    def __init__(self, scope: ParameterExpressions, codec: LayoutPlan, class_names: ClassNames) -> None:
+    def __init__(self, scope: ParameterExpressions, layout_plan: LayoutPlan, class_names: ClassNames) -> None:
         self.scope = scope
-        self.codec = codec
+        self.codec = layout_plan
         self.names = class_names
 
     def _checked_bits(self, field: Field) -> PythonExpression:
@@ -150,11 +150,11 @@ def _has_width_check(field: Field) -> bool:
 class BitReader:
     """Expressions for bits in ``decode``, read from ``number`` or ``word``, or from single bytes of ``data``."""
 
-    def __init__(self, scope: ParameterExpressions, codec: LayoutPlan, byte: str = "data[{}]") -> None:
+    def __init__(self, scope: ParameterExpressions, layout_plan: LayoutPlan, byte: str = "data[{}]") -> None:
         self.scope = scope
-        self.codec = codec
+        self.codec = layout_plan
         self._byte = byte
-        self.source = "number" if codec.in_bytes else "word"
+        self.source = "number" if layout_plan.in_bytes else "word"
 
     def as_sent(self) -> BitReader:
         """Return the reader of the bits before any Gray code is converted. Such bits are in ``sent``."""
@@ -165,7 +165,7 @@ class BitReader:
     def bits(self, bits: FieldBits) -> PythonExpression:
         """Return the bits as a number, such as ``word >> 8 & 0x3FF``."""
         if not self.codec.by_word:
-            return self.number_from_pieces(bits.pieces)
+            return self.number_from_pieces(bits.bit_slices)
         shifted = shift_value(Atom(self.source), ">>", self.scope.expression_of(bits.low))
         # Bits at the top of the word need no mask.
         is_at_top = bits.low + bits.width == self.codec.layout.bits
@@ -177,7 +177,7 @@ class BitReader:
         Empty if it depends on the order code, or if the bits fill a byte.
         """
         if not self.codec.by_word:
-            return place_in_bytes(bits.pieces)
+            return place_in_bytes(bits.bit_slices)
         return bit_numbers(bits.low.constant, bits.width.constant) if bits.are_fixed else ""
 
     def exclusive_or(self, parts: Sequence[FieldBits], counted: int) -> PythonExpression:
@@ -195,9 +195,9 @@ class BitReader:
         xor_of_fields = join_operands("^", [self.bits(bits) for bits in parts])
         return PythonOperation(xor_of_fields, "&", mask(counted)) if counted else xor_of_fields
 
-    def number_from_pieces(self, pieces: Sequence[BitSlice]) -> PythonExpression:
-        """Return the number that pieces of the bytes form."""
-        return from_pieces(pieces, self.codec.length, self._byte)
+    def number_from_pieces(self, bit_slices: Sequence[BitSlice]) -> PythonExpression:
+        """Return the number that bit slices of the bytes form."""
+        return from_pieces(bit_slices, self.codec.length, self._byte)
 
     def bit(self, bits: FieldBits, word: str = "") -> PythonExpression:
         """Return an expression that is not 0 if the bit is set. ``word`` is the number to read it from, if given."""
@@ -206,9 +206,9 @@ class BitReader:
             low = bits.low
         else:
             # A single bit has one piece. Bit numbers now count in its byte.
-            piece = bits.pieces[0]
-            source = self._byte_variable(piece.byte)
-            low = Expression(piece.low_in_byte)
+            bit_slice = bits.bit_slices[0]
+            source = self._byte_variable(bit_slice.byte)
+            low = Expression(bit_slice.low_in_byte)
         if low.is_constant:
             return PythonOperation(source, "&", Atom(f"0x{1 << low.constant:02X}"))
         return PythonOperation(shift_value(source, ">>", self.scope.expression_of(low)), "&", number(1))
@@ -278,8 +278,8 @@ class BitReader:
         Empty if they are not adjacent whole bytes in the order of the characters.
         """
         # Pieces begin with the lowest bits, strings with the highest.
-        whole_bytes = [piece.byte for piece in reversed(bits.pieces) if _is_whole_byte(piece)]
-        has_partial_bytes = len(whole_bytes) < len(bits.pieces)
+        whole_bytes = [bit_slice.byte for bit_slice in reversed(bits.bit_slices) if _is_whole_byte(bit_slice)]
+        has_partial_bytes = len(whole_bytes) < len(bits.bit_slices)
         if self.codec.by_word or has_partial_bytes or not _are_ascending(whole_bytes):
             return ""
         return f"data[{whole_bytes[0]}:{whole_bytes[-1] + 1}]"
@@ -290,16 +290,16 @@ def mask_in_place(bits: FieldBits) -> int:
     return ((1 << bits.width.constant) - 1) << bits.low.constant
 
 
-def place_in_bytes(pieces: Sequence[BitSlice]) -> str:
+def place_in_bytes(bit_slices: Sequence[BitSlice]) -> str:
     """Return the order of the bytes of a field, or its bits in a single byte, such as ``bits 7:4``.
 
-    Empty if it fills the byte. ``pieces`` begin with the lowest bits.
+    Empty if it fills the byte. ``bit_slices`` begin with the lowest bits.
     """
-    if not pieces:
+    if not bit_slices:
         return ""
-    lowest_piece = pieces[0]
-    if len(pieces) > 1:
-        highest_piece = pieces[-1]
+    lowest_piece = bit_slices[0]
+    if len(bit_slices) > 1:
+        highest_piece = bit_slices[-1]
         return "low byte first" if lowest_piece.byte < highest_piece.byte else "high byte first"
     fills_byte = lowest_piece.mask == 0xFF
     return "" if fills_byte else bit_numbers(lowest_piece.low_in_byte, lowest_piece.mask.bit_length())
@@ -322,15 +322,15 @@ def bit_numbers(low: int, width: int) -> str:
     return f"bit {low}" if width == 1 else f"bits {low + width - 1}:{low}"
 
 
-def mask_without_field(scope: ParameterExpressions, codec: LayoutPlan) -> PythonExpression:
+def mask_without_field(scope: ParameterExpressions, layout_plan: LayoutPlan) -> PythonExpression:
     """Return a mask of the bits without a field, such as ``0xF0 & ~(variant.mask << 4)``.
 
     Fields whose place is fixed are cleared in the first mask, and the others are masked at run time.
     """
     # All bits at first. The length of a layout with such bits is constant.
-    bits_without_fixed_field = (1 << codec.layout.bits.constant) - 1
+    bits_without_fixed_field = (1 << layout_plan.layout.bits.constant) - 1
     masks_of_moving_fields: list[PythonExpression] = []
-    for field in codec.layout.fields:
+    for field in layout_plan.layout.fields:
         if field.is_fixed:
             bits_without_fixed_field &= ~field.mask_in_place
         else:
@@ -341,9 +341,9 @@ def mask_without_field(scope: ParameterExpressions, codec: LayoutPlan) -> Python
     return PythonOperation(mask(bits_without_fixed_field), "&", Atom(f"~({moving_bits})"))
 
 
-def _is_whole_byte(piece: BitSlice) -> bool:
+def _is_whole_byte(bit_slice: BitSlice) -> bool:
     """Return whether a piece is all eight bits of its byte."""
-    return not piece.low_in_byte and piece.mask == 0xFF
+    return not bit_slice.low_in_byte and bit_slice.mask == 0xFF
 
 
 def _are_ascending(byte_indices: Sequence[int]) -> bool:
@@ -351,37 +351,37 @@ def _are_ascending(byte_indices: Sequence[int]) -> bool:
     return all(next_index - index == 1 for index, next_index in pairwise(byte_indices))
 
 
-def from_pieces(pieces: Sequence[BitSlice], length: int = 0, byte: str = "data[{}]") -> PythonExpression:
-    """Return the number that the pieces form, such as ``data[1] | data[2] << 8``, or 0 if there are none.
+def from_pieces(bit_slices: Sequence[BitSlice], length: int = 0, byte: str = "data[{}]") -> PythonExpression:
+    """Return the number that the slices form, such as ``data[1] | data[2] << 8``, or 0 if there are none.
 
-    The pieces begin with the lowest bits. ``length`` is the number of bytes, or 0 if it is unknown. ``byte`` is the
+    The slices begin with the lowest bits. ``length`` is the number of bytes, or 0 if it is unknown. ``byte`` is the
     pattern for the name of a byte.
     """
-    if not pieces:
+    if not bit_slices:
         return number(0)
     # A single piece also counts as low byte first, which makes no difference.
-    low_byte_first = pieces[0].byte <= pieces[-1].byte
-    ascending = pieces if low_byte_first else pieces[::-1]
+    low_byte_first = bit_slices[0].byte <= bit_slices[-1].byte
+    ascending = bit_slices if low_byte_first else bit_slices[::-1]
     # From four bytes on, int.from_bytes is shorter than shifts.
-    if len(pieces) > 3 and _are_adjacent_whole_bytes(ascending):
+    if len(bit_slices) > 3 and _are_adjacent_whole_bytes(ascending):
         first_byte = ascending[0].byte
         stop = ascending[-1].byte + 1
         are_all_bytes = (first_byte, stop) == (0, length)
         slice_of_data = "data" if are_all_bytes else f"data[{first_byte}:{stop}]"
         byte_order_literal = '"little"' if low_byte_first else '"big"'
         return call("int.from_bytes", slice_of_data, byte_order_literal)
-    return join_operands("|", (_from_piece(piece, byte) for piece in ascending))
+    return join_operands("|", (_from_piece(bit_slice, byte) for bit_slice in ascending))
 
 
 def _are_adjacent_whole_bytes(ascending: Sequence[BitSlice]) -> bool:
-    return all(map(_is_whole_byte, ascending)) and _are_ascending([piece.byte for piece in ascending])
+    return all(map(_is_whole_byte, ascending)) and _are_ascending([bit_slice.byte for bit_slice in ascending])
 
 
-def _from_piece(piece: BitSlice, byte: str) -> PythonExpression:
+def _from_piece(bit_slice: BitSlice, byte: str) -> PythonExpression:
     """Return the bits of one piece at their place in the number, such as ``(b1 & 0x3F) << 8``."""
-    bits = shift_value(Atom(byte.format(piece.byte)), ">>", number(piece.low_in_byte))
+    bits = shift_value(Atom(byte.format(bit_slice.byte)), ">>", number(bit_slice.low_in_byte))
     # The mask of the piece covers its bits after the shift. Without bits above them, they need none.
-    reaches_top_of_byte = piece.mask == 0xFF >> piece.low_in_byte
+    reaches_top_of_byte = bit_slice.mask == 0xFF >> bit_slice.low_in_byte
     if not reaches_top_of_byte:
-        bits = PythonOperation(bits, "&", mask(piece.mask))
-    return shift_value(bits, "<<", number(piece.low_in_number))
+        bits = PythonOperation(bits, "&", mask(bit_slice.mask))
+    return shift_value(bits, "<<", number(bit_slice.low_in_number))

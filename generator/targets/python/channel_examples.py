@@ -32,11 +32,11 @@ class ChannelExample:
 
 
 def channel_example(
-    context: ModuleContext, interface: Interface, coders: Sequence[LayoutClass]
+    context: ModuleContext, interface: Interface, layout_classes: Sequence[LayoutClass]
 ) -> ChannelExample | None:
     """Return an example made of the samples of all channels, or None if they do not form a usable frame.
 
-    ``coders`` are the classes of the frames of the interface.
+    ``layout_classes`` are the classes of the frames of the interface.
     """
     frame = channel_frame(interface)
     samples = _samples_of_channels(context.device, frame) if frame is not None else []
@@ -46,15 +46,15 @@ def channel_example(
     placed = frame.place(context.device.variant(order_code).parameters)
     if frame.compared and not placed.agree([sample.values for sample in samples]):
         return None
-    coder_by_layout = {coder.layout.name: coder for coder in coders}
+    coder_by_layout = {layout_class.layout.name: layout_class for layout_class in layout_classes}
     channels = [(coder_by_layout[sample.layout], sample) for sample in samples]
-    position_kinds = [coder.name for coder, _ in channels if coder.position_attribute]
+    position_kinds = [layout_class.name for layout_class, _ in channels if layout_class.position_attribute]
     expressions_and_values = list(_printed_numbers(context, channels))
     return ChannelExample(
         order_code=order_code,
         module=context.module,
         interface=interface.title,
-        kinds=tuple(coder.name for coder, _ in channels),
+        kinds=tuple(layout_class.name for layout_class, _ in channels),
         position_kind=position_kinds[0],
         frame=f"{placed.join([sample.frame for sample in samples]):#x}",
         bits=placed.bits,
@@ -75,10 +75,12 @@ def _printed_numbers(
     context: ModuleContext, channels: Sequence[tuple[LayoutClass, Sample]]
 ) -> Iterator[tuple[str, str]]:
     """Yield the expression and the value of the position, and of the first number in each other channel."""
-    for coder, sample in channels:
-        numbers = {coder.names.attribute(name): number for name, number in numbers_by_name(coder, sample).items()}
-        if coder.position_attribute:
-            yield "frame.position", str(numbers[coder.position_attribute])
+    for layout_class, sample in channels:
+        numbers = {
+            layout_class.names.attribute(name): number for name, number in numbers_by_name(layout_class, sample).items()
+        }
+        if layout_class.position_attribute:
+            yield "frame.position", str(numbers[layout_class.position_attribute])
         elif numbers:
             attribute, number = next(iter(numbers.items()))
-            yield f"frame.of({context.module}.{coder.name}).{attribute}", str(number)
+            yield f"frame.of({context.module}.{layout_class.name}).{attribute}", str(number)

@@ -332,7 +332,7 @@ class LayoutClass:
             return []
         reports_with_indices = FrameReports(
             reporting=self.context.reportings.get(self.layout.name),
-            codec=self.plan,
+            layout_plan=self.plan,
             class_names=self.names,
             parameters=self.context.parameters,
             attribute_of=self.by_index,

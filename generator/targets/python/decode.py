@@ -38,23 +38,27 @@ class Decoder:
     """
 
     def __init__(
-        self, scope: ParameterExpressions, codec: LayoutPlan, class_names: ClassNames, enum: Callable[[Field], str]
+        self,
+        scope: ParameterExpressions,
+        layout_plan: LayoutPlan,
+        class_names: ClassNames,
+        enum: Callable[[Field], str],
     ) -> None:
         self.scope = scope
-        self.codec = codec
+        self.codec = layout_plan
         self.names = class_names
         self.enum = enum
         # A register has another scope.
-        is_short_frame = isinstance(scope, NamedValues) and 1 < codec.length <= _MAX_BYTE_VARIABLES
+        is_short_frame = isinstance(scope, NamedValues) and 1 < layout_plan.length <= _MAX_BYTE_VARIABLES
         #: True if each byte of the frame has a variable, ``b0`` and so on.
-        self.is_unpacked = is_short_frame and codec.in_bytes and not codec.by_word
+        self.is_unpacked = is_short_frame and layout_plan.in_bytes and not layout_plan.by_word
         self.byte = "b{}" if self.is_unpacked else "data[{}]"
-        self.read = BitReader(scope, codec, self.byte)
+        self.read = BitReader(scope, layout_plan, self.byte)
         #: Fields whose bits have a variable at this point of the function.
         self.assigned: set[str] = set()
-        self._first_byte = FirstByte(codec, enum)
+        self._first_byte = FirstByte(layout_plan, enum)
         if isinstance(scope, NamedValues):
-            prefer_names_of_fields(scope, codec, class_names)
+            prefer_names_of_fields(scope, layout_plan, class_names)
 
     def number(self, expression: Expression) -> PythonExpression:
         return self.scope.expression_of(expression)
@@ -197,7 +201,7 @@ class Decoder:
     def padded_fields(self) -> list[tuple[Field, PythonExpression]]:
         """Fields below zeros, each with the bits that include the zeros."""
         checks = (check for check in self.codec.checks if isinstance(check, ZerosAbove))
-        return [(check.field, self.read.number_from_pieces(check.field.pieces)) for check in checks]
+        return [(check.field, self.read.number_from_pieces(check.field.bit_slices)) for check in checks]
 
     @property
     def members(self) -> list[tuple[int, str]]:

@@ -182,28 +182,28 @@ def _clock_members(interface: Clocked) -> Mapping[str, Literal]:
 # -- fields and registers
 
 
-def _field_record(codec: LayoutPlan, field: Field) -> CallLiteral:
+def _field_record(layout_plan: LayoutPlan, field: Field) -> CallLiteral:
     """Return the record ``FieldFacts`` of a field.
 
     ``constant`` and ``unused`` are the manual's values for a constant or for unused bits.
     """
     when_active, when_inactive = flag_state_meanings(field)
-    unused_values = {reserved.field.name: reserved.value for reserved in codec.reserved}
+    unused_values = {reserved.field.name: reserved.value for reserved in layout_plan.reserved}
     return record_of(
         "FieldFacts",
         field,
         **of_facts(meaning_of(field)),
         when_active=when_active,
         when_inactive=when_inactive,
-        constant=codec.constants.get(field.name),
+        constant=layout_plan.constants.get(field.name),
         unused=unused_values.get(field.name),
-        power_of_two=field.name in powers_of_two(codec),
+        power_of_two=field.name in powers_of_two(layout_plan),
     )
 
 
-def _field_records(codec: LayoutPlan) -> tuple[CallLiteral, ...]:
+def _field_records(layout_plan: LayoutPlan) -> tuple[CallLiteral, ...]:
     """Return the facts of each field."""
-    return tuple(_field_record(codec, field) for field in codec.layout.fields)
+    return tuple(_field_record(layout_plan, field) for field in layout_plan.layout.fields)
 
 
 def _is_one_number(layout: Layout) -> bool:

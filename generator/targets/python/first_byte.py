@@ -20,8 +20,8 @@ class FirstByte:
     ``enum`` returns the name of a field's IntEnum.
     """
 
-    def __init__(self, codec: LayoutPlan, enum: Callable[[Field], str]) -> None:
-        self.codec = codec
+    def __init__(self, layout_plan: LayoutPlan, enum: Callable[[Field], str]) -> None:
+        self.codec = layout_plan
         self.enum = enum
 
     @property
@@ -43,7 +43,7 @@ class FirstByte:
         for check in checks:
             if isinstance(check, IsOneOf) and self._is_selector(check.field):
                 valid_bytes = (byte for byte in range(256) if _passes_all(checks, byte))
-                return {byte: _bits_in_byte(check.bits.pieces, byte) for byte in valid_bytes}
+                return {byte: _bits_in_byte(check.bits.bit_slices, byte) for byte in valid_bytes}
         return {}
 
     @property
@@ -88,11 +88,11 @@ def _needs_only_first_byte(check: Check) -> bool:
     """Return whether a check compares constants, parity or listed values, all of them in the first byte."""
     if not isinstance(check, (AlwaysIs, ParityIs, IsOneOf)):
         return False
-    pieces = list(check.bits.pieces)
+    bit_slices = list(check.bits.bit_slices)
     if isinstance(check, ParityIs):
         for covered_bits in check.of_bits:
-            pieces += covered_bits.pieces
-    return bool(pieces) and all(piece.byte == 0 for piece in pieces)
+            bit_slices += covered_bits.bit_slices
+    return bool(bit_slices) and all(bit_slice.byte == 0 for bit_slice in bit_slices)
 
 
 def _passes_all(checks: Sequence[Check], first_byte: int) -> bool:
@@ -101,7 +101,7 @@ def _passes_all(checks: Sequence[Check], first_byte: int) -> bool:
 
 def _check_passes(check: Check, first_byte: int) -> bool:
     """Return whether a frame with this first byte passes a check that needs only the first byte."""
-    checked_bits = _bits_in_byte(check.bits.pieces, first_byte)
+    checked_bits = _bits_in_byte(check.bits.bit_slices, first_byte)
     match check:
         case AlwaysIs(value=constant):
             return checked_bits == constant
@@ -118,7 +118,7 @@ def _expected_parity(check: ParityIs, first_byte: int) -> int:
     """Return the parity bit of the covered bits: 1 for an odd number of ones, inverted if the parity is odd."""
     number_of_ones = 0
     for covered_bits in check.of_bits:
-        ones = _bits_in_byte(covered_bits.pieces, first_byte)
+        ones = _bits_in_byte(covered_bits.bit_slices, first_byte)
         # Bit 0 of the mask is the lowest bit of the field.
         if check.mask:
             ones &= check.mask
@@ -127,10 +127,10 @@ def _expected_parity(check: ParityIs, first_byte: int) -> int:
     return (number_of_ones & 1) ^ check.odd
 
 
-def _bits_in_byte(pieces: Iterable[BitSlice], byte: int) -> int:
-    """Return the number that these pieces of a byte form."""
+def _bits_in_byte(bit_slices: Iterable[BitSlice], byte: int) -> int:
+    """Return the number that these slices of a byte form."""
     number = 0
-    for piece in pieces:
-        bits_of_piece = (byte >> piece.low_in_byte) & piece.mask
-        number |= bits_of_piece << piece.low_in_number
+    for bit_slice in bit_slices:
+        bits_of_piece = (byte >> bit_slice.low_in_byte) & bit_slice.mask
+        number |= bits_of_piece << bit_slice.low_in_number
     return number

@@ -12,16 +12,16 @@ from .literals import ParameterExpressions, PythonExpression
 from .names import ClassNames, ModuleContext, OpenQuestion, decoder_maker
 
 
-def _column_names(coder: LayoutClass) -> list[str]:
+def _column_names(layout_class: LayoutClass) -> list[str]:
     """Return the names of the columns of a table of frames, as type checkers know them.
 
     They are the attributes of fields, runs of digits and joins, quantities such as ``position (µm)``, and ``unused``,
     ``verdict`` and ``fault``.
     """
-    description = describe(coder.plan)
-    fields_with_data = {part.field.name for part in coder.plan.parts}
+    description = describe(layout_class.plan)
+    fields_with_data = {part.field.name for part in layout_class.plan.parts}
     columns = [column for column in description.columns if column.name in fields_with_data]
-    attribute_of = coder.names.attribute
+    attribute_of = layout_class.names.attribute
     names: list[str] = []
     for column in columns:
         if column.runs:
@@ -35,7 +35,7 @@ def _column_names(coder: LayoutClass) -> list[str]:
             names.append(f"{attribute_of(column.name)} ({column.scale.unit})")
     if description.unused:
         names.append("unused")
-    if coder.reports is not None and coder.reports.default_verdict:
+    if layout_class.reports is not None and layout_class.reports.default_verdict:
         names.append("verdict")
     return [*names, "fault"]
 
@@ -45,7 +45,7 @@ class FrameKind:
     """Frames that the encoder sends over an interface. If there are several kinds, ``dispatch`` decodes them."""
 
     interface: str
-    coder: LayoutClass
+    layout_class: LayoutClass
     dispatch: str
     union: str
     questions: Sequence[OpenQuestion] = ()
@@ -54,27 +54,27 @@ class FrameKind:
     @property
     def decoder(self) -> str:
         """Function that makes the decoder for an encoder."""
-        return decoder_maker(self.dispatch) if self.dispatch else f"{self.coder.name}._make_decoder"
+        return decoder_maker(self.dispatch) if self.dispatch else f"{self.layout_class.name}._make_decoder"
 
     @property
     def column_type(self) -> str:
         """Type of the names of the columns in a table of these frames."""
-        return "Any" if self.dispatch else f"_{self.coder.name}Column"
+        return "Any" if self.dispatch else f"_{self.layout_class.name}Column"
 
     @property
     def column_names(self) -> str:
         """Names of the columns in a table of these frames, as literals."""
-        return ", ".join(f'"{name}"' for name in _column_names(self.coder))
+        return ", ".join(f'"{name}"' for name in _column_names(self.layout_class))
 
     @property
     def in_bytes(self) -> bool:
-        return self.coder.plan.in_bytes
+        return self.layout_class.plan.in_bytes
 
     @property
     def has_open_length(self) -> bool:
         """True if the length of the frame depends on a question that the manual leaves open."""
         answered = {name for question in self.questions for name, _ in question.members}
-        return not answered.isdisjoint(self.coder.layout.bits.parameters)
+        return not answered.isdisjoint(self.layout_class.layout.bits.parameters)
 
     @property
     def listed(self) -> list[tuple[str, str]]:
@@ -101,7 +101,7 @@ class FrameKind:
     @property
     def has_verdict(self) -> bool:
         """True if any of the frames has a verdict."""
-        return self.coder.reports is not None and bool(self.coder.reports.default_verdict)
+        return self.layout_class.reports is not None and bool(self.layout_class.reports.default_verdict)
 
 
 @dataclass(frozen=True)

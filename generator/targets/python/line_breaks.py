@@ -17,7 +17,7 @@ _TEXT = re.compile(r'(\s*)(\w+=|"(?:\\.|[^"\\])*": )?("(?:\\.|[^"\\])*"),')
 
 def break_lines(text: str) -> str:
     """Return the code with long lines broken into one line for each item, or each operand, in the first brackets."""
-    return "\n".join(piece for line in text.split("\n") for piece in _broken_lines(line))
+    return "\n".join(bit_slice for line in text.split("\n") for bit_slice in _broken_lines(line))
 
 
 def _broken_lines(line: str) -> Iterator[str]:
@@ -138,15 +138,15 @@ def _split_literal(quoted_text: str, indent: int) -> str:
     ``indent`` is the number of spaces before the text. A text of a single word that is too long stays as it is.
     """
     margin = f"{' ' * indent}    "
-    pieces = [""]
+    bit_slices = [""]
     for word in quoted_text[1:-1].split(" "):
-        line_with_word = f'{margin}"{pieces[-1]}{word}"'
+        line_with_word = f'{margin}"{bit_slices[-1]}{word}"'
         # The line still lacks the space after the word, and the comma after the last literal.
-        if pieces[-1] and len(line_with_word) > WIDTH - 2:
-            pieces.append("")
-        pieces[-1] += f"{word} "
-    pieces[-1] = pieces[-1].removesuffix(" ")
-    literal_lines = [f'{margin}"{piece}"' for piece in pieces if piece]
+        if bit_slices[-1] and len(line_with_word) > WIDTH - 2:
+            bit_slices.append("")
+        bit_slices[-1] += f"{word} "
+    bit_slices[-1] = bit_slices[-1].removesuffix(" ")
+    literal_lines = [f'{margin}"{bit_slice}"' for bit_slice in bit_slices if bit_slice]
     is_one_word_too_long = len(literal_lines) == 1 and len(literal_lines[0]) > WIDTH
     if is_one_word_too_long:
         return quoted_text

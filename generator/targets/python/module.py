@@ -56,12 +56,12 @@ class FrameDispatcher:
     union: str
     interface: str
     encoder: str
-    coders: tuple[LayoutClass, ...]
+    layout_classes: tuple[LayoutClass, ...]
     fallback: LayoutClass | None
 
     @property
     def members(self) -> tuple[LayoutClass, ...]:
-        return self.coders if self.fallback is None else (*self.coders, self.fallback)
+        return self.layout_classes if self.fallback is None else (*self.layout_classes, self.fallback)
 
     @property
     def local(self) -> str:
@@ -78,7 +78,7 @@ class FrameDispatcher:
 
     @property
     def value(self) -> PythonExpression:
-        return from_pieces(self.plan.bits.pieces)
+        return from_pieces(self.plan.bits.bit_slices)
 
     @property
     def allowed_values(self) -> list[int]:
@@ -89,8 +89,8 @@ class FrameDispatcher:
     def questions(self) -> list[OpenQuestion]:
         """Questions that the manual leaves open about any of the frames."""
         questions_by_name: dict[str, OpenQuestion] = {}
-        for coder in self.members:
-            questions_by_name |= {question.name: question for question in coder.questions}
+        for layout_class in self.members:
+            questions_by_name |= {question.name: question for question in layout_class.questions}
         return list(questions_by_name.values())
 
     @property
@@ -111,7 +111,7 @@ class InterfaceSection:
     interface: Interface
     facts: CallLiteral
     notes: Sequence[Sequence[str]]
-    coders: tuple[LayoutClass, ...]
+    layout_classes: tuple[LayoutClass, ...]
     dispatchers: tuple[FrameDispatcher, ...]
 
 
@@ -124,13 +124,17 @@ class Module:
         self.name = self.context.module
         self.sections = [self._interface_section(interface) for interface in device.interfaces]
         self.registers = [self._register_class(register) for register in device.registers]
-        coders = {
-            coder.register.name: coder for coder in self.registers if isinstance(coder, LayoutClass) and coder.register
+        layout_classes = {
+            layout_class.register.name: layout_class
+            for layout_class in self.registers
+            if isinstance(layout_class, LayoutClass) and layout_class.register
         }
-        self.by_register = coders
-        self.procedures = [ProcedureFunction(self.context, coders, procedure) for procedure in device.procedures]
-        frames = tuple(coder for section in self.sections for coder in section.coders)
-        self.coders = (*frames, *coders.values())
+        self.by_register = layout_classes
+        self.procedures = [
+            ProcedureFunction(self.context, layout_classes, procedure) for procedure in device.procedures
+        ]
+        frames = tuple(layout_class for section in self.sections for layout_class in section.layout_classes)
+        self.layout_classes = (*frames, *layout_classes.values())
         kinds = tuple(self._frame_kinds())
         self.codes = VariantTable(self.context, kinds, frames)
         procedures_by_interface: dict[str, tuple[str, ...]] = {}
@@ -139,7 +143,7 @@ class Module:
             procedures_by_interface[steps.interface] = (*names, steps.name)
         self.procedures_by_interface = procedures_by_interface
         steps_by_name = {steps.procedure.name: steps for steps in self.procedures}
-        self.readme = Readme(self.context, kinds, coders, steps_by_name)
+        self.readme = Readme(self.context, kinds, layout_classes, steps_by_name)
         self.identities = list(identities(device))
         self.family = facts.family(device)
         self.manual = record_of("Manual", device.manual)
@@ -182,7 +186,7 @@ class Module:
         identification = ["identify"] if self.identities else []
         yield "Encoders", ["lookup", *identification, "Variant", *self._encoder_names(), "VARIANTS", "FAMILY"]
         for section in self.sections:
-            frames = [coder.name for coder in section.coders]
+            frames = [layout_class.name for layout_class in section.layout_classes]
             for dispatcher in section.dispatchers:
                 frames += (dispatcher.union, dispatcher.name)
             yield section.interface.title, frames
@@ -249,16 +253,18 @@ class Module:
         if frame.answers:
             return None
         request_names = [exchange.request for exchange in interface.exchanges if exchange.purpose == "position"]
-        for coder in self.coders:
-            needs_no_values = not coder.takes_variant and not coder.attributes
-            if coder.layout.name in request_names and needs_no_values:
-                return replace(frame, kind=coder.name, module=self.name)
+        for layout_class in self.layout_classes:
+            needs_no_values = not layout_class.takes_variant and not layout_class.attributes
+            if layout_class.layout.name in request_names and needs_no_values:
+                return replace(frame, kind=layout_class.name, module=self.name)
         return None
 
     @property
     def channel_examples(self) -> list[ChannelExample]:
         """Example of a frame with several data channels over each interface with such a frame."""
-        examples = [channel_example(self.context, section.interface, section.coders) for section in self.sections]
+        examples = [
+            channel_example(self.context, section.interface, section.layout_classes) for section in self.sections
+        ]
         return [example for example in examples if example is not None]
 
     @property
@@ -269,21 +275,21 @@ class Module:
     @cached_property
     def shapes(self) -> list[ShapeLiteral]:
         """Descriptions of all frames, for ``decode_many``."""
-        frames = (coder for section in self.sections for coder in section.coders)
+        frames = (layout_class for section in self.sections for layout_class in section.layout_classes)
         reportings = self.context.reportings
-        return [ShapeLiteral(coder, reportings.get(coder.layout.name)) for coder in frames]
+        return [ShapeLiteral(layout_class, reportings.get(layout_class.layout.name)) for layout_class in frames]
 
     @property
     def register_shapes(self) -> list[ShapeLiteral]:
         """Descriptions of the registers that have a class."""
-        return [ShapeLiteral(coder, None) for coder in self.by_register.values()]
+        return [ShapeLiteral(layout_class, None) for layout_class in self.by_register.values()]
 
     @property
     def shapes_by_sender(self) -> dict[tuple[str, str], list[ShapeLiteral]]:
         """The same descriptions by interface and sender, such as ``("rs485", "encoder")``."""
         shapes_by_sender: dict[tuple[str, str], list[ShapeLiteral]] = {}
         for shape in self.shapes:
-            key = (shape.coder.layout_interface, shape.coder.layout.sender)
+            key = (shape.layout_class.layout_interface, shape.layout_class.layout.sender)
             shapes_by_sender.setdefault(key, []).append(shape)
         return shapes_by_sender
 
@@ -296,9 +302,9 @@ class Module:
 
     def _interface_section(self, interface: Interface) -> InterfaceSection:
         """Return an interface with its frames and the functions that decode any of them."""
-        coders = tuple(LayoutClass(self.context, interface.name, layout) for layout in interface.layouts)
+        layout_classes = tuple(LayoutClass(self.context, interface.name, layout) for layout in interface.layouts)
         dispatchers = [
-            self._sender_dispatcher(interface, dispatch, coders) for dispatch in dispatches(interface.layouts)
+            self._sender_dispatcher(interface, dispatch, layout_classes) for dispatch in dispatches(interface.layouts)
         ]
         # Frames sent by the master come first.
         dispatchers.sort(key=lambda dispatcher: dispatcher.plan.sender == "encoder")
@@ -307,35 +313,35 @@ class Module:
             interface=interface,
             facts=facts.interface(interface),
             notes=notes,
-            coders=coders,
+            layout_classes=layout_classes,
             dispatchers=tuple(dispatchers),
         )
 
     def _sender_dispatcher(
-        self, interface: Interface, plan: FrameDispatch, coders: Sequence[LayoutClass]
+        self, interface: Interface, plan: FrameDispatch, layout_classes: Sequence[LayoutClass]
     ) -> FrameDispatcher:
         """Return the function that decodes all frames of a sender, such as ``decode_reply``.
 
-        With a selector over several interfaces, it is ``decode_spi_reply``. ``coders`` are the frames of the interface.
+        With a selector over several interfaces, it is ``decode_spi_reply``. ``layout_classes`` are its frames.
         """
         # A frame with a selector has a dispatcher.
         interfaces_with_dispatcher = {owner.name for owner, layout in self.device.layouts() if layout.selector}
         kind = "reply" if plan.sender == "encoder" else "request"
         if len(interfaces_with_dispatcher) > 1:
             kind = f"{interface.name}_{kind}"
-        coders_by_frame = {coder.layout.name: coder for coder in coders}
+        coders_by_frame = {layout_class.layout.name: layout_class for layout_class in layout_classes}
         dispatcher = FrameDispatcher(
             plan=plan,
             name=f"decode_{kind}",
             union=camel(kind),
             interface=interface_name(interface.name),
             encoder=encoder_name(interface.name),
-            coders=tuple(coders_by_frame[branch.layout.name] for branch in plan.branches),
+            layout_classes=tuple(coders_by_frame[branch.layout.name] for branch in plan.branches),
             fallback=coders_by_frame[plan.fallback.name] if plan.fallback is not None else None,
         )
         # Each decoder accepts the answers for all frames among which it is chosen.
-        for coder in dispatcher.members:
-            coder.passed_arguments = dispatcher.questions
+        for layout_class in dispatcher.members:
+            layout_class.passed_arguments = dispatcher.questions
         return dispatcher
 
     def _register_class(self, register: Register) -> LayoutClass | Enumeration:
@@ -350,7 +356,9 @@ class Module:
     def _frame_kinds(self) -> Iterator[FrameKind]:
         """Yield the frames that the encoder sends over each interface, if it sends any."""
         for section in self.sections:
-            replies = [coder for coder in section.coders if coder.layout.sender == "encoder"]
+            replies = [
+                layout_class for layout_class in section.layout_classes if layout_class.layout.sender == "encoder"
+            ]
             if replies:
                 yield self._frame_kind(section, replies)
 
@@ -358,26 +366,33 @@ class Module:
         """Return the frames that the encoder sends over an interface. ``replies`` are their classes, at least one.
 
         If a selector in the frame distinguishes them, ``dispatch`` is ``decode_reply``, which decodes any of them.
-        Otherwise it is empty, and every frame is decoded as ``coder``: the first frame with the position or, without
-        one, the first frame.
+        Otherwise it is empty, and every frame is decoded as ``layout_class``: the first frame with the position or,
+        without one, the first frame.
         """
         interface = section.interface.name
         # A word does not show which frame it is. Without a request, it is interpreted as the position.
-        position_coders = [coder for coder in replies if self.device.sends_position(interface, coder.layout)]
-        coder = position_coders[0] if position_coders else replies[0]
+        position_coders = [
+            layout_class for layout_class in replies if self.device.sends_position(interface, layout_class.layout)
+        ]
+        layout_class = position_coders[0] if position_coders else replies[0]
         for dispatcher in section.dispatchers:
             # There is at most one dispatcher for each sender.
             if dispatcher.plan.sender == "encoder":
                 return FrameKind(
                     interface=interface,
-                    coder=coder,
+                    layout_class=layout_class,
                     dispatch=dispatcher.name,
                     union=dispatcher.union,
                     questions=dispatcher.questions,
                     members=dispatcher.members,
                 )
         return FrameKind(
-            interface=interface, coder=coder, dispatch="", union="", questions=coder.questions, members=(coder,)
+            interface=interface,
+            layout_class=layout_class,
+            dispatch="",
+            union="",
+            questions=layout_class.questions,
+            members=(layout_class,),
         )
 
 

@@ -64,33 +64,35 @@ class NamedValues(ParameterExpressions):
             self.comments[name] = comment
 
 
-def prefer_names_of_fields(scope: NamedValues, codec: LayoutPlan, class_names: ClassNames) -> None:
+def prefer_names_of_fields(scope: NamedValues, layout_plan: LayoutPlan, class_names: ClassNames) -> None:
     """Name the positions, widths, masks and limits that depend on the order code by their fields."""
-    unused_name = _LocalNames(codec, class_names).unused_name
-    scope.prefer("frame_bits", "size", codec.layout.bits, comment_on_constant(codec, codec.layout.bits))
-    for field in codec.layout.fields:
+    unused_name = _LocalNames(layout_plan, class_names).unused_name
+    scope.prefer(
+        "frame_bits", "size", layout_plan.layout.bits, comment_on_constant(layout_plan, layout_plan.layout.bits)
+    )
+    for field in layout_plan.layout.fields:
         scope.prefer(unused_name(f"{field.name}_bits"), "size", field.width)
-        low_comment = comment_on_constant(codec, field.low)
+        low_comment = comment_on_constant(layout_plan, field.low)
         scope.prefer(unused_name(f"{field.name}_low"), "size", field.low, low_comment)
         scope.prefer(unused_name(f"{field.name}_mask"), "ones", field.width)
-    for check in codec.checks:
+    for check in layout_plan.checks:
         if isinstance(check, (NotAbove, IsBetween)):
             scope.prefer(unused_name(f"highest_{check.field.name}"), "size", check.highest)
         if isinstance(check, IsBetween):
             scope.prefer(unused_name(f"lowest_{check.field.name}"), "size", check.lowest)
-    if codec.gray is not None:
-        scope.prefer(unused_name("gray_low"), "size", codec.gray.low)
-        scope.prefer(unused_name("gray_bits"), "size", codec.gray.width)
-        scope.prefer(unused_name("gray_excess"), "size", codec.gray.excess)
+    if layout_plan.gray is not None:
+        scope.prefer(unused_name("gray_low"), "size", layout_plan.gray.low)
+        scope.prefer(unused_name("gray_bits"), "size", layout_plan.gray.width)
+        scope.prefer(unused_name("gray_excess"), "size", layout_plan.gray.excess)
 
 
 class _LocalNames:
     """Names of the variables of a decoder, beginning with the names of its fields and their runs of digits."""
 
-    def __init__(self, codec: LayoutPlan, class_names: ClassNames) -> None:
+    def __init__(self, layout_plan: LayoutPlan, class_names: ClassNames) -> None:
         self._names = class_names
         self._used_names: set[str] = set()
-        for field in codec.layout.fields:
+        for field in layout_plan.layout.fields:
             self._used_names.add(class_names.local(field.name))
             self._used_names.update(class_names.local(run.name) for run in field.runs)
 
@@ -103,7 +105,7 @@ class _LocalNames:
         return name
 
 
-def comment_on_constant(codec: LayoutPlan, expression: Expression) -> str:
+def comment_on_constant(layout_plan: LayoutPlan, expression: Expression) -> str:
     """Return a comment on the constant of a sum of widths, such as ``8 = crc (6) + warning (1) + error (1)``.
 
     It lists the fields of fixed width at the low end of the word. A single field is alone, as in ``crc (6)``. It is
@@ -112,7 +114,7 @@ def comment_on_constant(codec: LayoutPlan, expression: Expression) -> str:
     constant = expression.constant
     if constant <= 0:
         return ""
-    fields_by_low = {field.low.constant: field for field in codec.layout.fields if field.is_fixed}
+    fields_by_low = {field.low.constant: field for field in layout_plan.layout.fields if field.is_fixed}
     fields_with_width: list[str] = []
     # From bit 0 up, each field begins where the one below it ends.
     low = 0

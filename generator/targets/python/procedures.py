@@ -45,11 +45,11 @@ class Segment:
 
 
 class ProcedureFunction:
-    """Function for one procedure. ``coders`` are the classes of the registers that have a class."""
+    """Function for one procedure. ``layout_classes`` are the classes of the registers that have a class."""
 
-    def __init__(self, context: ModuleContext, coders: Mapping[str, LayoutClass], procedure: Procedure) -> None:
+    def __init__(self, context: ModuleContext, layout_classes: Mapping[str, LayoutClass], procedure: Procedure) -> None:
         self.context = context
-        self.coders = coders
+        self.layout_classes = layout_classes
         self.procedure = procedure
         self.run = run_of(context.device, procedure)
         self.name = context.procedures[procedure.name]
@@ -65,7 +65,7 @@ class ProcedureFunction:
         Otherwise the encoder is only checked.
         """
         for checked_argument in self.arguments:
-            register_class = self.coders.get(checked_argument.argument.of)
+            register_class = self.layout_classes.get(checked_argument.argument.of)
             if register_class is not None and register_class.takes_variant:
                 return True
             if any(self._depends_on_order_code(refusal) for refusal in checked_argument.refusals):
@@ -163,7 +163,7 @@ class ProcedureFunction:
         """
         if op.field is not None:
             return self.mask(op.field)
-        mask_of_pieces = sum(piece.mask << piece.low_in_number for piece in op.pieces)
+        mask_of_pieces = sum(bit_slice.mask << bit_slice.low_in_number for bit_slice in op.bit_slices)
         number_of_digits = 2 * op.register.length
         return Atom(f"0x{mask_of_pieces:0{number_of_digits}X}")
 
@@ -178,7 +178,7 @@ class ProcedureFunction:
 
         Only runs of decimal digits are several attributes.
         """
-        attribute_of = self.coders[register.name].names.attribute
+        attribute_of = self.layout_classes[register.name].names.attribute
         argument = Atom(self.argument(member_value.argument))
         # Empty if the argument sets a join.
         fields_of_member = [field for field in register.layout.fields if field.name == member_value.member]
@@ -198,7 +198,7 @@ class ProcedureFunction:
 
         It is a tuple if the register has no class.
         """
-        if refusal.register.name not in self.coders:
+        if refusal.register.name not in self.layout_classes:
             lowest, highest = limit_expressions(self.scope, refusal.limits)
             return f"({lowest}, {highest})"
         function = "limits" if refusal.meaning is None else meaning_limits(refusal.meaning)
@@ -207,7 +207,7 @@ class ProcedureFunction:
 
     def _limits_differ(self, refusal: OutsideArgumentLimits) -> bool:
         """Return True if the limits depend on the order code, or if their function takes the order code in any case."""
-        register_class = self.coders.get(refusal.register.name)
+        register_class = self.layout_classes.get(refusal.register.name)
         if register_class is not None and refusal.meaning is None:
             return register_class.takes_variant
         return limits_depend(refusal.limits)

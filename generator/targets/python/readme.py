@@ -126,12 +126,12 @@ class Readme:
         self,
         context: ModuleContext,
         kinds: Sequence[FrameKind],
-        coders: Mapping[str, LayoutClass],
+        layout_classes: Mapping[str, LayoutClass],
         procedures: Mapping[str, ProcedureFunction],
     ) -> None:
         self.context = context
         self.device = context.device
-        self._kinds, self._coders, self._procedures = kinds, coders, procedures
+        self._kinds, self._coders, self._procedures = kinds, layout_classes, procedures
 
     @cached_property
     def frames(self) -> list[ReadmeExample]:
@@ -141,77 +141,77 @@ class Readme:
         """
         examples: list[ReadmeExample] = []
         for kind in self._kinds:
-            example = self._frame_example(kind.coder)
+            example = self._frame_example(kind.layout_class)
             if example is not None:
-                examples.append(replace(example, kind=kind.coder.name if kind.dispatch else ""))
+                examples.append(replace(example, kind=kind.layout_class.name if kind.dispatch else ""))
         # Users copy the first example, so it shows a frame that can report an error, if there is one.
         return sorted(examples, key=lambda example: not example.spoilt)
 
-    def _frame_example(self, coder: LayoutClass) -> ReadmeExample | None:
+    def _frame_example(self, layout_class: LayoutClass) -> ReadmeExample | None:
         """Return an example of a frame, or None without a sample of it for a listed order code."""
-        sample = self.device.sample_of(coder.layout)
+        sample = self.device.sample_of(layout_class.layout)
         if sample is None:
             return None
         for variant in self.device.variants:
             if variant.code == sample.order_code:
-                example = self._valid_frame(coder, variant, sample)
-                return self._with_error(example, coder, variant, sample) if example.has_verdict else example
+                example = self._valid_frame(layout_class, variant, sample)
+                return self._with_error(example, layout_class, variant, sample) if example.has_verdict else example
         return None
 
-    def _valid_frame(self, coder: LayoutClass, variant: Variant, sample: Sample) -> ReadmeExample:
+    def _valid_frame(self, layout_class: LayoutClass, variant: Variant, sample: Sample) -> ReadmeExample:
         """Return the call that decodes the sample frame, and its numbers.
 
         ``digits`` are the digits of a frame of bits.
         """
-        layout = coder.layout
+        layout = layout_class.layout
         placed_layout = layout.place(variant.parameters)
-        numbers = numbers_by_name(coder, sample)
+        numbers = numbers_by_name(layout_class, sample)
         return ReadmeExample(
             code=variant.code,
             text=_frame_literal(placed_layout, sample.frame),
-            shown=", ".join(f"frame.{coder.names.attribute(name)}" for name in numbers),
+            shown=", ".join(f"frame.{layout_class.names.attribute(name)}" for name in numbers),
             result=" ".join(map(str, numbers.values())),
-            has_verdict=coder.reports is not None and bool(coder.reports.default_verdict),
+            has_verdict=layout_class.reports is not None and bool(layout_class.reports.default_verdict),
             bits=0 if layout.in_bytes else placed_layout.bits,
             digits="" if layout.in_bytes else f"{sample.frame:0{placed_layout.bits}b}",
-            answers="".join(map(self._first_answer, coder.questions)),
-            module=self.device.name if coder.questions else "",
+            answers="".join(map(self._first_answer, layout_class.questions)),
+            module=self.device.name if layout_class.questions else "",
             interface=variant.interface,
-            position=str(numbers.get(coder.position_attribute, "")),
-            is_position_only=self._is_position_only(coder, variant.interface),
+            position=str(numbers.get(layout_class.position_attribute, "")),
+            is_position_only=self._is_position_only(layout_class, variant.interface),
         )
 
     def _with_error(
-        self, example: ReadmeExample, coder: LayoutClass, variant: Variant, sample: Sample
+        self, example: ReadmeExample, layout_class: LayoutClass, variant: Variant, sample: Sample
     ) -> ReadmeExample:
         """Return the example with the same frame in which a flag makes the position unusable, if there is one.
 
         ``tried`` is filled only for a frame of bits with a CRC and with the whole position.
         """
-        if coder.reports is None or sample.spoilt is None:
+        if layout_class.reports is None or sample.spoilt is None:
             return example
-        placed_layout = coder.layout.place(variant.parameters)
+        placed_layout = layout_class.layout.place(variant.parameters)
         spoiling_flag = placed_layout.spoiling_flags[0]
         example = replace(
             example,
             spoilt=_frame_literal(placed_layout, sample.spoilt),
-            reported=coder.reports.name_of(spoiling_flag),
+            reported=layout_class.reports.name_of(spoiling_flag),
             flag=spoiling_flag.name,
-            flag_attribute=coder.names.attribute(spoiling_flag.name),
+            flag_attribute=layout_class.names.attribute(spoiling_flag.name),
         )
         crc_field = placed_layout.crc_field
-        numbers = numbers_by_name(coder, sample)
-        if crc_field is None or coder.layout.in_bytes or coder.position_attribute not in numbers:
+        numbers = numbers_by_name(layout_class, sample)
+        if crc_field is None or layout_class.layout.in_bytes or layout_class.position_attribute not in numbers:
             return example
-        position = str(numbers[coder.position_attribute])
+        position = str(numbers[layout_class.position_attribute])
         flag_meaning = meaning(spoiling_flag, alarm_of(self.device, spoiling_flag))
         invalid_frame = f"invalid frame of {variant.code}: {_damaged_crc(crc_field, sample.frame)}"
         return replace(example, tried=(position, flag_meaning, invalid_frame))
 
-    def _is_position_only(self, coder: LayoutClass, interface: str) -> bool:
+    def _is_position_only(self, layout_class: LayoutClass, interface: str) -> bool:
         """Return whether all attributes of a frame, except Booleans, are its position or parts of it."""
-        position_names = map(coder.names.attribute, self.device.position_names(interface))
-        attributes_with_value = {attribute.name for attribute in coder.attributes if attribute.type != "bool"}
+        position_names = map(layout_class.names.attribute, self.device.position_names(interface))
+        attributes_with_value = {attribute.name for attribute in layout_class.attributes if attribute.type != "bool"}
         return attributes_with_value.issubset(position_names)
 
     def _first_answer(self, question: OpenQuestion) -> str:
@@ -238,8 +238,8 @@ class Readme:
         example_by_class: dict[str, ReadmeExample] = {}
         for example in self.device.examples:
             if isinstance(example, RegisterExample) and example.values and example.register in self._coders:
-                coder = self._coders[example.register]
-                example_by_class.setdefault(coder.name, _register_example(example, coder))
+                layout_class = self._coders[example.register]
+                example_by_class.setdefault(layout_class.name, _register_example(example, layout_class))
         return list(example_by_class.values())[:_REGISTERS]
 
     @property
@@ -390,13 +390,13 @@ class Readme:
         return [ReadmeExample(code=order_codes[0], text=", ".join(contents), shown="", result="True")]
 
 
-def _is_number_of(coder: LayoutClass, name: str) -> bool:
+def _is_number_of(layout_class: LayoutClass, name: str) -> bool:
     """Return whether a name belongs to a join or to a number in the frame, other than its selector."""
-    layout = coder.layout
+    layout = layout_class.layout
     if any(join.name == name for join in layout.joins):
         return True
     field = layout.field(name)
-    return is_number(meaning_of(field)) and not coder.selects(field)
+    return is_number(meaning_of(field)) and not layout_class.selects(field)
 
 
 def _damaged_crc(crc_field: PlacedField, number: int) -> str:
@@ -406,9 +406,9 @@ def _damaged_crc(crc_field: PlacedField, number: int) -> str:
     return f"expected CRC {expected:#04x}, got {received:#04x}"
 
 
-def numbers_by_name(coder: LayoutClass, sample: Sample) -> dict[str, object]:
+def numbers_by_name(layout_class: LayoutClass, sample: Sample) -> dict[str, object]:
     """Return the numbers in a frame by the names of their fields, without the selector."""
-    return {name: value for name, value in sample.values.items() if _is_number_of(coder, name)}
+    return {name: value for name, value in sample.values.items() if _is_number_of(layout_class, name)}
 
 
 def _frame_literal(placed_layout: PlacedLayout, number: int) -> str:
@@ -422,16 +422,16 @@ def _bytes_literal(data: bytes) -> str:
     return f'bytes.fromhex("{data.hex(" ").upper()}")'
 
 
-def _register_example(example: RegisterExample, coder: LayoutClass) -> ReadmeExample:
+def _register_example(example: RegisterExample, layout_class: LayoutClass) -> ReadmeExample:
     """Return the call that decodes a register, and its attributes with their values as printed.
 
     If the attribute has another type, a text is the lowercase name of an Enum member.
     """
-    variant_argument = f', lookup("{example.order_code}")' if coder.takes_variant else ""
-    types = {attribute.name: attribute.type for attribute in coder.attributes}
+    variant_argument = f', lookup("{example.order_code}")' if layout_class.takes_variant else ""
+    types = {attribute.name: attribute.type for attribute in layout_class.attributes}
     expressions, printed_values = [], []
     for name, value in example.values.items():
-        attribute = coder.names.attribute(name)
+        attribute = layout_class.names.attribute(name)
         if isinstance(value, str) and types.get(attribute) != "str":
             expressions.append(f"register.{attribute}.name")
             printed_values.append(repr(value.upper()))
@@ -439,11 +439,11 @@ def _register_example(example: RegisterExample, coder: LayoutClass) -> ReadmeExa
             expressions.append(f"register.{attribute}")
             printed_values.append(repr(value))
     return ReadmeExample(
-        code=f"{coder.name}.decode({_bytes_literal(example.bytes)}{variant_argument})",
+        code=f"{layout_class.name}.decode({_bytes_literal(example.bytes)}{variant_argument})",
         text="",
         shown=_tuple_expression(expressions),
         result=_tuple_expression(printed_values),
-        needs_lookup=coder.takes_variant,
+        needs_lookup=layout_class.takes_variant,
     )
 
 

@@ -23,14 +23,14 @@ class FrameReports:
     def __init__(
         self,
         reporting: ReportsAndVerdict | None,
-        codec: LayoutPlan,
+        layout_plan: LayoutPlan,
         class_names: ClassNames,
         parameters: Mapping[str, str],
         attribute_of: Callable[[str], str] = "self.{}".format,
     ) -> None:
         self._report_causes = reporting.causes if reporting is not None else ()
-        self._judgement = reporting.judgement if reporting is not None else None
-        self._reserved = codec.reserved
+        self._verdict_rules = reporting.verdict_rules if reporting is not None else None
+        self._reserved = layout_plan.reserved
         self._names = class_names
         self._variant = attribute_of("variant")
         self._variant_attributes = parameters
@@ -39,12 +39,12 @@ class FrameReports:
     @property
     def _causes_by_verdict(self) -> Sequence[tuple[Verdict, Sequence[VerdictCause]]]:
         """Verdicts with their causes, worst first. Empty if the frame has no position."""
-        return self._judgement.worst_first if self._judgement is not None else ()
+        return self._verdict_rules.worst_first if self._verdict_rules is not None else ()
 
     @property
     def depends_on_order_code(self) -> bool:
         """True if a condition, or the existence of bits that judge the position, depends on the order code."""
-        if self._judgement is not None and self._judgement.may_be_unknown:
+        if self._verdict_rules is not None and self._verdict_rules.may_be_unknown:
             return True
         causes: list[ReportCause | VerdictCause] = list(self._report_causes)
         for _, verdict_causes in self._causes_by_verdict:
@@ -59,11 +59,11 @@ class FrameReports:
 
         Each of a verdict's conditions is sufficient.
         """
-        if self._judgement is None:
+        if self._verdict_rules is None:
             return []
         conditions = {verdict: self._conditions_of_causes(causes) for verdict, causes in self._causes_by_verdict}
-        if self._judgement.may_be_unknown:
-            conditions[Verdict.UNKNOWN] = [self._has_no_judging_bits(self._judgement.judging_bits)]
+        if self._verdict_rules.may_be_unknown:
+            conditions[Verdict.UNKNOWN] = [self._has_no_judging_bits(self._verdict_rules.judging_bits)]
         return [(verdict.name, conditions[verdict]) for verdict in Verdict if verdict in conditions]
 
     @property
@@ -86,7 +86,7 @@ class FrameReports:
     @property
     def default_verdict(self) -> str:
         """Verdict if no condition applies. Empty if the frame has no position."""
-        return self._judgement.otherwise.name if self._judgement is not None else ""
+        return self._verdict_rules.otherwise.name if self._verdict_rules is not None else ""
 
     def _has_no_judging_bits(self, judging_bits: Expression) -> str:
         """Return the condition that the frames of the encoder have no bits that judge the position.

@@ -54,12 +54,12 @@ class ShapeLiteral:
     #: Members whose items are on separate lines.
     rows = ("columns", *(_RUNTIME_NAMES.get(name, name) for name in _PLANNED_ROWS))
 
-    def __init__(self, coder: LayoutClass, reporting: ReportsAndVerdict | None) -> None:
-        self.coder = coder
-        self.plan = coder.plan
-        self._description = describe(coder.plan, reporting)
-        prefix = "register_" if coder.register is not None else ""
-        self.name = f"shape_of_{prefix}{coder.layout.name}"
+    def __init__(self, layout_class: LayoutClass, reporting: ReportsAndVerdict | None) -> None:
+        self.layout_class = layout_class
+        self.plan = layout_class.plan
+        self._description = describe(layout_class.plan, reporting)
+        prefix = "register_" if layout_class.register is not None else ""
+        self.name = f"shape_of_{prefix}{layout_class.layout.name}"
 
     @property
     def members(self) -> list[tuple[str, Literal]]:
@@ -69,7 +69,7 @@ class ShapeLiteral:
     def _all_members(self) -> Iterator[tuple[str, Literal]]:
         """Yield all members of the shape by name, including empty members."""
         description = self._description
-        coder = self.coder
+        layout_class = self.layout_class
         yield "bits", self._literal_of(description.bits)
         yield "length", description.length
         yield "order", description.order
@@ -78,11 +78,11 @@ class ShapeLiteral:
         yield "crc", self._crc_of_encoder(description.crcs)
         yield from self._gray_members()
         yield "fixed", self._constant_bits()
-        yield "position", coder.position_attribute
+        yield "position", layout_class.position_attribute
         if self.plan.keeps_others:
-            yield "kept_mask", SourceText(str(mask_without_field(coder.context.scope, self.plan)))
-        if coder.register is not None and coder.limited_attribute:
-            yield "limited", (coder.register.limits_of, coder.limited_attribute)
+            yield "kept_mask", SourceText(str(mask_without_field(layout_class.context.scope, self.plan)))
+        if layout_class.register is not None and layout_class.limited_attribute:
+            yield "limited", (layout_class.register.limits_of, layout_class.limited_attribute)
         yield "default_verdict", self._default_verdict()
         yield "frame", self._frame_with_special_range()
 
@@ -97,7 +97,7 @@ class ShapeLiteral:
         """Yield the members with several items, except the columns, with their names in the runtime."""
         for name in _PLANNED_ROWS:
             # The class of a register checks its values.
-            is_checked_by_class = name == "checks" and self.coder.register is not None
+            is_checked_by_class = name == "checks" and self.layout_class.register is not None
             if not is_checked_by_class:
                 yield _RUNTIME_NAMES.get(name, name), self._literal_of(getattr(self._description, name))
 
@@ -112,15 +112,15 @@ class ShapeLiteral:
             return
         low_and_width = str(literal(self._literal_of((gray.low, gray.width))))
         # Only some order codes send Gray code.
-        if self.coder.gray_when:
-            low_and_width += f" if variant.{self.coder.gray_when} else None"
+        if self.layout_class.gray_when:
+            low_and_width += f" if variant.{self.layout_class.gray_when} else None"
         yield "gray", SourceText(low_and_width)
         yield "excess", self._literal_of(gray.excess)
 
     def _constant_bits(self) -> SourceText | None:
         """Return the constants at their places, such as ``(0x3 << 4) | (0x1 << 20)``, or None without any."""
         constants = self._description.fixed
-        terms = [f"{value:#x} << {self.coder.number(bits.low)}" for bits, value in constants]
+        terms = [f"{value:#x} << {self.layout_class.number(bits.low)}" for bits, value in constants]
         if not terms:
             return None
         if len(terms) == 1:
@@ -137,7 +137,7 @@ class ShapeLiteral:
         # The number of these bits is only in the description if it depends on the order code.
         if self._description.judging_bits is None:
             return verdict
-        judging_bits = self.coder.number(self._description.judging_bits)
+        judging_bits = self.layout_class.number(self._description.judging_bits)
         unknown = self._literal_of(Verdict.UNKNOWN)
         return SourceText(f"{literal(verdict)} if {judging_bits} else {literal(unknown)}")
 
@@ -146,13 +146,13 @@ class ShapeLiteral:
 
         A range in which the position never wraps around also counts as different. Otherwise, return an empty string.
         """
-        coder = self.coder
-        if coder.register is not None or not coder.position_attribute:
+        layout_class = self.layout_class
+        if layout_class.register is not None or not layout_class.position_attribute:
             return ""
-        interface = coder.context.device.interface(coder.layout_interface)
-        ranges = position_ranges(coder.context.device, interface)
+        interface = layout_class.context.device.interface(layout_class.layout_interface)
+        ranges = position_ranges(layout_class.context.device, interface)
         is_special = len(ranges) > 1 or any(position_range.never_wraps for position_range in ranges)
-        return coder.layout.name if is_special else ""
+        return layout_class.layout.name if is_special else ""
 
     def _column_call(self, column: Column) -> CallLiteral:
         """Return a column, with the name of the field in messages and the values that are valid.
@@ -160,14 +160,14 @@ class ShapeLiteral:
         The name is given only if the attribute has another name. ``values`` are the values of a selector, or the Enum
         of a named value.
         """
-        coder = self.coder
-        field = coder.layout.field(column.name)
-        name_in_messages = column.name if column.name != coder.names.attribute(column.name) else ""
+        layout_class = self.layout_class
+        field = layout_class.layout.field(column.name)
+        name_in_messages = column.name if column.name != layout_class.names.attribute(column.name) else ""
         valid_values: Literal = None
-        if coder.selects(field):
-            valid_values = allowed_values(coder.layout, field)
+        if layout_class.selects(field):
+            valid_values = allowed_values(layout_class.layout, field)
         elif is_named(meaning_of(field)):
-            valid_values = SourceText(coder.enum(field))
+            valid_values = SourceText(layout_class.enum(field))
         arguments = dict(self._call_of(column).arguments)
         return record("Column", arguments, field=name_in_messages, values=valid_values)
 
@@ -184,24 +184,26 @@ class ShapeLiteral:
             return self._crc_call(crcs[0])
         crcs_of_encoder = []
         for crc in crcs:
-            width = str(self.coder.number(crc.field.width))
+            width = str(self.layout_class.number(crc.field.width))
             crcs_of_encoder.append(ConditionalItem(self._crc_call(crc), width))
         return literal_call("next", literal_call("iter", tuple(crcs_of_encoder)), SourceText("None"))
 
     def _crc_call(self, frame_crc: FrameCrc) -> CallLiteral:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
         crc = frame_crc.crc
-        coder = self.coder
+        layout_class = self.layout_class
         members: dict[str, Literal] = {"low": self._literal_of(frame_crc.bits.low), "width": crc.width}
-        if coder.layout.crc_covers_bytes:
-            place_arguments = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(coder.layout)}"'
-            members["differs"] = SourceText(f"compare_bytes({coder.crc_name(frame_crc)}, {place_arguments})")
+        if layout_class.layout.crc_covers_bytes:
+            place_arguments = (
+                f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(layout_class.layout)}"'
+            )
+            members["differs"] = SourceText(f"compare_bytes({layout_class.crc_name(frame_crc)}, {place_arguments})")
             if crc.is_xor:
                 members |= {"xorout": crc.xorout, "is_xor": True}
         else:
             gap = f", gap={frame_crc.gap}" if frame_crc.gap else ""
-            place_arguments = f"covered={coder.number(frame_crc.covered)}, width={crc.width}{gap}"
-            members["differs"] = SourceText(f"compare_bits({coder.crc_name(frame_crc)}, {place_arguments})")
+            place_arguments = f"covered={layout_class.number(frame_crc.covered)}, width={crc.width}{gap}"
+            members["differs"] = SourceText(f"compare_bits({layout_class.crc_name(frame_crc)}, {place_arguments})")
             if frame_crc.steps:
                 members |= {"xorout": crc.xorout, "steps": _fold_steps(frame_crc)}
         return CallLiteral("CrcOf", tuple(members.items()))
@@ -212,9 +214,9 @@ class ShapeLiteral:
         """Return any value of the description as a literal. A value of any other kind is a part with members."""
         match value:
             case Expression():
-                return SourceText(str(self.coder.number(value)))
+                return SourceText(str(self.layout_class.number(value)))
             case Name():
-                return self.coder.names.attribute(value)
+                return self.layout_class.names.attribute(value)
             case Enum():
                 enumeration = "ErrorKind" if isinstance(value, Fault) else type(value).__name__
                 return EnumMember(enumeration, value.name)
@@ -244,7 +246,7 @@ class ShapeLiteral:
         return ConditionalItem(call, str(join_operands("and", conditions))) if conditions else call
 
     def _read_parameter(self, parameter: str) -> str:
-        return f"variant.{self.coder.context.parameters[parameter]}"
+        return f"variant.{self.layout_class.context.parameters[parameter]}"
 
     def _call_of(self, description_part: Any) -> CallLiteral:
         """Return the call of the class in the runtime, with the members that differ from their defaults.

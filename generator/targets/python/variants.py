@@ -61,14 +61,16 @@ class VariantTable:
     """Order codes of one module, as used by the template."""
 
     def __init__(
-        self, context: ModuleContext, frame_kinds: tuple[FrameKind, ...], coders: tuple[LayoutClass, ...]
+        self, context: ModuleContext, frame_kinds: tuple[FrameKind, ...], layout_classes: tuple[LayoutClass, ...]
     ) -> None:
         self.context = context
         self.device = context.device
         self.frame_kinds = frame_kinds
-        self.sent_frames = [coder for coder in coders if coder.layout.sender == "encoder"]
+        self.sent_frames = [layout_class for layout_class in layout_classes if layout_class.layout.sender == "encoder"]
         #: True if any frame has a verdict.
-        self.has_verdict = any(coder.reports is not None and coder.reports.default_verdict for coder in coders)
+        self.has_verdict = any(
+            layout_class.reports is not None and layout_class.reports.default_verdict for layout_class in layout_classes
+        )
         self._scope = context.scope_of("self")
         self.rows = [self._build_row(variant) for variant in self.device.variants]
 
@@ -388,7 +390,7 @@ class VariantTable:
         for kind in self.frame_kinds:
             has_known_bits = not kind.in_bytes and not kind.has_open_length
             if has_known_bits:
-                bits_by_interface[kind.interface] = kind.coder.layout.bits
+                bits_by_interface[kind.interface] = kind.layout_class.layout.bits
         return by_interface(self.device, lambda interface: self._code_of(bits_by_interface.get(interface.name)))
 
     # -- answers with a default
