@@ -30,9 +30,9 @@ MAX_SIZE = 256 * 2**20
 MAX_ENTRIES = 4096
 #: Age in seconds from which an unfinished file is the remains of a killed process.
 _ABANDONED_S = 3600
-_UNFINISHED = ".new-"
+_UNFINISHED_PREFIX = ".new-"
 #: Size of the hash in hexadecimal digits.
-_HASH = 64
+_HASH_DIGITS = 64
 #: Packages of this tool that a checkout has in folders of their own.
 _OWN_PACKAGES = ("templates", "runtime")
 #: Packages outside the standard library on which results depend.
@@ -200,11 +200,11 @@ def _read(folder: Path, key: str) -> Any:
     flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     with open(os.open(folder / key, flags), "rb") as file:
         status = os.fstat(file.fileno())
-        if not stat.S_ISREG(status.st_mode) or not _is_ours(status) or status.st_size > MAX_ENTRY + _HASH:
+        if not stat.S_ISREG(status.st_mode) or not _is_ours(status) or status.st_size > MAX_ENTRY + _HASH_DIGITS:
             return None
-        content = file.read(MAX_ENTRY + _HASH)
-    entry_json = content[_HASH:]
-    if hashlib.sha256(entry_json).hexdigest().encode() != content[:_HASH]:
+        content = file.read(MAX_ENTRY + _HASH_DIGITS)
+    entry_json = content[_HASH_DIGITS:]
+    if hashlib.sha256(entry_json).hexdigest().encode() != content[:_HASH_DIGITS]:
         return None
     stored = json.loads(entry_json)
     return stored["data"] if isinstance(stored, dict) and stored.get("key") == key and "data" in stored else None
@@ -212,7 +212,7 @@ def _read(folder: Path, key: str) -> Any:
 
 def _write(folder: Path, key: str, content: bytes) -> None:
     """Write an entry to a file of another name, and rename that, so that no process reads part of the entry."""
-    unfinished = folder / f"{_UNFINISHED}{os.getpid()}-{key[:16]}-{time.monotonic_ns()}"
+    unfinished = folder / f"{_UNFINISHED_PREFIX}{os.getpid()}-{key[:16]}-{time.monotonic_ns()}"
     handle = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600)
     try:
         with open(handle, "wb") as file:
@@ -251,7 +251,7 @@ def _entries_in(folder: Path) -> Iterator[tuple[float, int, str]]:
             with suppress(OSError):
                 status = file.stat(follow_symlinks=False)
                 # The name of an entry is its key.
-                if len(file.name) == _HASH:
+                if len(file.name) == _HASH_DIGITS:
                     yield status.st_mtime, status.st_size, file.path
-                elif file.name.startswith(_UNFINISHED) and status.st_mtime < time.time() - _ABANDONED_S:
+                elif file.name.startswith(_UNFINISHED_PREFIX) and status.st_mtime < time.time() - _ABANDONED_S:
                     os.unlink(file.path)

@@ -85,7 +85,7 @@ def _head(bucket: Bucket) -> bytes:
 #: Filters of all targets.
 COMMON_FILTERS: Mapping[str, Callable[..., object]] = {"plain": text_on_one_line, "wrapped": wrap_text}
 #: Prefix for template names that selects the target's own template, even if the user overrides it.
-_SHIPPED = "shipped"
+_SHIPPED_PREFIX = "shipped"
 
 
 class Settings(Hashable, Protocol):
@@ -176,7 +176,7 @@ def environment(templates: Settings, own_folder: Path | None = None) -> Environm
     With these, ``shipped/NAME`` still finds ours, and no compiled templates are stored.
     """
     shipped = FileSystemLoader(templates.folder, encoding="utf-8-sig")
-    by_name = PrefixLoader({_SHIPPED: shipped})
+    by_name = PrefixLoader({_SHIPPED_PREFIX: shipped})
     new_environment = Environment(
         loader=shipped if own_folder is None else ChoiceLoader([own_loader(own_folder), by_name, shipped]),
         bytecode_cache=CompiledTemplates() if own_folder is None else None,

@@ -26,7 +26,7 @@ LIST = ".codewheel"
 LIST_HEAD = "# Written by codewheel generate, which removes files of this list that it no longer writes.\n"
 LIST_SIGN = b"# Written by codewheel generate"
 #: Begins the line of a list with the families that the target's folder was written from.
-_FAMILIES = "# Families: "
+_FAMILIES_LINE = "# Families: "
 #: Paths that stay inside the folder, and that are the same on every system.
 _SAFE_PATH = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]*(/[A-Za-z0-9_.][A-Za-z0-9._-]*)*")
 
@@ -37,7 +37,7 @@ class WriteError(Exception):
 
 def list_text(paths: Iterable[str], families: Sequence[str]) -> str:
     """Return the text of the list with these paths, which are relative to the target's folder."""
-    families_line = f"{_FAMILIES}{' '.join(families)}\n" if families else ""
+    families_line = f"{_FAMILIES_LINE}{' '.join(families)}\n" if families else ""
     return LIST_HEAD + families_line + "".join(f"{path}\n" for path in sorted(paths))
 
 
@@ -63,8 +63,8 @@ def families_in(target_folder: Path) -> list[str]:
         WriteError: The list cannot be read.
     """
     list_content = (read_file(target_folder / LIST) or b"").decode("utf-8", "replace")
-    family_lines = [line for line in list_content.splitlines() if line.startswith(_FAMILIES)]
-    return family_lines[0].removeprefix(_FAMILIES).split() if family_lines else []
+    family_lines = [line for line in list_content.splitlines() if line.startswith(_FAMILIES_LINE)]
+    return family_lines[0].removeprefix(_FAMILIES_LINE).split() if family_lines else []
 
 
 def read_file(path: str | Path) -> bytes | None:
@@ -171,9 +171,9 @@ def _attempt(folder: Path) -> int | None:
 PREFIX = ".codewheel-"
 _STAGE_NAME = re.compile(rf"{re.escape(PREFIX)}([A-Za-z0-9_.-]+)-[a-z0-9_]{{8}}")
 #: The first file in a stage. The mark lets a later run distinguish the stage of a killed run from a user's folder.
-_MARK = ".codewheel-stage"
+_STAGE_MARK = ".codewheel-stage"
 _MARK_TEXT = "Temporary folder of codewheel generate. Its next run removes it.\n"
-_NEW, _OLD = "new", "old"
+_NEW_FOLDER, _OLD_FOLDER = "new", "old"
 _AT_FDCWD = -100
 _RENAME_EXCHANGE = 2
 
@@ -197,11 +197,11 @@ class Stage:
 
     @property
     def new(self) -> Path:
-        return self.folder / _NEW
+        return self.folder / _NEW_FOLDER
 
     @property
     def old(self) -> Path:
-        return self.folder / _OLD
+        return self.folder / _OLD_FOLDER
 
     def fill(self, files: Mapping[str, str], families: Sequence[str], unchanged: set[str]) -> None:
         """Fill the stage with the whole content of the target's folder: our files, their list, and foreign files.
@@ -209,7 +209,7 @@ class Stage:
         ``files`` contains the text by the path in the output folder, such as ``c/include/x.h``. Files that are named in
         ``unchanged`` become hard links to the old files.
         """
-        (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
+        (self.folder / _STAGE_MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
         names_inside = {name.partition("/")[2]: name for name in files}
         # The list comes first: without it, a later run would take the files of a killed run as the user's.
@@ -258,7 +258,7 @@ class Stage:
             shutil.rmtree(self.old, ignore_errors=True)
         if not os.path.lexists(self.old):
             with suppress(OSError):
-                (self.folder / _MARK).unlink(missing_ok=True)
+                (self.folder / _STAGE_MARK).unlink(missing_ok=True)
                 self.folder.rmdir()
 
     def _carry_over(self, ours: set[str]) -> None:
@@ -325,10 +325,10 @@ def _has_mark(folder: Path) -> bool:
 
     A run killed early may have left only part of the mark, or none. The folder then contains only that.
     """
-    mark = read_file(folder / _MARK)
+    mark = read_file(folder / _STAGE_MARK)
     if mark == _MARK_TEXT.encode():
         return True
-    return set(os.listdir(folder)) <= {_MARK} and _MARK_TEXT.encode().startswith(mark or b"")
+    return set(os.listdir(folder)) <= {_STAGE_MARK} and _MARK_TEXT.encode().startswith(mark or b"")
 
 
 def _save_from(stage: Stage) -> None:
@@ -408,7 +408,7 @@ def _exchange(new: Path, target_folder: Path) -> None:
     except (AttributeError, OSError, TypeError):
         pass
     # If the system cannot exchange folders, rename twice, and undo the first rename if the second fails.
-    old = new.with_name(_OLD)
+    old = new.with_name(_OLD_FOLDER)
     os.rename(target_folder, old)
     try:
         os.rename(new, target_folder)

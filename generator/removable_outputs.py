@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 _MOST_SHOWN = 5
 #: Parts of the names of files that belong to no family.
-_SHARED = frozenset(("codewheel", "codewheel_runtime", "runtime"))
-_WORD = re.compile(r"[a-z0-9_]+")
+_SHARED_NAME_PARTS = frozenset(("codewheel", "codewheel_runtime", "runtime"))
+_WORD_IN_PATH = re.compile(r"[a-z0-9_]+")
 #: Start of a family's data in the script of the decode page, which has no file of its own for each family.
 _TEXT = r'"(?:[^"\\]|\\.)*"'
 _IN_THE_PAGE = re.compile(rf'\{{"name":"([a-z][a-z0-9_]*)","title":{_TEXT},(?:"special_codes":{_TEXT},)?"evidence":')
-_PAGE = "decode.js"
+_DECODE_PAGE = "decode.js"
 
 
 def owners(devices: Iterable[Device]) -> list[str]:
@@ -100,13 +100,15 @@ class Guard:
 
     def _families_in_the_page(self, changes: Iterable[FileChange]) -> set[str]:
         """Return the names of families in the decode page that would be replaced and that were not read."""
-        pages = [change.path for change in changes if change.what == "written" and change.path.endswith(f"/{_PAGE}")]
+        pages = [
+            change.path for change in changes if change.what == "written" and change.path.endswith(f"/{_DECODE_PAGE}")
+        ]
         families = {name for page in pages for name in _IN_THE_PAGE.findall(_read_text(self.folder / page))}
         return families - self._names()
 
     def _files_without_record(self, changes: Iterable[FileChange]) -> list[str]:
         """Return the files to remove whose names contain no family that was read. An earlier version wrote them."""
-        family_names = {device.name for device in self.devices} | _SHARED
+        family_names = {device.name for device in self.devices} | _SHARED_NAME_PARTS
         removed = [change.path for change in changes if change.what == "removed"]
         return [path for path in removed if not _has_name(path, family_names)]
 
@@ -159,7 +161,7 @@ class Guard:
 def _has_name(path: str, names: Collection[str]) -> bool:
     """Return True if a word in a path is one of the names, or begins with one and ``_``: ``demo_biss`` for ``demo``."""
     beginnings = tuple(f"{name}_" for name in names)
-    return any(f"{word}_".startswith(beginnings) for word in _WORD.findall(path.lower()))
+    return any(f"{word}_".startswith(beginnings) for word in _WORD_IN_PATH.findall(path.lower()))
 
 
 def _read_text(path: Path) -> str:

@@ -15,7 +15,7 @@ from typing import get_args
 
 from .language.problems import TEMPLATE_SUFFIX, suggest_word
 
-_CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_WORD_BOUNDARY = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
 def our_templates(target: str) -> Path:
@@ -74,7 +74,7 @@ class Templates:
 def tests_for(*classes: object) -> dict[str, type]:
     """Return a test for each of these classes and members of unions, such as ``zeros_above`` for ``ZerosAbove``."""
     leaf_classes = [leaf_class for union in classes for leaf_class in get_args(union) or (union,)]
-    return {_CAPITAL.sub("_", leaf_class.__name__).lower(): leaf_class for leaf_class in leaf_classes}
+    return {_WORD_BOUNDARY.sub("_", leaf_class.__name__).lower(): leaf_class for leaf_class in leaf_classes}
 
 
 def unused_templates(

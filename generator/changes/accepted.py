@@ -14,7 +14,7 @@ from .rules import RULES, Change
 
 #: Name of the file next to the new specs.
 NAME = "accepted.yaml"
-_KEYS = ("family", "rule", "path", "why", "until")
+_ENTRY_KEYS = ("family", "rule", "path", "why", "until")
 
 
 class NotAccepted(ValueError):
@@ -56,12 +56,12 @@ def _read_acceptance(document: Document, index: int, acceptance: object) -> Acce
     """Return the accepted change at this index of the file.
 
     Raises:
-        NotAccepted: The entry is not a map with exactly the keys ``_KEYS``, or its rule or date is not valid.
+        NotAccepted: The entry is not a map with exactly the keys ``_ENTRY_KEYS``, or its rule or date is not valid.
     """
     line, _ = document.position(("accepted", index))
     location = f"{document.file}:{line}"
-    if not isinstance(acceptance, dict) or set(acceptance) != set(_KEYS) or not _has_texts(acceptance):
-        raise NotAccepted(f"{location}: an accepted change has the keys {join_words(_KEYS)}, each with text")
+    if not isinstance(acceptance, dict) or set(acceptance) != set(_ENTRY_KEYS) or not _has_texts(acceptance):
+        raise NotAccepted(f"{location}: an accepted change has the keys {join_words(_ENTRY_KEYS)}, each with text")
     rule = acceptance["rule"]
     until = acceptance["until"]
     if rule not in RULES:

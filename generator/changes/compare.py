@@ -22,9 +22,9 @@ from .values import NumberDifferences, as_plain_data, differing_items, old_to_ne
 _Item = TypeVar("_Item")
 #: Rules whose changes are described only by their location.
 _WITHOUT_VALUES = ("words", "source")
-_SOURCE = ModelMember("source", rule="source")
+_SOURCE_MEMBER = ModelMember("source", rule="source")
 #: Kinds of things with a section in the spec: the path of the section, and the words that precede the name of a thing.
-_SECTIONS: Mapping[str, tuple[str, str | Callable[[OldAndNew[Any]], str]]] = MappingProxyType(
+_SECTION_BY_KIND: Mapping[str, tuple[str, str | Callable[[OldAndNew[Any]], str]]] = MappingProxyType(
     {
         "part": ("order_code.parts", "part"),
         "parameter": ("parameters", "parameter"),
@@ -60,7 +60,7 @@ def compare_members(family_pair: FamilyPair, subject: ChangeSubject, old: Any, n
     Members without a rule are compared elsewhere. References are compared by the new names of the things.
     """
     old = family_pair.with_new_names(old, subject.scope)
-    members_by_name = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
+    members_by_name = {"source": _SOURCE_MEMBER, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
     for attribute in fields(new):
         # An attribute that the table lacks still leads to a change, so that nothing is overlooked.
         member = members_by_name.get(attribute.name) or ModelMember(attribute.name, rule="unforeseen")
@@ -210,12 +210,12 @@ def compare_pair(
 def compare_section(
     family_pair: FamilyPair, part_kind: str, compare_content: CompareContent | None = None
 ) -> Iterator[Change]:
-    """Yield the changes of all things in a section of the spec, such as ``"register"``, a key of ``_SECTIONS``.
+    """Yield the changes of all things in a section of the spec, such as ``"register"``, a key of ``_SECTION_BY_KIND``.
 
     A thing concerns its interface in the new version. Removed things, CRCs and procedures concern the interface in the
     old version.
     """
-    section_path, label = _SECTIONS[part_kind]
+    section_path, label = _SECTION_BY_KIND[part_kind]
     for pair in pair_section(family_pair, section_path):
         section_label = label if isinstance(label, str) else label(pair)
         concerns_old_interface = part_kind in _KINDS_OF_OLD_INTERFACE and pair.old is not None

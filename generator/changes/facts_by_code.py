@@ -14,7 +14,7 @@ from .rules import Change, ChangeSubject
 
 _Named = TypeVar("_Named", Characteristic, Timing)
 #: The time-out in descriptions of changes.
-_TIMEOUT = ModelMember("timeout", rule="interface-rule", label="time-out")
+_TIMEOUT_MEMBER = ModelMember("timeout", rule="interface-rule", label="time-out")
 
 
 def compare_clocks(family_pair: FamilyPair, subject: ChangeSubject, old: Clocked, new: Clocked) -> Iterator[Change]:
@@ -42,7 +42,7 @@ def compare_clocks(family_pair: FamilyPair, subject: ChangeSubject, old: Clocked
 def compare_timeouts(family_pair: FamilyPair, subject: ChangeSubject, old: Biss, new: Biss) -> Iterator[Change]:
     """Yield changes of the time-out, for each set of order codes with the same change."""
     if _is_common(old) and _is_common(new):
-        yield from compare_member(family_pair, subject, _TIMEOUT, old.timeout, new.timeout)
+        yield from compare_member(family_pair, subject, _TIMEOUT_MEMBER, old.timeout, new.timeout)
         return
     if _is_common(old) is not _is_common(new):
         yield _by_code_change(family_pair, subject, "time-out", is_by_code=_is_common(old))
@@ -51,7 +51,7 @@ def compare_timeouts(family_pair: FamilyPair, subject: ChangeSubject, old: Biss,
         timeouts = _for_any_code(old.timeout_of(family_pair.old_code(code))), _for_any_code(new.timeout_of(code))
         codes_by_timeouts.setdefault(timeouts, []).append(code)
     for (old_timeout, new_timeout), codes in codes_by_timeouts.items():
-        for change in compare_member(family_pair, subject, _TIMEOUT, old_timeout, new_timeout):
+        for change in compare_member(family_pair, subject, _TIMEOUT_MEMBER, old_timeout, new_timeout):
             yield family_pair.limited_to_codes(change, codes)
 
 

@@ -27,7 +27,7 @@ from .rules import Change, ChangeSubject
 from .values import short_value
 
 #: Kinds among which a change affects only how bits are read.
-_PLAIN = (Number, Decimal, Text)
+_KINDS_OF_NUMBERS = (Number, Decimal, Text)
 
 
 def compare_layout(family_pair: FamilyPair, subject: ChangeSubject, old: Layout, new: Layout) -> Iterator[Change]:
@@ -201,7 +201,7 @@ def _compare_kind(family_pair: FamilyPair, subject: ChangeSubject, old: Field, n
         yield from compare_members(family_pair, subject, old_kind, new_kind)
     else:
         rule = "field-kind"
-        if isinstance(old_kind, _PLAIN) and isinstance(new_kind, _PLAIN):
+        if isinstance(old_kind, _KINDS_OF_NUMBERS) and isinstance(new_kind, _KINDS_OF_NUMBERS):
             rule = "field-reads-otherwise"
         elif isinstance(old_kind, Constant) and isinstance(new_kind, Unused):
             rule = "field-constant"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 _MACRO_DEFINITION = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(\([^)\n]*\))?[ \t]*((?:\\\n|[^\n])*)$", re.MULTILINE)
-_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
+_C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 #: Macros that guard a header or contain its version, which no code depends on.
 _MACRO_ABOUT_HEADER = re.compile(r"\w+_(?:H|HPP|VERSION|INCLUDED)")
 #: Most characters of a shown value.
@@ -104,7 +104,7 @@ def _parse_macros(header: str) -> dict[str, str]:
     Include guards and version macros are left out.
     """
     macros: dict[str, str] = {}
-    header_without_comments = _COMMENT.sub("", header)
+    header_without_comments = _C_COMMENT.sub("", header)
     for name, parameters, definition in _MACRO_DEFINITION.findall(header_without_comments):
         if not _MACRO_ABOUT_HEADER.fullmatch(name):
             in_one_line = f"{parameters} {definition}".replace("\\\n", " ")

@@ -157,7 +157,7 @@ def _change_data(change: Change) -> dict[str, Any]:
     }
 
 
-_TITLES = {
+_TITLE_BY_IMPACT = {
     Impact.BREAKING: "Breaking",
     Impact.BEHAVIOUR: "Behaviour",
     Impact.COMPATIBLE: "Compatible",
@@ -187,7 +187,7 @@ def _family_section(findings: DiffResult, family: str) -> Iterator[str]:
     """Yield the Markdown lines of a family: a heading, a list for each impact, and the names in code."""
     yield from (f"### {escaped(family)}", "")
     family_changes = [change for change in findings.changes if change.family == family]
-    for impact, title in _TITLES.items():
+    for impact, title in _TITLE_BY_IMPACT.items():
         changes_of_impact = [change for change in family_changes if change.impact is impact]
         if changes_of_impact:
             yield from (f"#### {title}", "", *map(_list_item, changes_of_impact), "")
@@ -306,7 +306,7 @@ def _result_lines(findings: DiffResult) -> Iterator[str]:
 
 
 #: The version of a manufacturer's package in its file, whose first group precedes the number.
-_VERSION = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
+_VERSION_LINE = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
 
 
 class NotRecorded(ValueError):
@@ -355,7 +355,7 @@ def _files_with_new_version(package: PackageVersions, files: set[str]) -> Iterat
     """
     for path in map(Path, sorted(files)):
         old_text = path.read_text(encoding="utf-8")
-        new_text, replacement_count = _VERSION.subn(rf'\g<1>"{package.new}"', old_text)
+        new_text, replacement_count = _VERSION_LINE.subn(rf'\g<1>"{package.new}"', old_text)
         if replacement_count != 1:
             raise NotRecorded(f'{path} has no line like version: "{package.stated}"; set it to {package.new} by hand')
         yield path, new_text

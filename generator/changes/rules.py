@@ -122,7 +122,7 @@ class ChangeSubject:
         return replace(self, names={})
 
 
-_VERSION = re.compile(r"(\d+)\.(\d+)\.(\d+)")
+_VERSION_NUMBER = re.compile(r"(\d+)\.(\d+)\.(\d+)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,7 +194,7 @@ def _maker_by_name(devices: Sequence[Device]) -> dict[str, Manufacturer]:
 
 def _version_numbers(version: str) -> tuple[int, ...]:
     """Return ``(1, 2, 3)`` for ``1.2.3``, or ``()`` if that is not a version."""
-    match = _VERSION.fullmatch(version)
+    match = _VERSION_NUMBER.fullmatch(version)
     return tuple(map(int, match.groups())) if match is not None else ()
 
 

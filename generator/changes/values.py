@@ -197,9 +197,9 @@ def _part_pattern(used_texts: tuple[str, ...], all_texts: tuple[str, ...]) -> st
 
 
 #: Most letters of a shown value, and members that are left out of it.
-_LONGEST = 60
+_LONGEST_SHOWN_VALUE = 60
 _TEXT_MEMBERS = ("meaning", "note", "printed")
-_FORMATS: Mapping[str, Callable[[int], str]] = {
+_FORMAT_BY_UNIT: Mapping[str, Callable[[int], str]] = {
     # In whole bytes, which have two digits each: 0Ah, 01FFh.
     "hex": lambda value: f"{value:0{2 * max(1, (value.bit_length() + 7) // 8)}X}h",
     "bytes": lambda value: count_with_unit(value, "byte"),
@@ -266,8 +266,8 @@ def _number_text(value: int, notation: str) -> str:
     if isinstance(value, bool):
         text_if_true, text_if_false = ("low", "high") if notation == "level" else ("yes", "no")
         return text_if_true if value else text_if_false
-    if notation in _FORMATS:
-        return _FORMATS[notation](value)
+    if notation in _FORMAT_BY_UNIT:
+        return _FORMAT_BY_UNIT[notation](value)
     return f"{value}"
 
 
@@ -285,10 +285,10 @@ def _quantity_text(value: Expression | Supply | Scale | CodedValue) -> str:
 
 
 def _shorten_text(text: str) -> str:
-    """Return a text of at most ``_LONGEST`` characters, cut with an ellipsis."""
-    if len(text) <= _LONGEST:
+    """Return a text of at most ``_LONGEST_SHOWN_VALUE`` characters, cut with an ellipsis."""
+    if len(text) <= _LONGEST_SHOWN_VALUE:
         return text
-    return f"{text[: _LONGEST - 1]}…"
+    return f"{text[: _LONGEST_SHOWN_VALUE - 1]}…"
 
 
 def without_texts(value: Any) -> Any:

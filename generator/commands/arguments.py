@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..cache import Cache
 
 #: Columns of the help.
-_WIDTH = 79
+_HELP_WIDTH = 79
 #: Forms of the output of check and diff.
 FORMATS = ("text", "json", "github", "sarif")
 FORMATS_HELP = "text, json, github for comments in a pull request, or sarif (version 2.1.0) for review tools"
@@ -38,7 +38,7 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **options: Any) -> None:
         # Each argument is formatted when it is added. The terminal is asked for its width only to show the help.
-        super().__init__(formatter_class=partial(argparse.HelpFormatter, width=_WIDTH), **options)
+        super().__init__(formatter_class=partial(argparse.HelpFormatter, width=_HELP_WIDTH), **options)
 
     def format_help(self) -> str:
         help_text = super().format_help()
@@ -101,9 +101,9 @@ def add_examples(parser: Parser, name: str, examples: Sequence[str]) -> None:
     needs_spec = name not in ("new", "explain", "find")
     condition = ", with the spec that codewheel new my_encoder writes" if needs_spec else ""
     example_lines = [f"examples{condition}:", *(f"  {example}" for example in examples)]
-    epilog_lines = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []
+    epilog_lines = [textwrap.fill(parser.epilog, _HELP_WIDTH), ""] if parser.epilog else []
     parser.epilog = "\n".join([*epilog_lines, *example_lines])
-    parser.description = textwrap.fill(parser.description or "", _WIDTH)
+    parser.description = textwrap.fill(parser.description or "", _HELP_WIDTH)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
 
 

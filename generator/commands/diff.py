@@ -36,8 +36,8 @@ EXAMPLES = (
 #: Most problems of a side that are printed.
 _MOST_PROBLEMS = 3
 #: Levels of GitHub by impact. All others are notices.
-_LEVELS = {Impact.BREAKING: "error", Impact.BEHAVIOUR: "warning"}
-_STEPS = re.compile(r"[^.\[\]]+")
+_GITHUB_LEVEL_BY_IMPACT = {Impact.BREAKING: "error", Impact.BEHAVIOUR: "warning"}
+_PATH_STEPS = re.compile(r"[^.\[\]]+")
 
 
 def add_arguments(parser: Parser) -> None:
@@ -408,7 +408,7 @@ def _review_finding(change: Change, document: Document, path: SpecPath, file_nam
         column=column,
         rule=change.rule.name,
         message=f"{change.text} ({change.impact.word}: {describe_effect(change)})",
-        level=_LEVELS.get(change.impact, "notice"),
+        level=_GITHUB_LEVEL_BY_IMPACT.get(change.impact, "notice"),
     )
 
 
@@ -420,7 +420,7 @@ def _place_in_spec(document: Document, text: str) -> SpecPath:
     from ..language.schema_check import value_at
 
     path: SpecPath = ()
-    for step in _STEPS.findall(text):
+    for step in _PATH_STEPS.findall(text):
         paths_to_step = list(_paths_to_step(step, value_at(document.data, path)))
         if not paths_to_step:
             break

@@ -20,11 +20,11 @@ _NOT_IN_EDITIONS = frozenset("manual errata examples editions documents lost_fig
 _NAMED_MAPS = frozenset(("interfaces", "parameters", "values"))
 #: Keys of a spec that the paths of changes leave out.
 _NOT_IN_CHANGES = frozenset(("combinations", "fields", "meanings", "values"))
-_OPTION = re.compile(r"order_code\.parts\.(?P<part>\w+)\.values\.(?P<label>[^.]+)")
+_OPTION_PATH = re.compile(r"order_code\.parts\.(?P<part>\w+)\.values\.(?P<label>[^.]+)")
 #: Keys whose values name options or whole order codes.
-_REFERENCES = frozenset(("only", "only_with", "open_only_with", "order_code"))
+_KEYS_OF_REFERENCES = frozenset(("only", "only_with", "open_only_with", "order_code"))
 #: Longest line of YAML, in characters. It is so long that each change is in one line.
-_WIDTH = 10_000
+_YAML_WIDTH = 10_000
 
 
 class _Hexadecimal(int):
@@ -146,7 +146,7 @@ def _edition_changes(
             continue
         source = _source_of_removed(old_data, place, removed_node)
         yield {"add": place, "value": removed_node, "why": reason, "source": source}
-        if _OPTION.fullmatch(place):
+        if _OPTION_PATH.fullmatch(place):
             first_option_source = first_option_source or source
             removed_options.append((place, removed_node))
     if removed_options:
@@ -228,7 +228,7 @@ def _selection_of_option(option: Any) -> Mapping[str, Any]:
 def _selects_any(variant: Variant, option_places: Iterable[str]) -> bool:
     """Return True if an order code has one of these options, such as ``order_code.parts.output.values.B``."""
     for option_place in option_places:
-        option = _OPTION.fullmatch(option_place)
+        option = _OPTION_PATH.fullmatch(option_place)
         if option is not None and variant.parts.get(option["part"]) == option["label"]:
             return True
     return False
@@ -268,7 +268,7 @@ def _is_reference(place: str, key: str) -> bool:
     """
     is_top_level = not place
     is_spelling = key == "values" and "also_written" in place
-    return not is_top_level and (key in _REFERENCES or is_spelling)
+    return not is_top_level and (key in _KEYS_OF_REFERENCES or is_spelling)
 
 
 def _removed_nodes(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[str, Any]]:
@@ -304,7 +304,7 @@ def _in_one_line(node: Any) -> str:
         _with_hexadecimal(node),
         Dumper=_Dumper,
         default_flow_style=True,
-        width=_WIDTH,
+        width=_YAML_WIDTH,
         sort_keys=False,
         allow_unicode=True,
     )

@@ -29,10 +29,10 @@ _ABOUT = (
     "frames are equal."
 )
 #: Bits of the longest frame, by interface. All other interfaces share the second limit.
-_LONGEST = {"rs485": 1024}
+_LONGEST_FRAME = {"rs485": 1024}
 _LONGEST_IN_BITS = 64
 #: Bits of the shortest frame, by interface. All others have at least one bit.
-_SHORTEST = {"rs485": 8, "spi": 8}
+_SHORTEST_FRAME = {"rs485": 8, "spi": 8}
 #: Greatest position that ``--positions`` accepts, either side of zero. It has more than the counts of 64 bits.
 _MOST_POSITION = 1e20
 #: Characters of an invalid text that a message shows.
@@ -99,8 +99,8 @@ def _read_recording(arguments: argparse.Namespace) -> RecordedFrames:
     common_length = lengths[0]
     if arguments.interface == "rs485" and common_length % 8:
         raise CommandError(f"the frames have {common_length} bits; over RS-485, they are whole bytes", 2)
-    longest = _LONGEST.get(arguments.interface, _LONGEST_IN_BITS)
-    shortest = _SHORTEST.get(arguments.interface, 1)
+    longest = _LONGEST_FRAME.get(arguments.interface, _LONGEST_IN_BITS)
+    shortest = _SHORTEST_FRAME.get(arguments.interface, 1)
     if common_length > longest:
         raise CommandError(f"the frames have {common_length} bits; a line has at most {longest}", 2)
     if common_length < shortest:

@@ -22,7 +22,7 @@ EXAMPLES = (
     "codewheel new my_encoder -o specs/my_encoder.yaml",
     "codewheel new bench_encoder --line biss:position=32,error,warning,crc=6:0x43",
 )
-_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+_FAMILY_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 #: Characters of the longest name of a family, and characters of an invalid name that a message shows.
 _LONGEST_NAME, _SHOWN_CHARACTERS = 40, 60
 #: Encoders to start from. The rotary ones count revolutions, except over SPI.
@@ -30,7 +30,7 @@ LIKE = ("biss", "ssi", "rs485", "rs485-exchanges", "spi", "linear")
 #: Function that returns the text of a spec for a family, its manufacturer, and the path of the schema.
 DeviceText = Callable[[str, str, str], str]
 #: Manufacturer and schema in the templates.
-_MANUFACTURER = "example"
+_TEMPLATE_MANUFACTURER = "example"
 _SCHEMA_IN_TEMPLATES = "../../generator/language/{}.schema.json"
 
 
@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         if arguments.output == Path("-"):
             _refuse_invalid_name(arguments.name)
-            print(text_of(arguments.name, _MANUFACTURER, "device.schema.json"), end="")
+            print(text_of(arguments.name, _TEMPLATE_MANUFACTURER, "device.schema.json"), end="")
             return 0
         for written_file in write_spec(arguments.name, arguments.output, text_of=text_of):
             print(f"written    {written_file.as_posix()}")
@@ -153,7 +153,7 @@ def _refuse_invalid_name(name: str) -> None:
     """
     from ..language.rules.names import TAKEN
 
-    if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME or _is_reserved(name):
+    if not _FAMILY_NAME.fullmatch(name) or len(name) > _LONGEST_NAME or _is_reserved(name):
         rule = "use lowercase letters, digits and underscores"
         start_of_name = name[:_SHOWN_CHARACTERS]
         raise NameRefused(f"'{start_of_name}' is not a valid family name; {rule}, such as {_suggested_name(name)}")
@@ -193,7 +193,9 @@ def _suggested_name(name: str) -> str:
 
     with_underscores = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
     suggestion = with_underscores[:_LONGEST_NAME]
-    is_valid = _NAME.fullmatch(suggestion) is not None and not _is_reserved(suggestion) and suggestion not in TAKEN
+    is_valid = (
+        _FAMILY_NAME.fullmatch(suggestion) is not None and not _is_reserved(suggestion) and suggestion not in TAKEN
+    )
     return suggestion if is_valid and suggestion != name else "encoder_1"
 
 
@@ -204,10 +206,10 @@ def _manufacturer_name(path: Path) -> str:
 
     document = read_document(path, ProblemReport()) if path.is_file() else None
     if document is None:
-        return _MANUFACTURER
+        return _TEMPLATE_MANUFACTURER
     name = document.data.get("manufacturer")
     is_name = isinstance(name, str) and re.fullmatch(r"[a-z][a-z0-9]*", name)
-    return str(name) if is_name else _MANUFACTURER
+    return str(name) if is_name else _TEMPLATE_MANUFACTURER
 
 
 def _schema_of_tool(kind: str) -> Path:
@@ -254,7 +256,7 @@ def device_text(name: str, manufacturer: str, schema: str, like: str = "") -> st
     """
     spec_text = _template_text(like or "biss-singleturn")
     spec_text = spec_text.replace(_SCHEMA_IN_TEMPLATES.format("device"), schema)
-    spec_text = spec_text.replace(f"manufacturer: {_MANUFACTURER}\n", f"manufacturer: {manufacturer}\n")
+    spec_text = spec_text.replace(f"manufacturer: {_TEMPLATE_MANUFACTURER}\n", f"manufacturer: {manufacturer}\n")
     order_code = name.replace("_", "-").upper()
     return spec_text.replace("MY-ENCODER", order_code).replace("my_encoder", name)
 

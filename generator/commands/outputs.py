@@ -56,7 +56,7 @@ def devices_by_target(
 
 
 #: Columns of the text about the targets for ``--help``.
-_WIDTH = 79
+_HELP_WIDTH = 79
 
 
 def targets_named(names: Iterable[str] | None = None, default_names: Iterable[str] = BUILT_IN) -> list[Target]:
@@ -257,4 +257,4 @@ def targets_help() -> str:
 
 def _wrap_paragraph(text: str, first: str, indent: str) -> list[str]:
     """Return the lines of a paragraph, of which the first begins with ``first`` and the others with ``indent``."""
-    return textwrap.wrap(text, _WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)
+    return textwrap.wrap(text, _HELP_WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 #: Text that a pyproject.toml with the section must contain. Other files are not parsed.
-_NEEDED = b"tool.codewheel"
+_SECTION_IN_PYPROJECT = b"tool.codewheel"
 
 
 def configuration_above() -> Configuration | None:
@@ -89,7 +89,7 @@ def _has_settings(file: Path) -> bool:
     if file.name == CONFIGURATION:
         return not is_spec(file)
     try:
-        return _NEEDED in file.read_bytes()
+        return _SECTION_IN_PYPROJECT in file.read_bytes()
     except OSError:
         raise Faulty(file) from None
 

@@ -27,7 +27,7 @@ EXAMPLES = ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder"
 JSON_VERSION = 1
 #: Most facts listed for a passage (equal ones count once), and most characters shown of its text.
 _MOST_FACTS, _LONGEST = 10, 400
-_LIMITS = (
+_LIMITS_OF_REREAD = (
     "Only words and their order are compared. Changes in figures and in the arrangement of columns and tables are not "
     "found. Read these in the new edition."
 )
@@ -183,7 +183,7 @@ def _text_lines(
     yield ""
     places = f"{count_with_unit(len(changed_passages), 'passage')} in {count_with_unit(len(sections), 'section')}"
     yield f"{places}, cited by {len(citing_facts):,} of {len(facts):,} facts"
-    yield _LIMITS
+    yield _LIMITS_OF_REREAD
 
 
 def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:

@@ -10,9 +10,9 @@ from urllib.parse import quote
 
 from .. import __version__
 
-_SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+_SARIF_SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 #: Levels of SARIF by levels of GitHub.
-_LEVELS = {"error": "error", "warning": "warning", "notice": "note"}
+_SARIF_LEVELS = {"error": "error", "warning": "warning", "notice": "note"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ def _sarif_log(findings: Sequence[ReviewFinding]) -> dict[str, object]:
     driver = {"name": "codewheel", "version": __version__, "rules": [{"id": name} for name in rule_names]}
     results = [_sarif_result(finding) for finding in findings]
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
-    return {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
+    return {"$schema": _SARIF_SCHEMA, "version": "2.1.0", "runs": [run]}
 
 
 def _sarif_result(finding: ReviewFinding) -> dict[str, object]:
@@ -70,7 +70,7 @@ def _sarif_result(finding: ReviewFinding) -> dict[str, object]:
     }
     return {
         "ruleId": finding.rule,
-        "level": _LEVELS[finding.level],
+        "level": _SARIF_LEVELS[finding.level],
         "message": {"text": finding.message},
         "locations": [{"physicalLocation": location}],
     }

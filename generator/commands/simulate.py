@@ -21,7 +21,7 @@ EXAMPLES = (
     "codewheel simulate ssi,gray:position=13,error=high --position ramp:100",
 )
 #: Columns of the help.
-_WIDTH = 79
+_HELP_WIDTH = 79
 _HOW_TO_USE = (
     "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
     "pseudo-terminals, open the printed URL with pyserial. For SPI, send the bytes of each word, which are answered "
@@ -76,7 +76,7 @@ def _more_help() -> str:
     from ..model import INTERFACES
     from ..virtual import FAULTS, faults_of
 
-    lines = [fill(_HOW_TO_USE, _WIDTH)]
+    lines = [fill(_HOW_TO_USE, _HELP_WIDTH)]
     # Each fault has an effect for each interface over which it can occur.
     interfaces = dict.fromkeys(
         interface for effect_by_interface in FAULTS.values() for interface in effect_by_interface

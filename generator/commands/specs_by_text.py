@@ -25,16 +25,16 @@ if TYPE_CHECKING:
 #: Keys of files that can change a family, and keys of descriptions of masters, which cannot.
 _OTHER_KINDS = frozenset((b"overlay", b"changes"))
 _MASTER_KEYS = frozenset((b"master", b"takes"))
-_KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
-_NAME = re.compile(rb"\ndevice[ \t]*:[ \t]*([a-z][a-z0-9_]*)[ \t]*(?:#[^\n]*)?(?=\r?\n)")
+_TOP_LEVEL_KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
+_DEVICE_NAME = re.compile(rb"\ndevice[ \t]*:[ \t]*([a-z][a-z0-9_]*)[ \t]*(?:#[^\n]*)?(?=\r?\n)")
 _PATTERN_KEY = re.compile(rb"pattern['\"]?[ \t]*:")
-_PATTERN = re.compile(rb"pattern[ \t]*:[ \t]*\"([^\"\\{}\r\n]*)\{")
+_ORDER_CODE_PATTERN = re.compile(rb"pattern[ \t]*:[ \t]*\"([^\"\\{}\r\n]*)\{")
 _ORDER_CODE = re.compile(r"\norder_code[ \t]*:[ \t]*(?=[\r\n]).*?(?=\n[^ #\r\n]|\Z)", re.DOTALL)
 
 #: Kind of entry in the cache for the beginnings of order codes that begin with a part.
-_BEGINNINGS = "beginnings"
+_BEGINNINGS_ENTRY = "beginnings"
 #: Kinds of files that can be selected.
-_DEVICE, _MANUFACTURER, _MASTER = "device", "manufacturer", "master"
+_DEVICE_FILE, _MANUFACTURER_FILE, _MASTER_FILE = "device", "manufacturer", "master"
 
 
 class _NotSelectable(Exception):
@@ -123,11 +123,13 @@ def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
 
     for path in dict.fromkeys(spec_files(paths)):
         spec_file = _read_spec_file(path)
-        is_device_of_manufacturer = spec_file.kind == _DEVICE and not is_second(path) and has_manufacturer(path.parent)
-        is_manufacturer = spec_file.kind == _MANUFACTURER and path.name == MANUFACTURER
+        is_device_of_manufacturer = (
+            spec_file.kind == _DEVICE_FILE and not is_second(path) and has_manufacturer(path.parent)
+        )
+        is_manufacturer = spec_file.kind == _MANUFACTURER_FILE and path.name == MANUFACTURER
         if is_device_of_manufacturer:
             device_files.append(spec_file)
-        elif spec_file.kind != _MASTER and not is_manufacturer:
+        elif spec_file.kind != _MASTER_FILE and not is_manufacturer:
             raise _NotSelectable
     return device_files
 
@@ -142,18 +144,18 @@ def _read_spec_file(path: Path) -> _SpecFile:
         raise OSError
     # The expressions begin with the end of a line, so that they only match at the beginning of a line.
     spec_text = b"\n" + path.read_bytes()
-    keys = set(_KEY.findall(spec_text))
-    device_names = _NAME.findall(spec_text)
+    keys = set(_TOP_LEVEL_KEY.findall(spec_text))
+    device_names = _DEVICE_NAME.findall(spec_text)
     if not keys.isdisjoint(_OTHER_KINDS):
         return _SpecFile(path)
     # A file with the key of a device has no known kind if it is also of another kind, or if it names no single device.
     has_device_key = b"device" in keys
     if not keys.isdisjoint(_MASTER_KEYS):
-        return _SpecFile(path, kind="" if has_device_key else _MASTER)
+        return _SpecFile(path, kind="" if has_device_key else _MASTER_FILE)
     if len(device_names) == 1:
         name = device_names[0].decode()
-        return _SpecFile(path, kind=_DEVICE, name=name, beginnings=_beginnings_in_text(spec_text))
-    return _SpecFile(path, kind="" if has_device_key else _MANUFACTURER)
+        return _SpecFile(path, kind=_DEVICE_FILE, name=name, beginnings=_beginnings_in_text(spec_text))
+    return _SpecFile(path, kind="" if has_device_key else _MANUFACTURER_FILE)
 
 
 def _beginnings_in_text(text: bytes) -> tuple[str, ...]:
@@ -161,7 +163,7 @@ def _beginnings_in_text(text: bytes) -> tuple[str, ...]:
 
     If the text of the spec does not show it for all patterns, the result is ``("",)``, which fits any label.
     """
-    texts_before_part = _PATTERN.findall(text)
+    texts_before_part = _ORDER_CODE_PATTERN.findall(text)
     if not texts_before_part or len(texts_before_part) != len(_PATTERN_KEY.findall(text)):
         return ("",)
     beginnings = []
@@ -222,10 +224,10 @@ def _load_if_possible(spec: Path, cache: Cache, label: str = "") -> Sequence[Dev
 
 def _cached_beginnings(spec: Path, content: Sequence[bytes | str], cache: Cache) -> tuple[str, ...]:
     """Return the beginnings of order codes of a spec, from the cache if it has them for this content."""
-    stored = cache.get(_BEGINNINGS, content)
+    stored = cache.get(_BEGINNINGS_ENTRY, content)
     if stored is not None:
         return tuple(stored)
     beginnings = _read_beginnings(spec)
     if content_of(family_files(spec)) == content:
-        cache.put(_BEGINNINGS, content, beginnings)
+        cache.put(_BEGINNINGS_ENTRY, content, beginnings)
     return beginnings

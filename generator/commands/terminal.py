@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 #: Time in seconds after which work is shown, and between updates.
 _AFTER_S, _EVERY_S = 1.0, 0.25
-_CODES = {"red": 31, "green": 32, "yellow": 33, "cyan": 36, "faint": 2, "bold": 1}
+_COLOUR_CODES = {"red": 31, "green": 32, "yellow": 33, "cyan": 36, "faint": 2, "bold": 1}
 #: Colour of the first word of a line of ``diff``.
 _BY_IMPACT = {
     "breaking": "red",
@@ -31,7 +31,7 @@ _BY_IMPACT = {
     "documentation": "faint",
     "names": "bold",
 }
-_IMPACT = re.compile(rf"^(  )({'|'.join(_BY_IMPACT)})(?= )", re.MULTILINE)
+_IMPACT_IN_LINE = re.compile(rf"^(  )({'|'.join(_BY_IMPACT)})(?= )", re.MULTILINE)
 
 
 class CommandError(Exception):
@@ -198,12 +198,12 @@ def has_colours() -> bool:
 
 
 def in_colour(text: str, colour: str) -> str:
-    """Return a text in a colour of ``_CODES``."""
-    return f"\x1b[{_CODES[colour]}m{text}\x1b[0m"
+    """Return a text in a colour of ``_COLOUR_CODES``."""
+    return f"\x1b[{_COLOUR_CODES[colour]}m{text}\x1b[0m"
 
 
 def with_coloured_impacts(text: str) -> str:
     """Return the text of ``diff`` with the impact of each change in its colour, if the terminal has colours."""
     if not has_colours():
         return text
-    return _IMPACT.sub(lambda match: match[1] + in_colour(match[2], _BY_IMPACT[match[2]]), text)
+    return _IMPACT_IN_LINE.sub(lambda match: match[1] + in_colour(match[2], _BY_IMPACT[match[2]]), text)

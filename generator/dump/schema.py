@@ -19,7 +19,7 @@ from ..model.record import dataclass
 
 JsonSchema = dict[str, Any]
 
-_SIMPLE: dict[str, JsonSchema] = {
+_SIMPLE_TYPES: dict[str, JsonSchema] = {
     "string": {"type": "string"},
     "integer": {"type": "integer"},
     "number": {"type": "number"},
@@ -27,9 +27,9 @@ _SIMPLE: dict[str, JsonSchema] = {
     "hex": {"type": "integer", "x-form": "hexadecimal"},
     "scalar": {"type": ["integer", "string", "boolean"]},
 }
-_NULL: JsonSchema = {"type": "null"}
+_NULL_TYPE: JsonSchema = {"type": "null"}
 #: Types that are not parts of the model.
-_BASIC: dict[str, JsonSchema] = {
+_BASIC_TYPES: dict[str, JsonSchema] = {
     "name": {"description": "A word: a name, a key or a path.", "type": "string", "pattern": "^\\S*$"},
     "text": {"description": "Running text. Empty if there is none.", "type": "string"},
     "expression": {
@@ -43,10 +43,10 @@ _BASIC: dict[str, JsonSchema] = {
         "additionalProperties": {"$ref": "#/$defs/text"},
     },
 }
-_SOURCE = ModelMember(
+_SOURCE_MEMBER = ModelMember(
     "source", "source?", "First source. An item without its own source inherits the source of its parent."
 )
-_SOURCES = ModelMember("sources", "[source]", "All sources, if there are several.")
+_SOURCES_MEMBER = ModelMember("sources", "[source]", "All sources, if there are several.")
 
 
 @cache
@@ -57,7 +57,7 @@ def show_schema() -> JsonSchema:
         "$id": "urn:codewheel:show:1",
         "title": "Output of codewheel show --json, version 1",
     }
-    definitions = _BASIC | {part.name: _object_schema(part) for part in PARTS}
+    definitions = _BASIC_TYPES | {part.name: _object_schema(part) for part in PARTS}
     return identity | _object_schema(FAMILY) | {"$defs": definitions}
 
 
@@ -70,8 +70,8 @@ def _object_schema(part: ModelPart) -> JsonSchema:
     required_members = members
     optional_members = []
     if part.is_sourced:
-        required_members = [*members, _SOURCE]
-        optional_members = [_SOURCES]
+        required_members = [*members, _SOURCE_MEMBER]
+        optional_members = [_SOURCES_MEMBER]
     properties = {}
     for member in (*required_members, *optional_members):
         properties[member.name] = {"description": member.about} | _schema_of(member.shape)
@@ -107,7 +107,7 @@ def _schema_without_default(notation: str) -> JsonSchema:
         return _schema_or_null(notation.removesuffix("?"))
     if "|" in notation:
         return {"enum": notation.split("|")}
-    return _SIMPLE.get(notation) or {"$ref": f"#/$defs/{notation}"}
+    return _SIMPLE_TYPES.get(notation) or {"$ref": f"#/$defs/{notation}"}
 
 
 def _schema_or_null(notation: str) -> JsonSchema:
@@ -117,7 +117,7 @@ def _schema_or_null(notation: str) -> JsonSchema:
         return {"type": ["integer", "string", "null"]}
     shape = _schema_without_default(notation)
     if "type" not in shape:
-        return {"anyOf": [shape, _NULL]}
+        return {"anyOf": [shape, _NULL_TYPE]}
     return shape | {"type": [shape["type"], "null"]}
 
 

@@ -191,7 +191,7 @@ A position or limit that depends on the order code is a sum of numbers, paramete
 these, such as 48 - singleturn_bits. Each order_code gives the value of every parameter.
 A missing value has the default of this schema, is not given in the manual, or does not apply. \
 A source element cites the manual. An element without one has the sources of its parent."""
-_EXPRESSION = r"-?(2\^)?[a-z0-9_]+( [+\-*] (2\^)?[a-z0-9_]+)*"
+_EXPRESSION_PATTERN = r"-?(2\^)?[a-z0-9_]+( [+\-*] (2\^)?[a-z0-9_]+)*"
 
 
 @cache
@@ -228,7 +228,7 @@ def _add_word_types(root: Any) -> None:
     """Add the types of expressions, hexadecimal and other numbers, and of lists of words and of numbers."""
     expression = _add_schema_element(root, "simpleType", name="expression")
     _add_documentation(expression, show_schema()["$defs"]["expression"]["description"])
-    _restrict_to_pattern(expression, base="xs:string", pattern=_EXPRESSION)
+    _restrict_to_pattern(expression, base="xs:string", pattern=_EXPRESSION_PATTERN)
     hexadecimal = _add_schema_element(root, "simpleType", name="hexadecimal")
     _add_documentation(
         hexadecimal,

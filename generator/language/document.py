@@ -17,7 +17,7 @@ Path = tuple[str | int, ...]
 
 #: Keys that name an item of a list. The first one present is used.
 _ITEM_KEYS = ("name", "id", "revision", "contact")
-_WRITTEN = re.compile(r"(?:[&!]\S*\s+)*([-+]?[0-9][0-9A-Za-z]*)")
+_INTEGER_AS_WRITTEN = re.compile(r"(?:[&!]\S*\s+)*([-+]?[0-9][0-9A-Za-z]*)")
 _PLAIN_LABEL = re.compile(r"[A-Za-z0-9_]+")
 
 
@@ -96,7 +96,7 @@ class Document:
         The result is empty if no number is written there, such as at an alias.
         """
         line, column = self.position(path)
-        number = _WRITTEN.match(self.line(line, self.file_of(path)), column - 1)
+        number = _INTEGER_AS_WRITTEN.match(self.line(line, self.file_of(path)), column - 1)
         return number[1] if number is not None else ""
 
     def has(self, path: Path) -> bool:
@@ -191,12 +191,12 @@ def label_of(list_item: Any) -> str | None:
     return None
 
 
-_STEP = re.compile(r"\[([0-9]+)\]|\.?([^.\[\]]+)")
+_PATH_STEP = re.compile(r"\[([0-9]+)\]|\.?([^.\[\]]+)")
 #: Lists and maps that the path of an erratum omits, because their items are identified by name.
 LEFT_OUT = frozenset(
     "layouts fields combinations values parts steps arguments meanings data_ids contacts timings".split()
 )
-_UNNAMED = re.compile(r"[^a-z0-9_]")
+_NOT_IN_NAMES = re.compile(r"[^a-z0-9_]")
 
 #: Function from a map or list to its replacement.
 _Edit = Callable[[Any, SourceMark], tuple[Any, SourceMark]]
@@ -217,7 +217,7 @@ class MissingPath(LookupError):
 
 def steps_of(path_text: str) -> tuple[str | int, ...]:
     """Split ``procedures.preset.steps[3]`` into keys, names and indices counted from 0."""
-    return tuple(_step_of(match) for match in _STEP.finditer(path_text))
+    return tuple(_step_of(match) for match in _PATH_STEP.finditer(path_text))
 
 
 def _step_of(match: re.Match[str]) -> str | int:
@@ -366,7 +366,7 @@ def as_affected(root: Any, path: Path) -> str:
         root = root[step]
         is_list_item = isinstance(step, int)
         step_name = label_of(root) if is_list_item else str(step)
-        if step_name is None or _UNNAMED.search(step_name):
+        if step_name is None or _NOT_IN_NAMES.search(step_name):
             break
         is_omitted = step_name in LEFT_OUT and not is_list_item and depth > 0
         if not is_omitted:
@@ -420,12 +420,12 @@ class ErratumTargets:
         return self._items[id(items)]
 
 
-_MARKER = re.compile(r"\bTODO\b")
+_TODO_MARKER = re.compile(r"\bTODO\b")
 
 
 def is_placeholder(source_text: object) -> bool:
     """Return True if a value is a text with the marker."""
-    return isinstance(source_text, str) and _MARKER.search(source_text) is not None
+    return isinstance(source_text, str) and _TODO_MARKER.search(source_text) is not None
 
 
 def placeholder_paths(root: Any, path: Path = ()) -> Iterator[Path]:

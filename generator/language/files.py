@@ -22,7 +22,7 @@ NAMING_KEYS = frozenset({"codewheel", "device", "manufacturer", "master", "overl
 #: Folders in which tools build or install. They may contain copies of specs, but none that anyone edits.
 _BUILD_FOLDERS = frozenset({"build", "dist", "node_modules", "site-packages", "_build", "__pycache__"})
 #: A file with one of these names marks a virtual environment, a cache, or a folder that generate writes.
-_MARKS = frozenset({"pyvenv.cfg", "CACHEDIR.TAG", ".codewheel"})
+_MARKER_FILES = frozenset({"pyvenv.cfg", "CACHEDIR.TAG", ".codewheel"})
 #: Folder, or file, at the root of a git repository.
 REPOSITORY = ".git"
 #: File with the settings of a project, which is not a spec.
@@ -32,9 +32,9 @@ LINK, NESTED, UNREADABLE = "a link", "a repository of its own", "unreadable"
 #: Number of bytes inspected at the start of a file.
 _LOOKED_AT = 2**20
 #: The indentation and first character of the first line that is not a comment, a directive or a mark of YAML.
-_CONTENT = re.compile(rb"^([ \t]*)[^\s#%-]", re.MULTILINE)
+_FIRST_CONTENT_LINE = re.compile(rb"^([ \t]*)[^\s#%-]", re.MULTILINE)
 #: A key, perhaps in quotes, with its colon.
-_KEY = rb"""["']?(?<![a-z_])([a-z_]+)["']?[ \t]*:(?=\s|$)"""
+_KEY_WITH_COLON = rb"""["']?(?<![a-z_])([a-z_]+)["']?[ \t]*:(?=\s|$)"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +142,7 @@ class _Search:
 
         The repository is noted, because it may contain specs of the user.
         """
-        if not _MARKS.isdisjoint(names):
+        if not _MARKER_FILES.isdisjoint(names):
             return True
         if self._outputs and os.path.realpath(folder) in self._outputs:
             return True
@@ -215,17 +215,17 @@ def top_keys(path: Path) -> frozenset[str] | None:
     # the keys are found.
     text = content.replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe")
     text = re.sub(rb"\r\n?", b"\n", text)
-    first_content = _CONTENT.search(text)
+    first_content = _FIRST_CONTENT_LINE.search(text)
     if first_content is None:
         return frozenset()
     is_json = first_content[0].endswith(b"{")
     if is_json:  # Keys on all levels are found.
-        pattern = _KEY
+        pattern = _KEY_WITH_COLON
     else:
         # Keys at the top level have the same indentation as the first one.
         # A line break is found faster than the beginning of a line.
         indentation = first_content[1]
-        pattern = rb"\n" + re.escape(indentation) + _KEY
+        pattern = rb"\n" + re.escape(indentation) + _KEY_WITH_COLON
     keys = re.findall(pattern, b"\n" + text, re.MULTILINE)
     return frozenset(key.decode() for key in keys)
 

@@ -12,7 +12,7 @@ from ..model.expressions import Expression, ExpressionError
 from .problems import nearest_choice
 
 #: Base unit and power of ten of each unit.
-_UNITS = {
+_BASE_UNIT_AND_POWER = {
     "hz": ("hz", 0), "khz": ("hz", 3), "mhz": ("hz", 6), "ghz": ("hz", 9),
     "ps": ("s", -12), "ns": ("s", -9), "us": ("s", -6), "µs": ("s", -6), "ms": ("s", -3), "s": ("s", 0),
     "pm": ("m", -12), "nm": ("m", -9), "um": ("m", -6), "µm": ("m", -6),
@@ -22,12 +22,12 @@ _UNITS = {
     "mbps": ("baud", 6), "bit/s": ("baud", 0), "kbit/s": ("baud", 3), "mbit/s": ("baud", 6),
 }  # fmt: skip
 #: Units that manuals often print with a prefix, and the number from which kilo is likelier than mega.
-_LARGER = {"hz": "Hz", "baud": "baud"}
+_PREFIXED_UNITS = {"hz": "Hz", "baud": "baud"}
 _LIKELY_KILO = 50
 #: Forms of keys with a value other than true or false.
-_FORMS = {"gray": "{of: position}"}
+_FORMS_OF_KEYS = {"gray": "{of: position}"}
 #: Alternatives for a value that does not fit the smallest supported unit.
-_INSTEAD = {
+_ALTERNATIVES_TO_UNIT = {
     "step_nm": ": write the length of several counts, and their number in 'per_counts'",
 }
 #: Hints for a list under a key that takes a single map.
@@ -35,24 +35,26 @@ _INSTEAD_OF_LIST = {
     "gray": "; a layout has one number in Gray code: join numbers that are converted together, or convert the others in"
     " your program",
 }
-_WORDS = {"hz": "Hz", "khz": "kHz", "mhz": "MHz", "ghz": "GHz", "us": "µs", "um": "µm", "mv": "mV", "v": "V"}
+_UNIT_NAMES = {"hz": "Hz", "khz": "kHz", "mhz": "MHz", "ghz": "GHz", "us": "µs", "um": "µm", "mv": "mV", "v": "V"}
 
-_HEX = re.compile(r"(?P<negative>-?)(?:(?P<suffixed>[0-9A-Fa-f]+)[hH]|(?:0X|\$|#|&[hH])(?P<prefixed>[0-9A-Fa-f]+))")
-_BINARY = re.compile(r"(?:0[bB])([01]+)")
-_GROUPED = re.compile(r"-?[0-9]{1,3}(?:([_' ,])[0-9]{3})(?:\1[0-9]{3})*")
-_PLAIN = re.compile(r"-?(?:0x[0-9A-Fa-f]+|[0-9]+)")
+_HEX_NUMBER = re.compile(
+    r"(?P<negative>-?)(?:(?P<suffixed>[0-9A-Fa-f]+)[hH]|(?:0X|\$|#|&[hH])(?P<prefixed>[0-9A-Fa-f]+))"
+)
+_BINARY_NUMBER = re.compile(r"(?:0[bB])([01]+)")
+_GROUPED_DIGITS = re.compile(r"-?[0-9]{1,3}(?:([_' ,])[0-9]{3})(?:\1[0-9]{3})*")
+_PLAIN_NUMBER = re.compile(r"-?(?:0x[0-9A-Fa-f]+|[0-9]+)")
 _WITH_UNIT = re.compile(
     r"(?P<number>[0-9]+(?:\.[0-9]+)?)\s*(?P<unit>[kKMG]?[hH]z|[kKM]?(?:[bB]aud|bps|bit/s)|[pnuµm]?s|[nuµmc]?m|m?V)"
 )
 POLYNOMIAL = re.compile(r"(?:x(?:\s*\^\s*[0-9]+)?|1)(?:\s*\+\s*(?:x(?:\s*\^\s*[0-9]+)?|1))+", re.IGNORECASE)
-_DIGITS = re.compile(r"[0-9][0-9A-Fa-f]*|[0-9A-F]{2,}")
-_BYTES = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
+_BARE_HEX_DIGITS = re.compile(r"[0-9][0-9A-Fa-f]*|[0-9A-F]{2,}")
+_HEX_BYTES = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
 #: A number, or a power of two with a number, before or after ``*``.
 _NUMBER_OR_POWER = r"\b(?:2\s*\^\s*)?(?:0x[0-9A-Fa-f]+|[0-9]+)\b"
-_FACTOR = re.compile(rf"{_NUMBER_OR_POWER}(?=\s*\*)|(?:(?<=\*)|(?<=\* )){_NUMBER_OR_POWER}(?!\s*\^)")
-_SHIFTED = re.compile(r"\(?1\s*<<\s*(\w+)\)?")
+_FACTOR_OF_PRODUCT = re.compile(rf"{_NUMBER_OR_POWER}(?=\s*\*)|(?:(?<=\*)|(?<=\* )){_NUMBER_OR_POWER}(?!\s*\^)")
+_SHIFTED_ONE = re.compile(r"\(?1\s*<<\s*(\w+)\)?")
 #: Keys of other tools, each with the keys that may have the same meaning here.
-_ELSEWHERE = {
+_KEYS_OF_OTHER_TOOLS = {
     "description": ("meaning",), "desc": ("meaning",), "comment": ("note",),
     "offset": ("address", "at"), "size": ("length", "bits"), "width": ("bits", "length"),
     "type": ("length", "bits", "access"),
@@ -68,14 +70,14 @@ _NO_REPETITION = (
 )
 _NO_SUM = "; the language has only parity bits, CRCs and XOR: write a number, and compare it in your program"
 _NO_REVERSAL = "; the language has no words with the least significant bit first: reverse the bits before you decode"
-_UNSUPPORTED = {
+_UNSUPPORTED_KEYS = {
     **dict.fromkeys(("bcd", "excess_3", "decimal"), _NO_BCD),
     **dict.fromkeys(("repeat", "repeats", "repeated", "repetitions"), _NO_REPETITION),
     **dict.fromkeys(("sum_of", "checksum", "checksum_of", "complement_of"), _NO_SUM),
     **dict.fromkeys(("bit_order", "lsb_first"), _NO_REVERSAL),
 }
 #: Values of keys that other tools write in words.
-_VALUES = {
+_VALUES_OF_OTHER_TOOLS = {
     "byte_order": {
         **dict.fromkeys(("big", "be", "big_endian", "msb", "motorola"), "high_byte_first"),
         **dict.fromkeys(("little", "le", "little_endian", "lsb", "intel"), "low_byte_first"),
@@ -101,7 +103,7 @@ TO_ADD = {
 #: Largest number of counts that a hint suggests for a length.
 _MOST_COUNTS = 65_536
 #: Longest text, in characters, that is tried as a number.
-_LONGEST = 100
+_LONGEST_NUMBER_TEXT = 100
 
 
 def number_hint(key: str, wrong_value: Any) -> str:
@@ -113,7 +115,7 @@ def number_hint(key: str, wrong_value: Any) -> str:
         return _float_hint(key, wrong_value)
     if _is_list_of_bytes(wrong_value):
         return _text_hint(key, bytes(wrong_value).hex(" "))
-    if isinstance(wrong_value, str) and len(wrong_value) <= _LONGEST:
+    if isinstance(wrong_value, str) and len(wrong_value) <= _LONGEST_NUMBER_TEXT:
         return _text_hint(key, wrong_value.strip())
     return ""
 
@@ -140,33 +142,33 @@ def _text_hint(key: str, number_text: str) -> str:
     The forms are bytes, quotes, ``48h``, ``0b11``, ``1,000``, ``10 MHz``, a polynomial, and hexadecimal without a
     prefix.
     """
-    if _BYTES.fullmatch(number_text) and " " in number_text:
+    if _HEX_BYTES.fullmatch(number_text) and " " in number_text:
         return _bytes_hint(bytes.fromhex(number_text))
-    if _PLAIN.fullmatch(number_text):
+    if _PLAIN_NUMBER.fullmatch(number_text):
         return f"; write {number_text}, without the quotes"
-    if match := _HEX.fullmatch(number_text):
+    if match := _HEX_NUMBER.fullmatch(number_text):
         return f"; write {match['negative']}0x{(match['suffixed'] or match['prefixed']).upper()}"
-    if match := _BINARY.fullmatch(number_text):
+    if match := _BINARY_NUMBER.fullmatch(number_text):
         return f"; write {int(match[1], 2):#x}"
-    if match := _GROUPED.fullmatch(number_text):
+    if match := _GROUPED_DIGITS.fullmatch(number_text):
         return f"; write {number_text.replace(match[1], '')}"
     if match := _WITH_UNIT.fullmatch(number_text):
         converted = _convert_number(Fraction(match["number"]), match["unit"].lower(), _unit_of_key(key))
         return f"; write {converted}, in {_name_unit(_unit_of_key(key))}" if converted is not None else ""
     if key == "poly" and POLYNOMIAL.fullmatch(number_text):
         return _polynomial_hint(number_text)
-    return f"; write 0x{number_text.upper()}" if _DIGITS.fullmatch(number_text) else ""
+    return f"; write 0x{number_text.upper()}" if _BARE_HEX_DIGITS.fullmatch(number_text) else ""
 
 
 def expression_hint(expression_text: str) -> str:
     """Return what to write instead of an expression with powers as in ``2**n`` or ``1 << n``. Empty if unclear."""
-    corrected = _SHIFTED.sub(r"2^\1", expression_text.replace("**", "^"))
+    corrected = _SHIFTED_ONE.sub(r"2^\1", expression_text.replace("**", "^"))
     return f"; write {corrected}" if corrected != expression_text else ""
 
 
 def product_hint(expression_text: str) -> str:
     """Return what to write instead of a product with a number, such as ``2^bits * 256``. Empty if unclear."""
-    number = _FACTOR.search(expression_text)
+    number = _FACTOR_OF_PRODUCT.search(expression_text)
     if number is None:
         return ""
     text_before, text_after = expression_text[: number.start()], expression_text[number.end() :]
@@ -194,7 +196,7 @@ def value_hint(key: str, wrong_value: Any, schema: Mapping[str, Any]) -> str:
         return ""
     (required_key,) = required_keys
     if isinstance(wrong_value, bool):
-        form = _FORMS.get(key, f"{{{required_key}: NAME}}")
+        form = _FORMS_OF_KEYS.get(key, f"{{{required_key}: NAME}}")
     else:
         form = f"{{{required_key}: {wrong_value}}}"
     return f"; write '{key}: {form}'"
@@ -202,7 +204,7 @@ def value_hint(key: str, wrong_value: Any, schema: Mapping[str, Any]) -> str:
 
 def word_hint(key: str, wrong_word: Any) -> str:
     """Return what to write instead of ``rw`` or ``big`` under a key that takes one of our words. Empty if unclear."""
-    word = _VALUES.get(key, {}).get(str(wrong_word).lower(), "")
+    word = _VALUES_OF_OTHER_TOOLS.get(key, {}).get(str(wrong_word).lower(), "")
     return f"; write '{word}'" if word else ""
 
 
@@ -211,7 +213,7 @@ def unsupported_hint(word: Any) -> str:
 
     The page on encoders lists all limits of the language.
     """
-    return _UNSUPPORTED.get(str(word).lower().replace("-", "_"), "")
+    return _UNSUPPORTED_KEYS.get(str(word).lower().replace("-", "_"), "")
 
 
 def foreign_key_hint(
@@ -231,8 +233,8 @@ def foreign_key_hint(
         names_low = unknown_key.lower() == "active_low"
         is_low = names_low if value_of_key is not False else not names_low
         return "; write 'active: low'" if is_low else "; write 'active: high'"
-    if our_key in _VALUES:
-        word = _VALUES[our_key].get(str(value_of_key).lower().replace("-", "_"), "")
+    if our_key in _VALUES_OF_OTHER_TOOLS:
+        word = _VALUES_OF_OTHER_TOOLS[our_key].get(str(value_of_key).lower().replace("-", "_"), "")
         return f"; write '{our_key}: {word}'" if word else f"; it is called '{our_key}' here"
     # A type such as uint16_t gives the length or the number of bits.
     type_bits = _TYPE_BITS.fullmatch(str(value_of_key).lower())
@@ -249,9 +251,9 @@ def _our_key(unknown_key: str, value_of_key: Any, allowed_keys: Collection[str])
     A key that takes words is preferred if the value is one of its words, so that ``mode: rw`` becomes ``access``.
     Otherwise it is the first key that is allowed.
     """
-    candidates = [our_key for our_key in _ELSEWHERE.get(unknown_key.lower(), ()) if our_key in allowed_keys]
+    candidates = [our_key for our_key in _KEYS_OF_OTHER_TOOLS.get(unknown_key.lower(), ()) if our_key in allowed_keys]
     for our_key in candidates:
-        our_words = _VALUES.get(our_key, {}).values()
+        our_words = _VALUES_OF_OTHER_TOOLS.get(our_key, {}).values()
         if word_hint(our_key, value_of_key) or value_of_key in our_words:
             return our_key
     return candidates[0] if candidates else ""
@@ -275,11 +277,15 @@ def _fraction_hint(key: str, fraction: float) -> str:
     """
     unit = _unit_of_key(key)
     # A small frequency or baud rate is probably in a larger unit.
-    if unit in _LARGER and fraction > 0:
+    if unit in _PREFIXED_UNITS and fraction > 0:
         return _larger_unit_hint(unit, fraction)
     if key == "step_um":
         return _step_hint(fraction)
-    problem = f"; there are no fractions of {_name_unit(unit)}" if unit in _UNITS else "; there are no fractions"
+    problem = (
+        f"; there are no fractions of {_name_unit(unit)}"
+        if unit in _BASE_UNIT_AND_POWER
+        else "; there are no fractions"
+    )
     is_lower_bound = "at_least" in key or key.startswith("min_")
     is_upper_bound = "at_most" in key or key.startswith("max_")
     if is_lower_bound:
@@ -298,8 +304,8 @@ def _larger_unit_hint(unit: str, fraction: float) -> str:
     # From the shortest decimal form: 2.1 means 21/10, not the nearest binary fraction.
     converted = Fraction(str(fraction)) * 10**power
     if converted.denominator != 1:
-        return f"; there are no fractions of {_LARGER[unit]}"
-    return f"; if it is in {prefix}{_LARGER[unit]}, write {converted}"
+        return f"; there are no fractions of {_PREFIXED_UNITS[unit]}"
+    return f"; if it is in {prefix}{_PREFIXED_UNITS[unit]}, write {converted}"
 
 
 def _step_hint(micrometres: float) -> str:
@@ -347,7 +353,7 @@ def key_hint(unknown_key: str, value_of_key: Any, known_keys: Iterable[str]) -> 
     """
     stem, _, unit = unknown_key.rpartition("_")
     unit = unit.lower()
-    if not stem or unit not in _UNITS:
+    if not stem or unit not in _BASE_UNIT_AND_POWER:
         return ""
     fitting_keys = _keys_of_same_kind(stem, unit, known_keys)
     if not fitting_keys or unknown_key in fitting_keys:
@@ -355,13 +361,17 @@ def key_hint(unknown_key: str, value_of_key: Any, known_keys: Iterable[str]) -> 
     best_key = _best_unit(fitting_keys, value_of_key, unit)
     best_unit = _unit_of_key(best_key)
     if not _is_finite_number(value_of_key):
-        or_else = f". If that is not a whole number{_INSTEAD[best_key]}" if best_key in _INSTEAD else ""
+        or_else = (
+            f". If that is not a whole number{_ALTERNATIVES_TO_UNIT[best_key]}"
+            if best_key in _ALTERNATIVES_TO_UNIT
+            else ""
+        )
         return f"; the unit is {_name_unit(best_unit)}: write '{best_key}'{or_else}"
     # From the shortest decimal form: 0.05 means five hundredths, not the nearest binary fraction.
     converted = _convert_number(Fraction(str(value_of_key)), unit, best_unit)
     if converted is None:
         problem = f"{value_of_key} {_name_unit(unit)} is not a whole number of {_name_unit(best_unit)}"
-        return f"; there is only '{best_key}', and {problem}{_INSTEAD.get(best_key, '')}"
+        return f"; there is only '{best_key}', and {problem}{_ALTERNATIVES_TO_UNIT.get(best_key, '')}"
     return f"; write '{best_key}: {converted}', in {_name_unit(best_unit)}"
 
 
@@ -370,11 +380,11 @@ def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[
 
     For ``min_khz``, the stem is ``min``, and ``min_hz`` is such a key.
     """
-    base_unit, _ = _UNITS[unit]
+    base_unit, _ = _BASE_UNIT_AND_POWER[unit]
     keys_of_kind = []
     for known_key in known_keys:
         known_unit = _unit_of_key(known_key)
-        if known_unit in _UNITS and _UNITS[known_unit][0] == base_unit:
+        if known_unit in _BASE_UNIT_AND_POWER and _BASE_UNIT_AND_POWER[known_unit][0] == base_unit:
             keys_of_kind.append(known_key)
     stems = {_remove_unit(known_key) for known_key in keys_of_kind}
     meant_stem = stem if stem in stems else nearest_choice(stem, list(stems))
@@ -388,7 +398,7 @@ def _best_unit(keys: list[str], value_of_key: Any, unit: str) -> str:
 
     ``unit`` is the unit in which the value was given.
     """
-    largest_first = sorted(keys, key=lambda known_key: -_UNITS[_unit_of_key(known_key)][1])
+    largest_first = sorted(keys, key=lambda known_key: -_BASE_UNIT_AND_POWER[_unit_of_key(known_key)][1])
     for known_key in largest_first:
         if _is_whole_in(value_of_key, unit, _unit_of_key(known_key)):
             return known_key
@@ -415,15 +425,15 @@ def _unit_of_key(key: str) -> str:
 
 
 def _name_unit(unit: str) -> str:
-    return _WORDS.get(unit, unit)
+    return _UNIT_NAMES.get(unit, unit)
 
 
 def _convert_number(number: Fraction, unit: str, target_unit: str) -> int | None:
     """Return the number in another unit of the same kind, or None if the kind differs or the result is not whole."""
-    if unit not in _UNITS or target_unit not in _UNITS:
+    if unit not in _BASE_UNIT_AND_POWER or target_unit not in _BASE_UNIT_AND_POWER:
         return None
-    base_unit, power = _UNITS[unit]
-    target_base_unit, target_power = _UNITS[target_unit]
+    base_unit, power = _BASE_UNIT_AND_POWER[unit]
+    target_base_unit, target_power = _BASE_UNIT_AND_POWER[target_unit]
     if base_unit != target_base_unit:
         return None
     converted = number * Fraction(10) ** (power - target_power)

@@ -20,7 +20,7 @@ Shape = Mapping[str, Any]
 #: Largest number of entries of a list or mapping, unless its description gives another limit.
 _MOST_ENTRIES = 2000
 #: The JSON types, in the singular and in the plural.
-_NOUNS = {
+_NOUNS_OF_JSON_TYPES = {
     "integer": ("whole number", "whole numbers"),
     "number": ("number", "numbers"),
     "string": ("string", "strings"),
@@ -62,7 +62,7 @@ If a file begins with the following line, editors can complete and explain keys 
 FIRST_PAGE = "spec-language.md"
 _OTHER_FILES = "spec-language-other-files.md"
 #: The other pages on the device file: their titles and the definitions that they describe.
-_PAGES = {
+_OTHER_PAGES = {
     "spec-language-frames.md": (
         "Layouts, fields and CRCs",
         {"crc", "crc_number", "digits", "field", "field_group", "layout", "join", "combination", "names", "other_bits"}
@@ -82,13 +82,13 @@ _PAGES = {
         | {"places", "place", "edition_test"},
     ),
 }
-_PAGE_OF = {name: page for page, (_, names) in _PAGES.items() for name in names}
+_PAGE_OF = {name: page for page, (_, names) in _OTHER_PAGES.items() for name in names}
 
 _OTHER_FILES_TITLE = "Manufacturer file, overlay and second reading"
 _MADE_FROM = "<!-- Made from generator/language/*.schema.json by: make spec-page -->"
-_UP = f"Part of [the spec language]({FIRST_PAGE})."
+_LINK_TO_FIRST_PAGE = f"Part of [the spec language]({FIRST_PAGE})."
 
-_SECOND = """\
+_SECOND_READING_INTRODUCTION = """\
 `FAMILY.second.yaml`, in the same folder as the device file, is an independent transcription of the same manual by
 another reader. It uses the same language. Only `codewheel check` reads it, and reports the differences between the two
 files. It has no `manufacturer` and none of these parts, which explain or calculate: {lists}.
@@ -114,8 +114,8 @@ def spec_pages() -> dict[str, str]:
         *_describe_definitions(FIRST_PAGE, names, device["$defs"]),
     ]
     pages = {FIRST_PAGE: first}
-    for page, (title, _) in _PAGES.items():
-        pages[page] = [f"# {title}", _UP, *_describe_definitions(page, names, device["$defs"])]
+    for page, (title, _) in _OTHER_PAGES.items():
+        pages[page] = [f"# {title}", _LINK_TO_FIRST_PAGE, *_describe_definitions(page, names, device["$defs"])]
     pages[_OTHER_FILES] = _other_files()
     # The parts of a page are separated by empty lines.
     return {page: "\n\n".join([_MADE_FROM, *parts]).rstrip() + "\n" for page, parts in pages.items()}
@@ -124,7 +124,7 @@ def spec_pages() -> dict[str, str]:
 def _list_of_pages(names: Iterable[str]) -> str:
     """Return a list of links to the other pages, with the definitions that each describes."""
     list_items = []
-    for page, (title, own_names) in _PAGES.items():
+    for page, (title, own_names) in _OTHER_PAGES.items():
         keys = ", ".join(markdown_link(code_span(name), f"{page}#{name}") for name in names if name in own_names)
         list_items.append(f"- {markdown_link(title, page)}: {keys}")
     list_items.append(f"- {markdown_link(_OTHER_FILES_TITLE, _OTHER_FILES)}")
@@ -145,7 +145,7 @@ def _other_files() -> list[str]:
     overlay = load_schema("overlay")
     return [
         f"# {_OTHER_FILES_TITLE}",
-        _UP,
+        _LINK_TO_FIRST_PAGE,
         "## The manufacturer file",
         wrap_markdown(escape(manufacturer["description"])),
         "It is in the same folder as the device files and is called `manufacturer.yaml`.",
@@ -155,7 +155,9 @@ def _other_files() -> list[str]:
         "See [Overlays](how-to-revise.md#overlays-facts-from-outside-the-manual) for an example.",
         _format_table(overlay, overlay["$defs"]),
         "## The second reading",
-        _SECOND.format(prose=_as_code(PROSE), lists=_as_code(NO_FACTS), only=_keys_of_second_readings()),
+        _SECOND_READING_INTRODUCTION.format(
+            prose=_as_code(PROSE), lists=_as_code(NO_FACTS), only=_keys_of_second_readings()
+        ),
     ]
 
 
@@ -258,7 +260,7 @@ def _describe_type(shape: Shape, plural: bool = False) -> str:
     if isinstance(value_shape, Mapping):
         return f"{'mappings' if plural else 'mapping'} of names to {_describe_type(value_shape, plural=True)}"
     type_names = [types] if isinstance(types, str) else types
-    return join_words([_NOUNS[type_name][plural] for type_name in type_names], "or")
+    return join_words([_NOUNS_OF_JSON_TYPES[type_name][plural] for type_name in type_names], "or")
 
 
 def _describe_limits(shape: Shape) -> str:

@@ -11,7 +11,7 @@ from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, unsupported_
 from .problems import WORDS_ONLY, Path, join_words, missing_keys_message, nearest_choice, quoted, suggest_word
 from .schema_files import is_only_in_device_files
 
-_TYPES = {
+_JSON_TYPES_IN_WORDS = {
     "integer": "a whole number",
     "number": "a number",
     "string": "text",
@@ -76,7 +76,7 @@ PATTERNS = {
 }
 
 #: Names for one item of a list or map, if removing the plural s does not give the singular.
-_ITEMS = {
+_NAMES_OF_ITEMS = {
     "errata": "an erratum",
     "before": "a change",
     "then": "a change",
@@ -144,7 +144,7 @@ def explain(error: Any, file_kind: str) -> Iterator[RuleFinding]:
     elif error.validator == "required":
         yield from _missing_keys(error, path, file_kind)
     else:
-        rule, message = _MESSAGES[error.validator](error, _name_subject(path))
+        rule, message = _EXPLAIN_BY_KEYWORD[error.validator](error, _name_subject(path))
         yield RuleFinding(rule, path, message)
 
 
@@ -258,8 +258,8 @@ def _name_owner(error: Any, path: Path, file_kind: str) -> str:
 
 def _name_one_item(plural: str) -> str:
     """Return one item of a list or map with its article, such as ``a register`` for ``registers``."""
-    if plural in _ITEMS:
-        return _ITEMS[plural]
+    if plural in _NAMES_OF_ITEMS:
+        return _NAMES_OF_ITEMS[plural]
     singular = plural.removesuffix("s").replace("_", " ")
     article = "an" if singular[0] in "aeiou" else "a"
     return f"{article} {singular}"
@@ -282,14 +282,14 @@ class _RuleMessage(NamedTuple):
 def _explain_type(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value of the wrong type, with the likely correction.
 
-    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_MESSAGES`` work in the same
-    way.
+    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_EXPLAIN_BY_KEYWORD`` work in
+    the same way.
     """
     value = error.instance
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
     key = str(error.absolute_path[-1]) if error.absolute_path else ""
     number_or_text = _NUMBER_OR_TEXT.get(key) if len(types) > 1 else None
-    accepted = number_or_text or join_words([_TYPES[name] for name in types], "or")
+    accepted = number_or_text or join_words([_JSON_TYPES_IN_WORDS[name] for name in types], "or")
     if value is None:
         return _RuleMessage("wrong-type", f"{subject} has no value; it must be {accepted}")
     hint = ""
@@ -383,7 +383,7 @@ def _too_many(error: Any, subject: str) -> _RuleMessage:
     )
 
 
-_MESSAGES: dict[str, Callable[[Any, str], _RuleMessage]] = {
+_EXPLAIN_BY_KEYWORD: dict[str, Callable[[Any, str], _RuleMessage]] = {
     "type": _explain_type,
     "enum": _explain_enum,
     "const": _explain_const,
@@ -399,4 +399,4 @@ _MESSAGES: dict[str, Callable[[Any, str], _RuleMessage]] = {
 }
 
 #: Keywords of JSON Schema that the schemas may use. Each has a message.
-KEYWORDS = frozenset(("required", "additionalProperties", "propertyNames", *_MESSAGES))
+KEYWORDS = frozenset(("required", "additionalProperties", "propertyNames", *_EXPLAIN_BY_KEYWORD))

@@ -39,7 +39,7 @@ SUFFIX = ".overlay"
 CHANGE_KINDS = ("set", "add", "remove", "unknown", "also")
 _VALUE_OF = {"set": "to", "add": "value"}
 #: Keys that no change may touch: they identify the family, or do not state a fact of the manual.
-_FIXED = frozenset("codewheel device manufacturer editions".split())
+_UNCHANGEABLE_KEYS = frozenset("codewheel device manufacturer editions".split())
 #: Longest value shown in a comment, in characters.
 _LONGEST_SHOWN = 120
 
@@ -205,7 +205,7 @@ class LayeredSpec:
             if is_list:
                 change_path = (*change_path, index)
             first_step, _, _ = text.partition(".")
-            if first_step in _FIXED:
+            if first_step in _UNCHANGEABLE_KEYS:
                 message = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
                 self._report_problem("overlay-change", layer, change_path, message)
             elif change_kind == "add":

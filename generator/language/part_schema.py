@@ -20,7 +20,7 @@ from ..model.part import DescribedKey, SpecKey, description_of, is_part, keys_of
 from . import written_codes, written_interfaces, written_layouts, written_parts
 
 #: Modules with parts.
-_MODULES = (
+_MODULES_WITH_PARTS = (
     clocks,
     data_channels,
     documents,
@@ -36,7 +36,7 @@ _MODULES = (
     written_parts,
 )
 #: Places of parts in the definitions of the schema, if they are not called like the class.
-_PLACES: Mapping[str, str] = MappingProxyType(
+_DEFINITION_PLACES: Mapping[str, str] = MappingProxyType(
     {
         "Edition": "manual.editions.items",
         "LayoutRange": "position_range",
@@ -47,14 +47,14 @@ _PLACES: Mapping[str, str] = MappingProxyType(
 #: Largest number of rows of a fact that depends on the order code.
 _MOST_ROWS = 100
 #: Line of the schema after which the definitions begin.
-_DEFINITIONS = '  "$defs": {'
-_SCHEMA = Path(__file__).parent / "device.schema.json"
+_START_OF_DEFINITIONS = '  "$defs": {'
+_SCHEMA_FILE = Path(__file__).parent / "device.schema.json"
 
 
 def described_parts() -> dict[str, Any]:
     """Return the classes of parts that specs contain, by the names of the classes, each from its own module only."""
     classes = {}
-    for module in _MODULES:
+    for module in _MODULES_WITH_PARTS:
         for member in vars(module).values():
             if is_part(member) and member.__module__ == module.__name__:
                 classes[member.__name__] = member
@@ -108,7 +108,7 @@ def _value_schema(value_type: KeyType, key: SpecKey) -> JsonSchema:
         return {"type": "object"} | fewest | {"maxProperties": key.most} | entries
     if not value_type.part:
         return value_type.schema
-    name = _PLACES.get(value_type.class_name, value_type.part)
+    name = _DEFINITION_PLACES.get(value_type.class_name, value_type.part)
     if name in _read_definitions():
         return {"$ref": f"#/$defs/{name}"}
     return part_schema(described_parts()[value_type.class_name])
@@ -124,7 +124,7 @@ def _one_or_more_schema(value_type: KeyType) -> JsonSchema:
 
 def _read_definitions() -> Mapping[str, Any]:
     """Return the definitions of the schema file, which is read each time."""
-    definitions: Mapping[str, Any] = json.loads(_SCHEMA.read_text(encoding="utf-8"))["$defs"]
+    definitions: Mapping[str, Any] = json.loads(_SCHEMA_FILE.read_text(encoding="utf-8"))["$defs"]
     return definitions
 
 
@@ -139,11 +139,11 @@ def schema_with_parts(text: str) -> str:
     lines = _with_block(lines, 0, ["properties"], lambda indent: _value_text("properties", spec_keys, indent))
     for name, part_class in described_parts().items():
         # Such as ``field``, or ``manual.editions`` for a part inside the definition of another one.
-        definition_path = _PLACES.get(name, name_of_part(name))
+        definition_path = _DEFINITION_PLACES.get(name, name_of_part(name))
         definition, _, _ = definition_path.partition(".")
         if definition in definitions:
             schema = part_schema(part_class)
-            definitions_line = lines.index(_DEFINITIONS)
+            definitions_line = lines.index(_START_OF_DEFINITIONS)
             lines = _with_block(lines, definitions_line, definition_path.split("."), partial(_format_schema, schema))
     return "\n".join(lines) + "\n"
 
@@ -209,7 +209,7 @@ def _in_braces(lines: Sequence[str], indent: int) -> str:
 
 def main() -> int:
     """Write the parts into the schema."""
-    _SCHEMA.write_text(schema_with_parts(_SCHEMA.read_text(encoding="utf-8")), encoding="utf-8")
+    _SCHEMA_FILE.write_text(schema_with_parts(_SCHEMA_FILE.read_text(encoding="utf-8")), encoding="utf-8")
     return 0
 
 

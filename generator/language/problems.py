@@ -34,8 +34,8 @@ _MOST_LINES = 12
 #: Largest number of known words listed in a message.
 _FEW_CHOICES = 11
 #: The end of a line that introduces a text of several lines.
-_BLOCK = re.compile(r": [>|][+-]?\s*$")
-_BETWEEN = re.compile(r"[_\s-]")
+_BLOCK_TEXT_START = re.compile(r": [>|][+-]?\s*$")
+_WORD_SEPARATORS = re.compile(r"[_\s-]")
 _DIGITS = re.compile(r"[0-9]+")
 #: Units at the end of a key. Keys with different units are never typos of each other: the number would be wrong.
 UNITS = frozenset("hz khz mhz ghz ps ns us ms s nm um mm cm m mv v ma a bits bytes".split())
@@ -67,7 +67,7 @@ class Problem:
             path = self.path if len(self.path) <= _LONGEST_PATH else f"{self.path[: _LONGEST_PATH - 3]}..."
             lines.append(f"  in {visible(path)}")
         # The line above a text of several lines contains none of its words.
-        has_words = _BLOCK.search(self.text) is None
+        has_words = _BLOCK_TEXT_START.search(self.text) is None
         if has_words:
             lines += excerpt(self.text, self.column, width)
         return "\n".join(lines)
@@ -322,7 +322,7 @@ def _is_spelling(word: str, known_word: str) -> bool:
 # A name is compared with each unknown word of a spec.
 @functools.lru_cache(maxsize=10_000)
 def _keep_letters(word: str) -> str:
-    return _BETWEEN.sub("", word).lower()
+    return _WORD_SEPARATORS.sub("", word).lower()
 
 
 def _common_prefix_length(word: str, other_word: str) -> int:

@@ -39,20 +39,20 @@ _UNSEEN = r"\u00ad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff
 FORBIDDEN = re.compile(f"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff{_UNSEEN}]")
 
 LINE_BREAK = re.compile(r"\r\n|\r|\n")
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_YAML_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
-_NULL = frozenset(("", "~", "null", "Null", "NULL"))
-_BOOLEAN = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
-_INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
-_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_NULL_WORDS = frozenset(("", "~", "null", "Null", "NULL"))
+_BOOLEAN_WORDS = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+_INTEGER_TEXT = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT_TEXT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _SPECIAL_FLOAT = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 
-_CORE = "tag:yaml.org,2002:"
+_CORE_TAG = "tag:yaml.org,2002:"
 _TAGGED_TYPES: dict[str, tuple[type, ...]] = {
-    f"{_CORE}null": (type(None),),
-    f"{_CORE}bool": (bool,),
-    f"{_CORE}int": (int,),
-    f"{_CORE}float": (int, float),
+    f"{_CORE_TAG}null": (type(None),),
+    f"{_CORE_TAG}bool": (bool,),
+    f"{_CORE_TAG}int": (int,),
+    f"{_CORE_TAG}float": (int, float),
 }
 
 
@@ -103,7 +103,7 @@ class _Parser:
     def __init__(self, text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]) -> None:
         self._complain = complain
         self._stand_in = stand_in
-        parser_events = iter(yaml.parse(text, Loader=_LOADER))
+        parser_events = iter(yaml.parse(text, Loader=_YAML_LOADER))
         self._events = iter(CorrectedEvents(parser_events, LINE_BREAK.split(text), _is_text, self._report))
         #: Values by anchor. None while the value is being read.
         self._anchors: dict[str, _Value | None] = {}
@@ -237,7 +237,7 @@ class _Parser:
         if event.value == "<<" and not event.style:
             self._report(event, "merge-key", "merge keys are not part of YAML 1.2; write out the entries", path)
             return None
-        if event.value == "" or FORBIDDEN.search(event.value) or event.tag not in (None, "!", f"{_CORE}str"):
+        if event.value == "" or FORBIDDEN.search(event.value) or event.tag not in (None, "!", f"{_CORE_TAG}str"):
             self._report(event, "bad-key", "a key is one word, without a tag and without control characters", path)
             return None
         return str(event.value)
@@ -251,11 +251,11 @@ class _Parser:
         if forbidden is not None:
             message = f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape"
             return self._replace(event, path, "not-text", message)
-        if tag in ("!", f"{_CORE}str") or (tag is None and is_quoted):
+        if tag in ("!", f"{_CORE_TAG}str") or (tag is None and is_quoted):
             return text
         if tag is not None and tag not in _TAGGED_TYPES:
             return self._replace(event, path, "tag", f"the tag {quoted(_short_tag(tag))} is not supported; remove it")
-        if len(text) > MAX_DIGITS and _INTEGER.fullmatch(text):
+        if len(text) > MAX_DIGITS and _INTEGER_TEXT.fullmatch(text):
             message = f"a number of {len(text)} digits is too long; put it in quotes if it is text"
             return self._replace(event, path, "number-too-long", message)
         value = _resolve_scalar(text)
@@ -269,21 +269,21 @@ class _Parser:
 
     def _check_container_tag(self, event: Any) -> None:
         container_tag = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
-        if event.tag not in (None, "!", f"{_CORE}{container_tag}"):
+        if event.tag not in (None, "!", f"{_CORE_TAG}{container_tag}"):
             self._report(event, "tag", f"the tag {quoted(_short_tag(event.tag))} is not supported; remove it")
 
 
 def _resolve_scalar(scalar_text: str) -> str | int | float | bool | None:
     """Return the value of an unquoted scalar by the core schema of YAML 1.2."""
-    if scalar_text in _NULL:
+    if scalar_text in _NULL_WORDS:
         return None
-    if scalar_text in _BOOLEAN:
-        return _BOOLEAN[scalar_text]
-    if _INTEGER.fullmatch(scalar_text):
+    if scalar_text in _BOOLEAN_WORDS:
+        return _BOOLEAN_WORDS[scalar_text]
+    if _INTEGER_TEXT.fullmatch(scalar_text):
         if scalar_text.startswith(("0x", "0o")):
             return int(scalar_text[2:], 16 if scalar_text[1] == "x" else 8)
         return int(scalar_text)
-    if _FLOAT.fullmatch(scalar_text):
+    if _FLOAT_TEXT.fullmatch(scalar_text):
         return float(scalar_text)
     # Python writes infinities and NaN without the point.
     return float(scalar_text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(scalar_text) else scalar_text
@@ -295,7 +295,7 @@ def _is_text(scalar: str) -> bool:
 
 
 def _short_tag(tag: str) -> str:
-    return tag.replace(_CORE, "!!")
+    return tag.replace(_CORE_TAG, "!!")
 
 
 def _build_error(event: Any, rule: str, message: str, path: Path = ()) -> Unreadable:

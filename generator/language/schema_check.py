@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from jsonschema import ValidationError
 
 
-_TYPES: Mapping[str, tuple[type, ...]] = {
+_PYTHON_TYPES: Mapping[str, tuple[type, ...]] = {
     "object": (dict,),
     "array": (list,),
     "string": (str,),
@@ -38,9 +38,12 @@ _TYPES: Mapping[str, tuple[type, ...]] = {
 def follows_schema(checked_value: Any, schema: Mapping[str, Any]) -> bool:
     """Return True if a value follows a schema without references, and False if it may not.
 
-    Each keyword of the schema has a test in ``_TESTS``. A value may not follow a keyword without a test.
+    Each keyword of the schema has a test in ``_CHECK_BY_KEYWORD``. A value may not follow a keyword without a test.
     """
-    return all(key in _TESTS and _TESTS[key](checked_value, expected, schema) for key, expected in schema.items())
+    return all(
+        key in _CHECK_BY_KEYWORD and _CHECK_BY_KEYWORD[key](checked_value, expected, schema)
+        for key, expected in schema.items()
+    )
 
 
 def matches(pattern: str, checked_text: str) -> bool:
@@ -54,7 +57,7 @@ def matches(pattern: str, checked_text: str) -> bool:
 def _is_of_type(checked_value: Any, expected: str | list[str], _: object) -> bool:
     """Return True if a value has one of the expected types. True is a boolean, not an integer."""
     names = [expected] if isinstance(expected, str) else expected
-    return any(type(checked_value) in _TYPES.get(name, ()) for name in names)
+    return any(type(checked_value) in _PYTHON_TYPES.get(name, ()) for name in names)
 
 
 def _is_one_of(checked_value: Any, expected: list[Any], _: object) -> bool:
@@ -83,10 +86,10 @@ def _has_additional(checked_value: Any, expected: Any, schema: Mapping[str, Any]
 
 def _only_for_type(type_name: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
     """Return a test that values of other types pass: in JSON Schema, a text cannot violate ``minItems``."""
-    return lambda value, expected, _: type(value) not in _TYPES[type_name] or test(value, expected)
+    return lambda value, expected, _: type(value) not in _PYTHON_TYPES[type_name] or test(value, expected)
 
 
-_TESTS: Mapping[str, Callable[[Any, Any, Any], bool]] = {
+_CHECK_BY_KEYWORD: Mapping[str, Callable[[Any, Any, Any], bool]] = {
     **dict.fromkeys(("$schema", "$id", "title", "description"), lambda value, expected, schema: True),
     "type": _is_of_type,
     "enum": _is_one_of,

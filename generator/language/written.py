@@ -166,7 +166,7 @@ def _find_reader(value_type: KeyType, module: str) -> Reader:
 
 
 def _word_reader(value_type: KeyType, module: str) -> Reader:
-    """Return the reader of a type that is one word: a part, the map of named values, or a type in ``_READERS``.
+    """Return the reader of a type that is one word: a part, the map of named values, or a type in ``_READERS_BY_TYPE``.
 
     Other words are texts with a certain form.
     """
@@ -174,7 +174,7 @@ def _word_reader(value_type: KeyType, module: str) -> Reader:
         return _part_reader(_class_of(value_type, module))
     if value_type.word == "Values":
         return _map_reader(_find_reader(key_type("WrittenValue"), module))
-    return _READERS.get(value_type.word, _text)
+    return _READERS_BY_TYPE.get(value_type.word, _text)
 
 
 def _part_reader(part_class: Any) -> Reader:
@@ -255,7 +255,7 @@ _text = _is_of(str)
 _number = _is_of(int)
 _number_or_text = _is_of(int, str)
 #: The words for types that are not text.
-_READERS: Mapping[str, Reader] = MappingProxyType(
+_READERS_BY_TYPE: Mapping[str, Reader] = MappingProxyType(
     {
         **dict.fromkeys(
             ("Count", "int", "Hex", "CrcNumber", "ParameterValue", "SignedNumber", "PageOfEntry", "LanguageVersion"),
@@ -318,7 +318,7 @@ def _empty_value(value_type: KeyType, module: str, path: Path) -> Any:
     if value_type.part:
         written_class = _class_of(value_type, module)
         return written_class(NOTHING, path)
-    is_whole_number = _READERS.get(value_type.word) is _number
+    is_whole_number = _READERS_BY_TYPE.get(value_type.word) is _number
     return {"bool": False, "float": 0.0}.get(value_type.word, 0 if is_whole_number else "")
 
 

@@ -17,12 +17,12 @@ import yaml
 
 from .problems import quoted
 
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_YAML_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _LINE_BREAK = re.compile(r"\r\n|\r|\n")
 _NO_COMMA = "a comma or closing bracket is missing before this"
 #: Spaces of word processors and PDF files, where YAML needs an ordinary one: in the indentation or after a colon.
 _ODD_SPACE = re.compile(r"(?:^|(?<=[:, -]))[\u00a0\u2000-\u200b\u202f\u3000\ufeff]")
-_COMMENT = re.compile(r"\s#")
+_COMMENT_START = re.compile(r"\s#")
 
 
 class YamlMistake(NamedTuple):
@@ -57,7 +57,7 @@ def explain(error: yaml.MarkedYAMLError, yaml_text: str) -> YamlMistake:
         return _mistake_at(quote.start_mark, _about_quote(quote))
     if opened is not None and "flow" in context and "expected ','" in problem:
         is_on_one_line = stopped.line == opened.line
-        if is_on_one_line and not _COMMENT.search(lines[opened.line], opened.column):
+        if is_on_one_line and not _COMMENT_START.search(lines[opened.line], opened.column):
             return _mistake_at(stopped, _NO_COMMA)
         return _mistake_at(opened, _about_bracket(lines, opened, stopped))
     character = _character_at(lines, stopped)
@@ -112,7 +112,7 @@ def _last_quoted(yaml_text: str, stopped: Any) -> Any:
     """
     last = None
     try:
-        for token in yaml.scan(yaml_text, Loader=_LOADER):
+        for token in yaml.scan(yaml_text, Loader=_YAML_LOADER):
             token_start = (token.start_mark.line, token.start_mark.column)
             if stopped is None or token_start >= (stopped.line, stopped.column):
                 break
@@ -147,7 +147,7 @@ def _about_bracket(lines: list[str], opened: Any, stopped: Any) -> str:
     is_at_end = stopped.line >= len(lines) - 1 and not _character_at(lines, stopped)
     limit = "the end of the file" if is_at_end else f"line {stopped.line + 1}"
     problem = f"the '{bracket}' that opens here is not closed by {limit}"
-    if _COMMENT.search(lines[opened.line], opened.column):
+    if _COMMENT_START.search(lines[opened.line], opened.column):
         return f"{problem}: a '#' after a space begins a comment; put the text in quotes"
     return f"{problem}; close it with '{closing_bracket}', or add the missing comma"
 
@@ -171,9 +171,9 @@ def _describe_problem(problem: str, character: str, at_end: bool) -> str:
 
 
 _DIGITS = re.compile("[0-9]+")
-_THOUSANDS = re.compile("[0-9]{3}")
+_THREE_DIGITS = re.compile("[0-9]{3}")
 #: Number of events to look ahead. A longer value is not a mistake.
-_FURTHEST = 2000
+_MOST_EVENTS_AHEAD = 2000
 
 #: Called with an event, a rule and a message.
 Complain = Callable[[Any, str, str], None]
@@ -280,7 +280,7 @@ class CorrectedEvents:
     def _key_after_next(self) -> str | None:
         """Return the key after the next value, or None if the map ends there or the value is too long."""
         depth = 0  # The level of nesting in the value.
-        for index in range(_FURTHEST + 1):
+        for index in range(_MOST_EVENTS_AHEAD + 1):
             event = self._peek_event(index)
             if isinstance(event, yaml.CollectionStartEvent):
                 depth += 1
@@ -306,7 +306,7 @@ class CorrectedEvents:
         is_number = _DIGITS.fullmatch(value_event.value) is not None
         while self._is_key_without_colon(self._peek_event(0), self._peek_event(1)):
             text_after_comma = self._peek_event(0)
-            if is_number and _THOUSANDS.fullmatch(text_after_comma.value):
+            if is_number and _THREE_DIGITS.fullmatch(text_after_comma.value):
                 value_event.value += text_after_comma.value
             elif is_number or not self._is_text(value_event.value):
                 break  # As in {12: , 16}, where keys may come alone.

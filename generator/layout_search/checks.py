@@ -16,7 +16,7 @@ from .frames import MOST_FRAMES, RecordedFrames
 #: Fewest bits that must match before a CRC is considered.
 _LEAST_EVIDENCE = 4
 #: Narrowest and widest CRC whose polynomial is not in the list.
-_NARROWEST, _WIDEST = 3, 32
+_NARROWEST_CRC, _WIDEST_CRC = 3, 32
 #: Evidence for a polynomial that is not in the list, in bits.
 _UNLISTED_EVIDENCE = 24
 
@@ -136,8 +136,8 @@ def _unlisted_crcs(recording: RecordedFrames) -> Iterator[FoundCrc]:
     while polynomial and not polynomial & 1:
         polynomial >>= 1
     width = polynomial.bit_length() - 1
-    widest = min(_WIDEST, recording.bits - 1)
-    if recording.interface == "rs485" or not _NARROWEST <= width <= widest:
+    widest = min(_WIDEST_CRC, recording.bits - 1)
+    if recording.interface == "rs485" or not _NARROWEST_CRC <= width <= widest:
         return
     crc = _crc_with_polynomial(recording, polynomial)
     # The frames decide the polynomial first, and prove it only with the rest.

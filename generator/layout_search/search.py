@@ -14,11 +14,11 @@ MOST_LAYOUTS = 3
 #: Difference to the cost of the most likely layout in bits, above which a layout is not proposed.
 _MOST_MORE_BITS = 20.0
 #: Evidence in bits, above which a CRC cannot fit by chance, and frames without one need not be considered.
-_CERTAIN = 30
+_CERTAIN_EVIDENCE = 30
 #: Bits that describe a parity bit: in its usual place, in the other place, and in addition to a CRC.
 _PARITY_BITS, _OTHER_PLACE_BITS, _WITH_CRC_BITS = 4.0, 2.0, 4.0
 #: Difference of two costs in bits, below which the frames do not decide between Gray code and binary.
-_UNDECIDED = 3.0
+_UNDECIDED_DIFFERENCE = 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ def _possible_layouts(recording: RecordedFrames) -> Iterator[FoundLayout]:
     """
     crcs = crcs_of(recording)
     crc_candidates: list[FoundCrc | None] = list(crcs)
-    if not any(crc.evidence > _CERTAIN for crc in crcs):
+    if not any(crc.evidence > _CERTAIN_EVIDENCE for crc in crcs):
         crc_candidates.append(None)
     for crc in crc_candidates:
         # The CRC is the last bits of a frame, and the body is the rest.
@@ -111,13 +111,13 @@ def _group_key(recording: RecordedFrames, layout: FoundLayout) -> object:
 def _with_undecided_codes_joined(layouts: list[FoundLayout]) -> list[FoundLayout]:
     """Return the layouts in their order, from the lowest cost to the highest.
 
-    Of two that differ only in the code, and whose costs differ by less than ``_UNDECIDED`` bits, the first remains,
-    with ``other_code``.
+    Of two that differ only in the code, and whose costs differ by less than ``_UNDECIDED_DIFFERENCE`` bits, the first
+    remains, with ``other_code``.
     """
     joined_layouts: list[FoundLayout] = []
     for layout in layouts:
         index = _index_of_other_code(joined_layouts, layout)
-        if index is not None and layout.cost - joined_layouts[index].cost < _UNDECIDED:
+        if index is not None and layout.cost - joined_layouts[index].cost < _UNDECIDED_DIFFERENCE:
             joined_layouts[index] = replace(joined_layouts[index], other_code=True)
         else:
             joined_layouts.append(layout)

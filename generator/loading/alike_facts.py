@@ -20,14 +20,14 @@ _STEPS_OF_INTERFACE = 2
 #: Keys whose values are printed, or belong to one device.
 _NOT_COMPARED = PROSE | {"printed_name", "only", "erratum"}
 #: Shown for a fact that a device lacks.
-_ABSENT = "nothing"
+_ABSENT_FACT = "nothing"
 #: Facts at a place, by their relative paths: ``{(0, "below_hz"): 400000}``.
 _Facts = Mapping[Path, object]
 #: A supply or ground line, such as ``0vdc`` or ``+5vdc ±5%``, but not a battery line, ``+vb``.
-_SUPPLY = re.compile(r"(?P<ground>0\s?v(?:dc)?)|\+\s?[\d.,]*\s?v(?!b).*")
-_SHIELDS = frozenset(("shield", "screen"))
+_SUPPLY_LINE = re.compile(r"(?P<ground>0\s?v(?:dc)?)|\+\s?[\d.,]*\s?v(?!b).*")
+_SHIELD_WORDS = frozenset(("shield", "screen"))
 #: Any voltage, such as ``+vb``.
-_VOLTAGE = re.compile(r"[+-]?\s?[\d.,]*\s?v\w*")
+_ANY_VOLTAGE = re.compile(r"[+-]?\s?[\d.,]*\s?v\w*")
 
 
 def compare_facts(places: Sequence[str], documents: Sequence[Document], report: ProblemReport) -> None:
@@ -84,7 +84,7 @@ def _report_difference(
     facts, common_facts = facts_by_file[document.file], facts_by_file[common.file]
     all_paths = dict.fromkeys((*common_facts, *facts))  # Each once, in order.
     for path in all_paths:
-        value, common_value = facts.get(path, _ABSENT), common_facts.get(path, _ABSENT)
+        value, common_value = facts.get(path, _ABSENT_FACT), common_facts.get(path, _ABSENT_FACT)
         if value == common_value:
             continue
         line, _ = common.position((*place, *path))
@@ -151,7 +151,7 @@ def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
     if connector["kind"] == "cable":
         wires: set[str] = set()
         for _, contact in maps_in_list(connector, "contacts"):
-            is_shield = not _SHIELDS.isdisjoint(signal_names(str(contact["signal"])))
+            is_shield = not _SHIELD_WORDS.isdisjoint(signal_names(str(contact["signal"])))
             if not is_shield:
                 wires.add(str(contact["contact"]).casefold())
         yield _Cable(document, path, frozenset(wires))
@@ -228,12 +228,12 @@ def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_L
 def _lines_of_signal(signal: str, interfaces: Sequence[str]) -> Iterator[_Line]:
     """Yield the lines that a signal names, for each interface: ``("biss", "ma+")``, ``("", "0 V")``."""
     for name in signal_names(signal):
-        if name in _SHIELDS:  # It is on the case, whose name differs between manuals.
+        if name in _SHIELD_WORDS:  # It is on the case, whose name differs between manuals.
             continue
-        supply = _SUPPLY.fullmatch(name)
+        supply = _SUPPLY_LINE.fullmatch(name)
         if supply is not None:
             yield "", "0 V" if supply["ground"] else "+V"
-        elif _VOLTAGE.fullmatch(name):
+        elif _ANY_VOLTAGE.fullmatch(name):
             yield "", name
         else:
             yield from ((interface, name) for interface in interfaces)

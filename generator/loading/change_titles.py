@@ -11,7 +11,7 @@ from ..model import Biss, Rs485, Spi, Ssi
 #: Largest number of changed places in a title.
 _MOST_PLACES = 3
 #: A path in a spec, which a colon and the former value may follow.
-_PATH = re.compile(r"([\w-]+(?:\[\d+\])?(?:\.[\w-]+(?:\[\d+\])?)*)(?:: .*)?", re.DOTALL)
+_PATH_IN_TITLE = re.compile(r"([\w-]+(?:\[\d+\])?(?:\.[\w-]+(?:\[\d+\])?)*)(?:: .*)?", re.DOTALL)
 _LIST_POSITION = re.compile(r"\[\d+\]")
 #: Steps of a path that only lead to named items.
 _PASSED_STEPS = {"parts", "values", "fields", "contacts", "timings"}
@@ -24,10 +24,10 @@ _KEY_PHRASES = {
     "when_active": "active state of",
 }
 #: Words of names that prose writes in another way.
-_SPELLINGS = {"crc": "CRC", "eeprom": "EEPROM", "id": "ID", "led": "LED"}
-_SPELLINGS |= {interface.name: interface.short for interface in (Ssi, Biss, Rs485, Spi)}
+_SPELLINGS_IN_PROSE = {"crc": "CRC", "eeprom": "EEPROM", "id": "ID", "led": "LED"}
+_SPELLINGS_IN_PROSE |= {interface.name: interface.short for interface in (Ssi, Biss, Rs485, Spi)}
 #: Sections whose items are known by their own names.
-_SECTIONS = {
+_SECTIONS_OF_NAMED_ITEMS = {
     "alarms",
     "alternatives",
     "characteristics",
@@ -61,7 +61,7 @@ def _place_name(place: str) -> str:
     Steps that only lead to named items are left out, and so is the section if its items are known by their names. A key
     comes first: ``note on configuration``. A sentence is returned as it is.
     """
-    path = _PATH.fullmatch(place)
+    path = _PATH_IN_TITLE.fullmatch(place)
     if path is None:
         return place
     steps = [_LIST_POSITION.sub("", step) for step in path[1].split(".") if step not in _PASSED_STEPS]
@@ -69,7 +69,7 @@ def _place_name(place: str) -> str:
     if section == "order_code" and names:
         part_name = "other spellings" if names[0] == "also_written" else _in_words(names[0])
         return f"order code ({part_name})"
-    named_steps = names if names and section in _SECTIONS else steps
+    named_steps = names if names and section in _SECTIONS_OF_NAMED_ITEMS else steps
     if section == "field_groups" and len(named_steps) > 1:
         named_steps = named_steps[1:]
     if len(named_steps) > 1 and named_steps[-1] in _KEY_PHRASES:
@@ -82,4 +82,4 @@ def _place_name(place: str) -> str:
 def _in_words(*steps: str) -> str:
     """Return the steps of a path as words, with abbreviations in their usual spelling."""
     words = " ".join(steps).replace("_", " ").split()
-    return " ".join(_SPELLINGS.get(word, word) for word in words)
+    return " ".join(_SPELLINGS_IN_PROSE.get(word, word) for word in words)

@@ -10,7 +10,7 @@ from ..model import Biss, DataChannels, Device, Layout, Number, member_named
 from .gaps import values_text
 from .valid_parts import valid_parts_so_far
 
-_RULE = "data-channels"
+_CHANNELS_RULE = "data-channels"
 #: Key in ``channels``, or the keys below it, with a problem there.
 _Problem = tuple[Path, str]
 
@@ -45,7 +45,7 @@ def check_channels(device: Device, report: DocumentReport) -> None:
     )
     if problems:
         keys, message = problems[0]
-        report.add(_RULE, (*place, *keys), message)
+        report.add(_CHANNELS_RULE, (*place, *keys), message)
 
 
 def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]:

@@ -15,7 +15,7 @@ from ..language.files import CONFIGURATION
 from ..language.problems import ProblemReport, join_words, nearest_choice, quoted, suggest_word
 from .configuration import PYPROJECT, Configuration, FamilyFilter, Faulty, exists
 
-_TOKEN = re.compile(
+_TOML_TOKEN = re.compile(
     r"""
     (?P<blank>[ \t\r]+|\#[^\n]*)
     | (?P<newline>\n)
@@ -41,7 +41,7 @@ class _PlaceFinder:
     """Reads the tokens of a text from the first to the last, and marks the places of keys and values."""
 
     def __init__(self, text: str) -> None:
-        self._tokens = [token for token in _TOKEN.finditer(text) if token.lastgroup != "blank"]
+        self._tokens = [token for token in _TOML_TOKEN.finditer(text) if token.lastgroup != "blank"]
         self._index = 0
         self._line_starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
@@ -148,12 +148,12 @@ class _PlaceFinder:
 
 
 #: The place at the end of a message of the TOML parser.
-_WHERE = re.compile(r" \(at (?:line ([0-9]+), column ([0-9]+)|end of document)\)$")
+_PLACE_IN_MESSAGE = re.compile(r" \(at (?:line ([0-9]+), column ([0-9]+)|end of document)\)$")
 #: All settings, and the settings in the condition of a target.
-_KEYS = ("specs", "output", "targets", "only")
+_SETTING_KEYS = ("specs", "output", "targets", "only")
 _FILTER_KEYS = ("families", "grades")
 #: Values in TOML, by key.
-_EXAMPLES = {
+_EXAMPLE_VALUES = {
     "specs": '["specs"]',
     "output": '"generated"',
     "targets": '["c", "docs"]',
@@ -164,7 +164,7 @@ _EXAMPLES = {
 _EXAMPLE_OF_A_FILTER = '{families = ["my_encoder"]}'
 
 #: Messages of rules whose own messages are about specs.
-_MESSAGES = {
+_MESSAGES_OF_RULES = {
     "empty": "the file is empty; write a setting, such as specs: [specs], or remove it",
     "not-a-map": "settings are a map of keys, such as specs: [specs]",
 }
@@ -232,7 +232,7 @@ def _yaml_document(file: Path, report: ProblemReport) -> Document | None:
     document = read_document(file, yaml_report)
     report.files += yaml_report.files
     for problem in yaml_report.problems:
-        message = _MESSAGES.get(problem.rule, problem.message)
+        message = _MESSAGES_OF_RULES.get(problem.rule, problem.message)
         report.add_at(problem.file, problem.line, problem.column, problem.rule, message, text=problem.text)
     return document
 
@@ -297,7 +297,7 @@ def _split_off_place(message: str, toml_text: str) -> tuple[int, int, str]:
     # The end of the text.
     line = len(lines)
     column = max(len(lines[-1]), 1)
-    place_in_message = _WHERE.search(message)
+    place_in_message = _PLACE_IN_MESSAGE.search(message)
     if place_in_message is None:
         return line, column, message
     # Otherwise the message gives the end of the document.
@@ -312,7 +312,7 @@ def _build_configuration(file: Path, document: Document, report: ProblemReport) 
     Paths are relative to the folder of the file. Specs that do not exist are reported but stay in the result.
     """
     settings = document.data
-    _report_unknown_keys(document, (), settings, _KEYS, report)
+    _report_unknown_keys(document, (), settings, _SETTING_KEYS, report)
     output = _text_at(document, "output", report)
     configuration = Configuration(
         file=file,
@@ -342,7 +342,7 @@ def _text_at(document: Document, key: str, report: ProblemReport) -> str:
     """Return a text of the settings, or an empty string if it is missing. Report a value that is not a text."""
     value = document.data.get(key, "")
     if key in document.data and not _is_text(value):
-        _report_wrong_type(document, (key,), "a text", _EXAMPLES[key], report)
+        _report_wrong_type(document, (key,), "a text", _EXAMPLE_VALUES[key], report)
     return value if _is_text(value) else ""
 
 
@@ -357,7 +357,7 @@ def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report
     setting = table[key]
     if isinstance(setting, list) and setting and all(map(_is_text, setting)):
         return tuple(setting)
-    _report_wrong_type(document, place, "a list of texts", _EXAMPLES[key], report)
+    _report_wrong_type(document, place, "a list of texts", _EXAMPLE_VALUES[key], report)
     return ()
 
 
@@ -375,7 +375,7 @@ def _family_filters(document: Document, report: ProblemReport) -> dict[str, Fami
         return {}
     filters = document.data["only"]
     if not isinstance(filters, dict) or not filters:
-        _report_wrong_type(document, ("only",), "a map of targets", _EXAMPLES["only"], report)
+        _report_wrong_type(document, ("only",), "a map of targets", _EXAMPLE_VALUES["only"], report)
         return {}
     return {str(target): _family_filter(document, target, conditions, report) for target, conditions in filters.items()}
 

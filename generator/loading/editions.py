@@ -23,7 +23,7 @@ from .overlays import Build, Family, errata_of, join_shortened, without_examples
 
 #: Largest number of editions times values. Each edition is checked like a spec. The largest manual needs 26,000.
 MOST_VALUES = 500_000
-_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
+_ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
 Raw = Mapping[str, Any]
 
 
@@ -68,8 +68,8 @@ def revision_for(device: Device, wanted: str) -> str:
     if wanted in revisions:
         return wanted
     # A year does not determine which edition was the latest on a given day.
-    dated_editions = [edition for edition in device.editions if _DATE.fullmatch(edition.date)]
-    if not dated_editions or not _DATE.fullmatch(wanted):
+    dated_editions = [edition for edition in device.editions if _ISO_DATE.fullmatch(edition.date)]
+    if not dated_editions or not _ISO_DATE.fullmatch(wanted):
         message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {join_words(revisions, 'or')}"
         raise UnknownEdition(f"{message}, or a date such as 2020-03-31" if dated_editions else message)
     # Dates such as 2020-03-31 are in order as texts. The editions are oldest first, so the last one was the latest.

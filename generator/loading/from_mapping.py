@@ -37,9 +37,13 @@ from ..model.order_codes import fits
 Raw = Mapping[str, Any]
 T = TypeVar("T")
 
-_SOURCE = re.compile(r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$")
+_SOURCE_PATTERN = re.compile(
+    r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$"
+)
 #: Empty values by type. None represents any other type.
-_EMPTY: Mapping[Any, Any] = MappingProxyType({str: "", int: 0, bool: False, tuple: (), Mapping: MappingProxyType({})})
+_EMPTY_VALUES: Mapping[Any, Any] = MappingProxyType(
+    {str: "", int: 0, bool: False, tuple: (), Mapping: MappingProxyType({})}
+)
 
 
 def parse_sources(cited_text: str) -> Sources:
@@ -49,7 +53,7 @@ def parse_sources(cited_text: str) -> Sources:
     """
     parsed = []
     for source_text in cited_text.split(";"):
-        match = _SOURCE.fullmatch(source_text)
+        match = _SOURCE_PATTERN.fullmatch(source_text)
         if match is not None:
             document = match["document"] or ""  # Empty for the manual.
             page = int(match["page"]) if match["page"] else None
@@ -77,7 +81,7 @@ def build_part(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
             values[name] = _convert_to_type(hint, raw[name])
         elif not has_default:
             container_or_type = get_origin(hint) or hint
-            values[name] = _EMPTY.get(container_or_type)  # None if the type is not in the map.
+            values[name] = _EMPTY_VALUES.get(container_or_type)  # None if the type is not in the map.
     return part_class(**values)
 
 

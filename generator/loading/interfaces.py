@@ -55,7 +55,7 @@ def _build_interface(name: str, raw_interface: Raw, context: LayoutContext) -> I
 
 
 #: Least and highest number of bits in an SPI word.
-_WORD = (8, 64)
+_SPI_WORD_BITS = (8, 64)
 
 
 class _Word(NamedTuple):
@@ -117,7 +117,7 @@ def _checked_word_bits(raw: Raw, site: LayoutSite, *below: str | int) -> Express
 
     Return None for an invalid expression. ``below`` is the path of the exchange in the interface.
     """
-    low, high = _WORD
+    low, high = _SPI_WORD_BITS
     bits = site.context.expression(raw.get("word_bits", low))
     if bits is None:
         return None
@@ -201,14 +201,14 @@ def _build_channels(raw_interface: Raw, context: LayoutContext) -> DataChannels 
 def _members_of_rs485(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of an RS-485 interface that differ from the spec, by name."""
     return {
-        "port": build_part(Port, {**_PORT, **raw_interface.get("port", {})}),
+        "port": build_part(Port, {**_PORT_DEFAULTS, **raw_interface.get("port", {})}),
         "exchanges": _build_exchanges(raw_interface, context),
     }
 
 
 def _members_of_spi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of an SPI interface that differ from the spec, by name."""
-    bits = context.expression(raw_interface.get("word_bits", _WORD[0]))
+    bits = context.expression(raw_interface.get("word_bits", _SPI_WORD_BITS[0]))
     return {
         "clocks": _build_clocks(raw_interface),
         "word_bits": bits,
@@ -230,7 +230,7 @@ def _build_exchange(raw_exchange: Raw, source: str, context: LayoutContext) -> E
 
 
 #: Settings of a port that the manual does not give.
-_PORT = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_control": "none"}
+_PORT_DEFAULTS = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_control": "none"}
 #: Functions that build the members of an interface which differ from the spec.
 _INTERFACES = {"ssi": _members_of_ssi, "biss": _members_of_biss, "rs485": _members_of_rs485, "spi": _members_of_spi}
 
@@ -247,7 +247,7 @@ def _build_control_field(raw_field: Raw, parent: Raw, context: LayoutContext) ->
 
 
 #: Field of a frame that holds the value of a register.
-_DATA = "data"
+_REGISTER_VALUE_FIELD = "data"
 
 
 def check_spi_registers(device: Device, report: DocumentReport) -> None:
@@ -264,7 +264,8 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
             needed_bytes = (bits + 7) // 8  # rounded up
             if needed_bytes != register.length:
                 register_text = f"'{register.name}' has {count_with_unit(register.length, 'byte')}"
-                message = f"{register_text}, but '{_DATA}' in '{frame_name}' has {count_with_unit(bits, 'bit')}"
+                width = count_with_unit(bits, "bit")
+                message = f"{register_text}, but '{_REGISTER_VALUE_FIELD}' in '{frame_name}' has {width}"
                 remedy = "correct 'length', or describe each part as a register"
                 report.add("width-mismatch", ("registers", register.name, "length"), f"{message}; {remedy}")
                 break
@@ -286,6 +287,6 @@ def _widths_of_value(device: Device, interface: Spi, frame_names: Collection[str
         if layout.name not in frame_names:
             continue
         for variant in device.variants_over(interface.name):
-            field = layout.place(variant.parameters).find_field(_DATA)
+            field = layout.place(variant.parameters).find_field(_REGISTER_VALUE_FIELD)
             if field is not None:
                 yield layout.name, field.width

@@ -30,7 +30,7 @@ from .samples import sample_frames
 from .stored import store_device, stored_device
 
 #: Names of Python packages, and of the folder next to them, that do not belong to a manufacturer.
-_OURS = ("codewheel", "codewheel_runtime", "runtime")
+_RESERVED_PACKAGE_NAMES = ("codewheel", "codewheel_runtime", "runtime")
 
 
 def load_library(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...], ProblemReport]:
@@ -313,8 +313,8 @@ def _check_manufacturer(
     package = maker.python_package
     path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
     is_name_of_python = package in sys.stdlib_module_names or keyword.iskeyword(package)
-    if package in _OURS or is_name_of_python:
-        name_user = "codewheel" if package in _OURS else "Python"
+    if package in _RESERVED_PACKAGE_NAMES or is_name_of_python:
+        name_user = "codewheel" if package in _RESERVED_PACKAGE_NAMES else "Python"
         report.add(
             "not-allowed",
             document,

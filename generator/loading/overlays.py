@@ -25,7 +25,7 @@ from .from_mapping import build_part
 #: Largest number of places named in one sentence.
 _MOST_NAMED = 8
 #: Characters of a name that the name of an erratum cannot have.
-_WORD = re.compile(r"[^a-z0-9]+")
+_NOT_IN_NAMES = re.compile(r"[^a-z0-9]+")
 
 #: Function that builds the family of a document and adds its problems to the report.
 Build = Callable[[Document, ProblemReport], Device | None]
@@ -221,7 +221,7 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
         yield build_part(
             Erratum,
             stated_facts,  # The schema reports the rest.
-            name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
+            name=f"{_NOT_IN_NAMES.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
             title=change_title(_layer_words(kind, name), former_texts),
             printed=join_shortened(former_texts),
             used=new_values if first_change.is_known else NOT_KNOWN,

@@ -19,10 +19,10 @@ from ..order_codes.parameters import State, coded_states, extreme_combinations
 from .fields import LayoutContext, bit_range
 from .from_mapping import Raw
 
-_ENDING = "_bits"
-_WORD = re.compile(r"[a-z][a-z0-9_]*")
+_BITS_ENDING = "_bits"
+_NAME_IN_TEXT = re.compile(r"[a-z][a-z0-9_]*")
 #: Keys of texts in which the name of a parameter is only a word.
-_PROSE = frozenset(("meaning", "note", "source", "title", "printed_name", "printed", "used", "why", "result"))
+_KEYS_OF_PROSE = frozenset(("meaning", "note", "source", "title", "printed_name", "printed", "used", "why", "result"))
 
 
 def check_named_widths(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
@@ -37,7 +37,7 @@ def check_named_widths(raw_spec: Raw, device: Device, report: DocumentReport) ->
         return
     used_words = set(_used_words(raw_spec))
     for parameter in device.parameters:
-        is_checked = parameter.equals is not None and parameter.name.endswith(_ENDING)
+        is_checked = parameter.equals is not None and parameter.name.endswith(_BITS_ENDING)
         if not is_checked or parameter.name in used_words:
             continue
         frames = ((interface, layout) for interface in device.interfaces for layout in interface.layouts)
@@ -54,8 +54,8 @@ def _used_words(raw_spec: Raw) -> Iterator[str]:
         # The definition of a parameter, below ``parameters.NAME``, is not a use of its name.
         keys_of_use = path[2:] if path[0] == "parameters" else path
         yield from (step for step in keys_of_use if isinstance(step, str))  # Without the indices in lists.
-        if isinstance(value, str) and path[-1] not in _PROSE:
-            yield from _WORD.findall(value)
+        if isinstance(value, str) and path[-1] not in _KEYS_OF_PROSE:
+            yield from _NAME_IN_TEXT.findall(value)
 
 
 def _describe_difference(device: Device, parameter: Parameter, interface: Interface, layout: Layout) -> str:
@@ -63,7 +63,7 @@ def _describe_difference(device: Device, parameter: Parameter, interface: Interf
 
     It is empty if the encoder does not send a number of this name with this layout.
     """
-    name = parameter.name.removesuffix(_ENDING)
+    name = parameter.name.removesuffix(_BITS_ENDING)
     field_names = {field.name for field in layout.fields}
     has_number = field_names.issuperset(layout.names_in(name))
     if layout.sender != "encoder" or not has_number:

@@ -15,12 +15,12 @@ from ..model.record import dataclass
 from .gray_positions import KeyProblem, check_gray_positions
 
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
-_SEVERAL = 15
+_LEAST_POWER_OF_TWO = 15
 #: Keys of a measurement that are not numbers of counts. They state the length of a count.
-_STEPS = ("step_um", "step_nm", "per_counts")
+_KEYS_OF_STEP_LENGTHS = ("step_um", "step_nm", "per_counts")
 #: Nanometres in the units of a field whose counts are lengths.
-_NANOMETRES = {"nm": 1, "um": 1000, "µm": 1000, "μm": 1000, "mm": 1_000_000}
-_REVOLUTIONS = ("revolution", "revolutions", "turn", "turns")
+_NANOMETRES_PER_UNIT = {"nm": 1, "um": 1000, "µm": 1000, "μm": 1000, "mm": 1_000_000}
+_REVOLUTION_UNITS = ("revolution", "revolutions", "turn", "turns")
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
     # The key that states the number of positions: per turn, or in all for a length.
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
     expressions: dict[str, Expression] = {}
-    for name in ("counts_per_turn", "turns", *_STEPS, "modulus"):
+    for name in ("counts_per_turn", "turns", *_KEYS_OF_STEP_LENGTHS, "modulus"):
         expression = getattr(measurement, name)
         if expression is not None:
             expressions[name] = expression
@@ -135,14 +135,14 @@ def _limit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
     for name, value in values.items():
         if value < 1:
             return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1")
-        if name in _STEPS and value > LARGEST:
+        if name in _KEYS_OF_STEP_LENGTHS and value > LARGEST:
             return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at most {LARGEST}")
     return None
 
 
 def is_probably_highest(count: int) -> bool:
     """Return whether a number of counts is all ones, such as 4095, and so probably the highest count."""
-    return count >= _SEVERAL and is_power_of_two(count + 1)
+    return count >= _LEAST_POWER_OF_TWO and is_power_of_two(count + 1)
 
 
 def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyProblem | None:
@@ -151,7 +151,7 @@ def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyP
     ``fixed_values`` lacks numbers that depend on a register, which may be any.
     """
     for name, value in fixed_values.items():
-        is_number_of_counts = name not in _STEPS
+        is_number_of_counts = name not in _KEYS_OF_STEP_LENGTHS
         if is_number_of_counts and is_probably_highest(value):
             message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
             return KeyProblem(name, f"{message}; including 0 there are {value + 1}")
@@ -161,7 +161,7 @@ def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyP
 def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
     """Return the key and the message if the unit of a single position field contradicts the length of a count."""
     if "step_um" in values:
-        key, step_nm = "step_um", values["step_um"] * _NANOMETRES["um"]
+        key, step_nm = "step_um", values["step_um"] * _NANOMETRES_PER_UNIT["um"]
     elif "step_nm" in values:
         key, step_nm = "step_nm", values["step_nm"]
     else:
@@ -170,10 +170,10 @@ def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
         return None
     position_name, _ = case.fields[0]
     unit = case.layout.field(position_name).unit
-    if unit not in _NANOMETRES:
+    if unit not in _NANOMETRES_PER_UNIT:
         return None
     # The step is the length of 'per_counts' counts, and the unit of the field is the length of one count.
-    length_by_unit_nm = _NANOMETRES[unit] * values.get("per_counts", 1)
+    length_by_unit_nm = _NANOMETRES_PER_UNIT[unit] * values.get("per_counts", 1)
     if step_nm == length_by_unit_nm:
         return None
     message = f"'{key}' is {values[key]} for {case.variant.code}, but '{position_name}' has 'unit: {unit}'"
@@ -269,7 +269,7 @@ def _order_problem(
     if counts_key != "counts_per_turn":
         return None
     names = [name for name, _ in case.fields]
-    count_turns = [case.layout.field(name).unit in _REVOLUTIONS for name in names]
+    count_turns = [case.layout.field(name).unit in _REVOLUTION_UNITS for name in names]
     if not any(count_turns) and len(names) == 2:
         # Without units, the widths tell: the counts of a turn fit the upper field, and the turns the lower one.
         (_, upper_width), (_, lower_width) = case.fields
@@ -294,7 +294,7 @@ def _revolution_problem(case: _Case, counts_key: str, values: Mapping[str, int])
         # Without a unit, the upper of two fields counts turns if they fit into it, and the counts into the other.
         has_turns_that_fit = 1 < values.get("turns", 1) <= 1 << width
         fits_turns = len(case.fields) == 2 and counts < 1 << bits_below and has_turns_that_fit
-        counts_turns = case.layout.field(name).unit in _REVOLUTIONS or fits_turns
+        counts_turns = case.layout.field(name).unit in _REVOLUTION_UNITS or fits_turns
         if counts_turns and counts != 1 << bits_below:
             message = (
                 f"'{name}' counts revolutions, and {bits_below} bits follow it for {case.variant.code}, so"

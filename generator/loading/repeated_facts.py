@@ -22,7 +22,7 @@ from .alike_facts import compare_connectors, compare_facts
 from .from_mapping import Raw
 
 #: Shared facts of registers and CRCs with one name, with the format of numbers in messages.
-_COMMON = {
+_SHARED_FACT_FORMS = {
     "registers": {"address": "{:#04x}", "length": "{}", "bank": "{}", "access": "{}", "byte_order": "{}"},
     "crcs": {"width": "{}", "poly": "{:#x}", "init": "{:#x}", "refin": "{}", "refout": "{}", "xorout": "{:#x}"},
 }
@@ -39,7 +39,7 @@ def check_shared_facts(documents: Sequence[Document], report: ProblemReport) -> 
         alike_names = maker_document.data.get("alike", {})
         maker = maker_document.data.get("manufacturer")
         documents_of_maker = [device for device in device_documents if device.data.get("manufacturer") == maker]
-        for kind in _COMMON:
+        for kind in _SHARED_FACT_FORMS:
             # ``name`` is the name of a register or CRC, such as ``{"registers": ["preset"]}``.
             for name in alike_names.get(kind, ()):
                 specs_with_part = [device for device in documents_of_maker if name in _parts_by_name(kind, device)]
@@ -59,8 +59,8 @@ def _report_different_facts(
 ) -> None:
     """Report each device whose register or CRC differs from the most common one, fact by fact.
 
-    ``section`` is a key of ``_COMMON``. Among equally common facts, the one of the first file applies. A difference is
-    not reported if an erratum of either device affects it.
+    ``section`` is a key of ``_SHARED_FACT_FORMS``. Among equally common facts, the one of the first file applies. A
+    difference is not reported if an erratum of either device affects it.
     """
     facts_by_key: dict[tuple[str, ...], list[tuple[Document, _Fact]]] = {}
     for document in sorted(documents_with_fact, key=lambda document: document.file):
@@ -94,7 +94,7 @@ def _shared_facts(
     The place contains the field's name, such as ``("warning", "at")``, and the path of the fact its index, such as
     ``("fields", 2, "at")``.
     """
-    for key, form in _COMMON[section].items():
+    for key, form in _SHARED_FACT_FORMS[section].items():
         if key in register_or_crc.data:
             yield (key,), ((key,), _fact_text(form, register_or_crc.data[key]))
     if not isinstance(register_or_crc, WrittenRegister):
@@ -119,16 +119,16 @@ def _fact_text(number_format: str, fact: object) -> str:
 
 
 #: A number of counts or revolutions in the meaning of a part of an order code, with or without commas.
-_COUNTED = re.compile(
+_COUNT_IN_MEANING = re.compile(
     r"\b([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) (?:counts|steps|positions|revolutions|turns|cpr)\b"
 )
 #: A meaning that is only a number. It is a count, or a number of revolutions.
-_ALONE = re.compile(r"([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*)")
-_BITS = re.compile(r"\b([1-9][0-9]?)[ -]bits?\b")
+_MEANING_THAT_IS_A_NUMBER = re.compile(r"([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*)")
+_BIT_COUNT_IN_TEXT = re.compile(r"\b([1-9][0-9]?)[ -]bits?\b")
 #: The addresses of the manufacturer ID over BiSS, each with the lowest bit of its byte in the ID.
 _BISS_ID = {0x7E: 8, 0x7F: 0}
 #: Smallest number in a text that is assumed to be a count.
-_LEAST = 256
+_SMALLEST_COUNT = 256
 
 
 def check_agreement(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
@@ -307,9 +307,11 @@ def _check_meanings(raw_spec: Raw, device: Device, report: DocumentReport) -> No
         for text_of_value, value in part["values"].items():
             # A value without keys is None.
             meaning = _compared_meaning(value or {})
-            count_texts = [meaning] if _ALONE.fullmatch(meaning) else _COUNTED.findall(meaning)
+            count_texts = (
+                [meaning] if _MEANING_THAT_IS_A_NUMBER.fullmatch(meaning) else _COUNT_IN_MEANING.findall(meaning)
+            )
             numbers = [int(count_text.replace(",", "")) for count_text in count_texts]
-            named_counts = {number for number in numbers if number >= _LEAST}
+            named_counts = {number for number in numbers if number >= _SMALLEST_COUNT}
             if not named_counts or not (value or {}).get("sets"):
                 continue
             variants_of_value = [variant for variant in variants if variant.parts.get(part["name"]) == text_of_value]
@@ -318,7 +320,7 @@ def _check_meanings(raw_spec: Raw, device: Device, report: DocumentReport) -> No
                 numbers_of_codes |= _numbers_of_code(device, variant)
             if variants_of_value and named_counts.isdisjoint(numbers_of_codes):
                 settings = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
-                first_count = next(number for number in numbers if number >= _LEAST)
+                first_count = next(number for number in numbers if number >= _SMALLEST_COUNT)
                 message = (
                     f"the meaning of '{text_of_value}' contains {first_count:,}, but with {settings}, its order codes"
                     f" do not have this number{MEANING_DIFFERS}"
@@ -344,7 +346,7 @@ def _check_bits_named(raw_spec: Raw, device: Device, report: DocumentReport) -> 
     built_interfaces = {interface.name for interface in device.interfaces}
     for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, value in part["values"].items():
-            numbers_in_meaning = [int(number) for number in _BITS.findall(_compared_meaning(value or {}))]
+            numbers_in_meaning = [int(number) for number in _BIT_COUNT_IN_TEXT.findall(_compared_meaning(value or {}))]
             set_values = (value or {}).get("sets", {})
             bits_by_parameter = {name: set_values[name] for name in set_values if units.get(name) in ("bit", "bits")}
             if len(numbers_in_meaning) != 1 or not bits_by_parameter:

@@ -30,9 +30,9 @@ _MOST_LISTED = 16 * 2**20
 #: Longest time that git may take.
 _PATIENCE_S = 60
 #: Modes of regular files in a tree. Links and submodules have other modes.
-_FILE, _EXECUTABLE = "100644", "100755"
+_FILE_MODE, _EXECUTABLE_MODE = "100644", "100755"
 #: File of the manufacturer, in the folder of its specs.
-_BESIDE = "manufacturer.yaml"
+_MANUFACTURER_FILE = "manufacturer.yaml"
 #: A part of a path that git does not check out, or that leads elsewhere on some systems.
 _BAD_PART = re.compile(r"|\.\.?|[A-Za-z]:.*|.*[\\\0].*", re.DOTALL)
 #: A path of Windows. Nor does a revision of one letter have such a path: paths of revisions begin at the top.
@@ -100,7 +100,7 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
     if not blobs_by_path:
         raise RevisionError(f"there is no {visible(path) or 'file'} in {visible(revision_path.revision)}")
     is_single_file = path in blobs_by_path
-    manufacturer_path = posixpath.join(posixpath.dirname(path), _BESIDE)
+    manufacturer_path = posixpath.join(posixpath.dirname(path), _MANUFACTURER_FILE)
     if is_single_file and path != manufacturer_path:
         blobs_by_path |= _list_files(commit, manufacturer_path)
     blobs_of_specs: dict[str, str] = {}
@@ -216,7 +216,7 @@ def _list_files(commit: str, path: str) -> dict[str, str]:
         mode_and_blob, _, name = tree_line.partition(b"\t")
         mode, _, blob = mode_and_blob.decode().split(" ")
         file_path = os.fsdecode(name)
-        is_regular_file = mode in (_FILE, _EXECUTABLE)
+        is_regular_file = mode in (_FILE_MODE, _EXECUTABLE_MODE)
         is_at_or_below = path in ("", file_path) or file_path.startswith(f"{path}/")
         if is_regular_file and is_at_or_below:
             blobs_by_path[file_path] = blob

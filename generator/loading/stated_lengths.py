@@ -11,11 +11,13 @@ from ..model import Device
 
 _NUMBERS = r"\d+(?:, \d+)*(?: (?:or|and) \d+)?"
 #: Lengths in a text: ``The frame has 32 bits at 50 µm and 33 bits at 1 µm``, or ``The word has 21, 23 or 26 bits``.
-_STATED = re.compile(
+_LENGTH_IN_TEXT = re.compile(
     rf"\bThe (?:frame|word) has (?P<numbers>{_NUMBERS}) bits(?: at [^.,;]*? and (?P<others>\d+) bits)?(?= at\b|[.,;]|$)"
 )
 #: The lengths of a word without other bits: ``The word has as many bits as the position, 17 to 39``.
-_RANGE = re.compile(r"\bThe (?:frame|word) has as many bits as the position, (?P<least>\d+) to (?P<most>\d+)\b")
+_LENGTH_RANGE_IN_TEXT = re.compile(
+    r"\bThe (?:frame|word) has as many bits as the position, (?P<least>\d+) to (?P<most>\d+)\b"
+)
 #: Numbers of bits that a parameter can have, at the end of its meaning: ``Width of the field, 24 or 25 bits``.
 _OF_PARAMETER = re.compile(r", (?P<numbers>\d+(?:, \d+)* or \d+) bits$")
 _NUMBER = re.compile(r"\d+")
@@ -65,14 +67,14 @@ def check_stated_bits(device: Device, report: DocumentReport) -> None:
 def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report: DocumentReport) -> None:
     """Report the first statement of a text about the length of a frame that does not fit its possible lengths."""
     lengths_of_range = (lengths[0], lengths[-1])
-    for match in chain(_STATED.finditer(text), _RANGE.finditer(text)):
+    for match in chain(_LENGTH_IN_TEXT.finditer(text), _LENGTH_RANGE_IN_TEXT.finditer(text)):
         # This can be a part of the frame: ``The frame has 2 bits, error and warning, after the position``.
         stated_numbers = _numbers(match)
         is_short = len(stated_numbers) == 1 and stated_numbers[0] < lengths[0]
         may_be_part = is_short and text[match.end() :].startswith(",")
         if may_be_part:
             continue
-        is_range = match.re is _RANGE
+        is_range = match.re is _LENGTH_RANGE_IN_TEXT
         fits = _numbers(match) == lengths_of_range if is_range else _fits(match, lengths)
         if not fits:
             lengths_text = join_words(map(str, lengths), "or")

@@ -79,15 +79,15 @@ def _has_keywords(part_class: type) -> bool:
 
 _TYPES = tuple(kind for module in _MODULES for kind in _types_in(module))
 _CLASSES: tuple[type, ...] = tuple(kind for kind in _TYPES if dataclasses.is_dataclass(kind))
-_ENUMS: tuple[type[Enum], ...] = tuple(kind for kind in _TYPES if issubclass(kind, Enum))
+_STORED_ENUMS: tuple[type[Enum], ...] = tuple(kind for kind in _TYPES if issubclass(kind, Enum))
 #: By position in ``_CLASSES``: the names of the members, and True if the class must be called with keywords.
-_NAMES = tuple(map(_member_names, _CLASSES))
+_MEMBER_NAMES = tuple(map(_member_names, _CLASSES))
 _BY_KEYWORD = tuple(map(_has_keywords, _CLASSES))
-_INDEX = {kind: index for index, kind in enumerate(_CLASSES)}
+_CLASS_INDEX = {kind: index for index, kind in enumerate(_CLASSES)}
 #: Keys that mark values which JSON cannot express.
-_MAP, _OBJECT, _ENUM, _BYTES = "m", "o", "e", "b"
+_MAP_MARK, _OBJECT_MARK, _ENUM_MARK, _BYTES_MARK = "m", "o", "e", "b"
 #: Kind of entry in the cache for the model of a family.
-_FAMILY = "family"
+_MODEL_ENTRY = "family"
 
 
 class NotStorable(Exception):
@@ -97,7 +97,7 @@ class NotStorable(Exception):
 def stored_device(cache: Cache, content: Sequence[bytes | str]) -> model.Device | None:
     """Return the device that ``store_device`` stored for files with this content, or None without a valid one."""
     with suppress(NotStorable):
-        rows = cache.get(_FAMILY, content)
+        rows = cache.get(_MODEL_ENTRY, content)
         return None if rows is None else from_data(rows)
     return None
 
@@ -108,7 +108,7 @@ def store_device(cache: Cache, content: Sequence[bytes | str], device: model.Dev
     A device that cannot be stored is not an error. It is then built again each time.
     """
     with suppress(NotStorable):
-        cache.put(_FAMILY, content, as_data(device))
+        cache.put(_MODEL_ENTRY, content, as_data(device))
 
 
 def digest_of(device: model.Device) -> str:
@@ -140,20 +140,20 @@ def as_data(device: model.Device) -> list[Any]:
         if value is None or value_type in (bool, int, float, str):
             return value
         if value_type is bytes:
-            return {_BYTES: value.hex()}
+            return {_BYTES_MARK: value.hex()}
         if value_type is tuple:
             return [put(part) for part in value]
-        if value_type in _INDEX:
+        if value_type in _CLASS_INDEX:
             if id(value) not in row_by_id:
-                index = _INDEX[value_type]
-                rows.append([index, *(put(getattr(value, name)) for name in _NAMES[index])])
+                index = _CLASS_INDEX[value_type]
+                rows.append([index, *(put(getattr(value, name)) for name in _MEMBER_NAMES[index])])
                 row_by_id[id(value)] = len(rows) - 1
-            return {_OBJECT: row_by_id[id(value)]}
-        if isinstance(value, Enum) and value_type in _ENUMS:
-            return {_ENUM: [_ENUMS.index(value_type), value.name]}
+            return {_OBJECT_MARK: row_by_id[id(value)]}
+        if isinstance(value, Enum) and value_type in _STORED_ENUMS:
+            return {_ENUM_MARK: [_STORED_ENUMS.index(value_type), value.name]}
         if isinstance(value, Mapping):
             return {
-                _MAP: [[put(key), put(member)] for key, member in value.items()],
+                _MAP_MARK: [[put(key), put(member)] for key, member in value.items()],
                 "f": value_type is MappingProxyType,
             }
         raise NotStorable(value_type.__name__)
@@ -175,7 +175,7 @@ def from_data(rows: Any) -> model.Device:
             part_class = _CLASSES[index]
             values = [_rebuild_value(raw_value, built_objects) for raw_value in raw_values]
             if _BY_KEYWORD[index]:
-                built_objects.append(part_class(**dict(zip(_NAMES[index], values, strict=True))))
+                built_objects.append(part_class(**dict(zip(_MEMBER_NAMES[index], values, strict=True))))
             else:
                 built_objects.append(part_class(*values))
         # Members come before the object that refers to them, so the device is the last one.
@@ -196,12 +196,12 @@ def _rebuild_value(stored_value: Any, built: Sequence[Any]) -> Any:
         return tuple([_rebuild_value(member, built) for member in stored_value])
     if not isinstance(stored_value, dict):
         return stored_value
-    if _OBJECT in stored_value:
-        return built[stored_value[_OBJECT]]
-    if _ENUM in stored_value:
-        index, name = stored_value[_ENUM]
-        return _ENUMS[index][name]
-    if _BYTES in stored_value:
-        return bytes.fromhex(stored_value[_BYTES])
-    mapping = {_rebuild_value(key, built): _rebuild_value(member, built) for key, member in stored_value[_MAP]}
+    if _OBJECT_MARK in stored_value:
+        return built[stored_value[_OBJECT_MARK]]
+    if _ENUM_MARK in stored_value:
+        index, name = stored_value[_ENUM_MARK]
+        return _STORED_ENUMS[index][name]
+    if _BYTES_MARK in stored_value:
+        return bytes.fromhex(stored_value[_BYTES_MARK])
+    mapping = {_rebuild_value(key, built): _rebuild_value(member, built) for key, member in stored_value[_MAP_MARK]}
     return MappingProxyType(mapping) if stored_value["f"] else mapping

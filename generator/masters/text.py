@@ -21,7 +21,7 @@ from .sheet import Master, MasterRefusal, Setting, SettingsSheet
 
 VERSION = 1
 
-_CODINGS = {
+_CODINGS_IN_WORDS = {
     "binary": "binary",
     "gray": "Gray",
     "gray_excess": "Gray excess",
@@ -30,7 +30,7 @@ _CODINGS = {
 }
 #: Widths of the columns with the names and the values of settings. Longer ones move the next column.
 _WIDEST_NAME, _WIDEST_VALUE = 40, 18
-_MARKS = {"documented": "", "inferred": " *", "tried": " +"}
+_MARK_BY_STANDING = {"documented": "", "inferred": " *", "tried": " +"}
 
 
 def record_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
@@ -67,7 +67,7 @@ def _frame_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
     yield "Data bits", _data_bits_text(record)
     parts_text = ", ".join(f"{part.name} {part.bits}" for part in record.parts)
     yield "Order", f"{parts_text}, most significant bit first"
-    yield "Code", _CODINGS[record.words["coding"]]
+    yield "Code", _CODINGS_IN_WORDS[record.words["coding"]]
     yield "CRC", _crc_text(record)
     if record.words["parity"] != "none":
         yield "Parity", f"{record.words['parity']}, last bit"
@@ -198,7 +198,7 @@ def bound_in_words(setting: Setting) -> str:
 
 def standing_mark(rule: Setting | MasterRefusal | WriteCondition) -> str:
     """Return the mark that the legend explains, after a space so that the value can be copied."""
-    return _MARKS[rule.standing]
+    return _MARK_BY_STANDING[rule.standing]
 
 
 @lru_cache(4096)

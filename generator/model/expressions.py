@@ -13,10 +13,10 @@ from types import MappingProxyType
 
 from .record import dataclass
 
-_TERM = re.compile(
+_TERM_PATTERN = re.compile(
     r"\s*(?:(?P<power>2\s*\^)\s*)?(?:(?P<hex>0x[0-9A-Fa-f]+)|(?P<number>[0-9]+)|(?P<name>[a-z][a-z0-9_]*))\s*"
 )
-_OPERATOR = re.compile(r"[-+*]")
+_OPERATOR_PATTERN = re.compile(r"[-+*]")
 
 #: Limit far above the widths, positions and limits of any encoder. It prevents huge numbers in a hostile spec.
 LARGEST_EXPONENT = 128
@@ -88,12 +88,12 @@ class Expression:
             sign = -1
             position = 1
         while True:
-            match = _TERM.match(text, position)
+            match = _TERM_PATTERN.match(text, position)
             if match is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
             factors = _multiply(factors, _parse_atom(match))
             position = match.end()
-            operator = _OPERATOR.match(text, position)
+            operator = _OPERATOR_PATTERN.match(text, position)
             if position < len(text) and operator is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
             # The term ends here.

@@ -26,7 +26,7 @@ _INTERFACES = ["ssi", "biss", "rs485", "spi"]
 LARGEST = 2**53 - 1
 _CLOCK = {"minimum": 1, "maximum": 1_000_000_000}
 _NAME = "^[a-z][a-z0-9]*(_[a-z0-9]+)*$"
-_WORDS: Mapping[str, WordOfType] = MappingProxyType(
+_WORD_BY_TYPE: Mapping[str, WordOfType] = MappingProxyType(
     {
         "Name": WordOfType({"$ref": "#/$defs/name"}, "name"),
         "Prose": WordOfType({"$ref": "#/$defs/text"}, "text"),
@@ -134,7 +134,7 @@ _MAP_KEYS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "CodeNumber": {"type": "string", "pattern": "^(0|[1-9][0-9]{0,9}|0x[0-9A-Fa-f]{1,8})$"},
     }
 )
-_CONTAINERS: Mapping[str, re.Pattern[str]] = MappingProxyType(
+_CONTAINER_PATTERNS: Mapping[str, re.Pattern[str]] = MappingProxyType(
     {
         "list": re.compile(r"tuple\[(?P<inner>.*), \.\.\.\]"),
         "one_or_more": re.compile(r"OneOrMore\[(?P<inner>.*)\]"),
@@ -142,7 +142,7 @@ _CONTAINERS: Mapping[str, re.Pattern[str]] = MappingProxyType(
         "located": re.compile(r"LocatedPart\[(?P<inner>\w+)\]"),
     }
 )
-_CHOICE = re.compile(r"Literal(?P<words>\[.*\])")
+_LITERAL_TYPE = re.compile(r"Literal(?P<words>\[.*\])")
 
 
 class KeyType(NamedTuple):
@@ -168,7 +168,7 @@ class KeyType(NamedTuple):
         """Name in the schema of the part that the class describes. Empty for other types."""
         if self.container == "located":
             return self.inner.part
-        return "" if self.choices or self.container or self.word in _WORDS else name_of_part(self.word)
+        return "" if self.choices or self.container or self.word in _WORD_BY_TYPE else name_of_part(self.word)
 
     @property
     def class_name(self) -> str:
@@ -185,14 +185,14 @@ class KeyType(NamedTuple):
         """JSON Schema of a value, apart from containers and parts."""
         if self.choices:
             return {"enum": [choice for choice in self.choices if choice]}
-        return dict(_WORDS[self.word].schema)
+        return dict(_WORD_BY_TYPE[self.word].schema)
 
     @property
     def notation(self) -> str:
         """Notation of a value in the data."""
         if self.container:
             return f"{{{self.inner.notation}}}" if self.container == "map" else f"[{self.inner.notation}]"
-        return "|".join(self.choices) if self.choices else self.part or _WORDS[self.word].notation
+        return "|".join(self.choices) if self.choices else self.part or _WORD_BY_TYPE[self.word].notation
 
 
 def name_of_part(class_name: str) -> str:
@@ -205,10 +205,10 @@ def key_type(text: str) -> KeyType:
     """Return the type of a key as it is written in its class, such as ``tuple[Name, ...]`` or ``Count | None``."""
     if text.endswith(" | None"):
         return key_type(text.removesuffix(" | None"))._replace(is_optional=True)
-    choice = _CHOICE.fullmatch(text)
+    choice = _LITERAL_TYPE.fullmatch(text)
     if choice is not None:
         return KeyType(choices=tuple(ast.literal_eval(choice["words"])))
-    for container, pattern in _CONTAINERS.items():
+    for container, pattern in _CONTAINER_PATTERNS.items():
         match = pattern.fullmatch(text)
         if match is not None:
             key_word = match["key"] if container == "map" else ""

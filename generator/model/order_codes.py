@@ -170,7 +170,7 @@ class OrderCode:
     also_written: tuple[Spelling, ...] = ()
 
 
-_PARTS = re.compile(r"\.\.\.|…|x|[^.…x]+|\.")
+_PATTERN_PARTS = re.compile(r"\.\.\.|…|x|[^.…x]+|\.")
 
 
 class Restricted(Protocol):
@@ -220,5 +220,5 @@ def _pattern_of_code(order_code: str) -> re.Pattern[str]:
     """Return the regular expression of an abbreviated order code, such as ``X-24x...``."""
     # As for file names, where several "..." do not try every way to share the text between them.
     wildcards = {"...": "*", "…": "*", "x": "?"}
-    parts = [wildcards.get(part) or escape(part) for part in _PARTS.findall(order_code)]
+    parts = [wildcards.get(part) or escape(part) for part in _PATTERN_PARTS.findall(order_code)]
     return re.compile(translate("".join(parts)))

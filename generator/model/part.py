@@ -113,7 +113,7 @@ HexBytes = str
 
 #: An empty map, as a default.
 NOTHING: Mapping[Any, Any] = MappingProxyType({})
-_KEY = "key"
+_KEY_METADATA = "key"
 
 
 class SpecKey(NamedTuple):
@@ -184,7 +184,7 @@ def key(about: str, *, default: Any = MISSING, **options: Any) -> Any:
     ``options`` are those of ``SpecKey`` and of ``ModelMember``.
     """
     own_options = {name: options.pop(name) for name in list(options) if name in SpecKey._fields}
-    metadata = {_KEY: SpecKey(about, member=options, **own_options)}
+    metadata = {_KEY_METADATA: SpecKey(about, member=options, **own_options)}
     if isinstance(default, Mapping):  # Python 3.11 refuses it as a default, because it has no hash.
         return field(default_factory=lambda: default, metadata=metadata)
     return field(default=default, metadata=metadata)
@@ -310,4 +310,4 @@ def described_key(name: str, notation: str, member: Field[Any]) -> DescribedKey:
     default = member.default
     if member.default_factory is not MISSING:
         default = member.default_factory()
-    return DescribedKey(name, notation, default, member.metadata[_KEY])
+    return DescribedKey(name, notation, default, member.metadata[_KEY_METADATA])

@@ -25,7 +25,7 @@ else:
             decorated_class.__doc__ = decorated_class.__doc__ or decorated_class.__name__
             decorated = dataclasses.dataclass(**options, init=False, eq=False, repr=False)(decorated_class)
             decorated.__init__ = _late_init(decorated)
-            for name, method in _SHARED.items():
+            for name, method in _SHARED_METHODS.items():
                 setattr(decorated, name, method)
             return decorated
 
@@ -107,7 +107,7 @@ def _init_of(part_class: type) -> Any:
     return namespace["__init__"]
 
 
-_SHARED: Mapping[str, Callable[..., Any]] = {
+_SHARED_METHODS: Mapping[str, Callable[..., Any]] = {
     "__eq__": _is_equal,
     "__hash__": _hash_of,
     "__repr__": _text_of,

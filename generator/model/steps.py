@@ -119,14 +119,14 @@ class Procedure:
         return frozenset(step.register for step in self.steps if isinstance(step, RegisterStep))
 
 
-_NUMBER = re.compile(r"(?:^|(?<=\s))(\d{1,3})\.\s+")
+_NUMBER_IN_LIST = re.compile(r"(?:^|(?<=\s))(\d{1,3})\.\s+")
 #: Lowest number of steps that make a list.
-_FEWEST = 3
+_FEWEST_LISTED_STEPS = 3
 
 
 def steps_of(characteristic_value: str) -> tuple[str, ...]:
     """Return the text before the first step, then each step. Without steps numbered from 1, return only the value."""
-    numbers = list(_NUMBER.finditer(characteristic_value))
+    numbers = list(_NUMBER_IN_LIST.finditer(characteristic_value))
     counts_from_one = [int(match[1]) for match in numbers] == list(range(1, len(numbers) + 1))
     # Numbers that do not count from 1 are not numbers of steps.
     if not numbers or not counts_from_one:
@@ -140,4 +140,4 @@ def steps_of(characteristic_value: str) -> tuple[str, ...]:
 
 def has_steps(characteristic_value: str) -> bool:
     """Return whether a string has enough numbered steps to be a list."""
-    return len(steps_of(characteristic_value)) > _FEWEST
+    return len(steps_of(characteristic_value)) > _FEWEST_LISTED_STEPS

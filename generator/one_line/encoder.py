@@ -14,8 +14,8 @@ from .parse import parse_line
 from .spec import spec_text
 
 #: Names of the family and of the manufacturer, which no output shows.
-_FAMILY, _MANUFACTURER = "one_line", "example"
-_MANUFACTURER_TEXT = f"codewheel: 1\nmanufacturer: {_MANUFACTURER}\ntitle: manufacturer not stated\nsource: line\n"
+_FAMILY_NAME, _MANUFACTURER_NAME = "one_line", "example"
+_MANUFACTURER_TEXT = f"codewheel: 1\nmanufacturer: {_MANUFACTURER_NAME}\ntitle: manufacturer not stated\nsource: line\n"
 
 
 def device_of_line(text: str) -> tuple[Device, LabelMatch]:
@@ -26,7 +26,10 @@ def device_of_line(text: str) -> tuple[Device, LabelMatch]:
     """
     line = parse_line(text)
     report = ProblemReport()
-    texts = {f"{_FAMILY}.yaml": spec_text(line, _FAMILY, _MANUFACTURER), "manufacturer.yaml": _MANUFACTURER_TEXT}
+    texts = {
+        f"{_FAMILY_NAME}.yaml": spec_text(line, _FAMILY_NAME, _MANUFACTURER_NAME),
+        "manufacturer.yaml": _MANUFACTURER_TEXT,
+    }
     documents = [document_of_text(file, file_text, report) for file, file_text in texts.items()]
     families = families_of([document for document in documents if document is not None], report)
     if report or not families:

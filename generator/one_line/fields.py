@@ -14,11 +14,11 @@ from .line import IN_TURN, POSITION, TURNS, CrcField, FillerField, FlagField, Li
 VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": "usable"}
 #: Widest field and widest CRC in bits.
 WIDEST, _WIDEST_CRC = 64, 32
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
-_DIGITS = re.compile(r"0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19}")
+_FIELD_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+_NUMBER_TEXT = re.compile(r"0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19}")
 #: Names of fields that need no width or level, with an example of how to write them.
 _KNOWN_NAMES = (POSITION, IN_TURN, TURNS, "error", "warning", "zero", "unused", "parity", "crc")
-_FORMS = "NAME=BITS for a number, NAME=low or NAME=high for a flag"
+_FIELD_FORMS = "NAME=BITS for a number, NAME=low or NAME=high for a flag"
 
 
 class FieldError(ValueError):
@@ -34,7 +34,7 @@ def number_in(text: str) -> int | None:
 
     A number has at most 20 decimal, 17 hexadecimal or 65 binary digits. A decimal one does not begin with a 0.
     """
-    return int(text, 0) if _DIGITS.fullmatch(text) else None
+    return int(text, 0) if _NUMBER_TEXT.fullmatch(text) else None
 
 
 def read_field(text: str, column: int, interface: str) -> LineField:
@@ -48,7 +48,7 @@ def read_field(text: str, column: int, interface: str) -> LineField:
     values = [value.strip() for value in value_text.split(":")] if equals else []
     if not text.strip():
         raise FieldError("a field is missing between two commas; remove one of them")
-    if not _NAME.fullmatch(name):
+    if not _FIELD_NAME.fullmatch(name):
         raise FieldError(f"{quoted(name)} is not a name; use letters, digits and underscores, such as position=32")
     name = _spec_name(name)
     if name == "crc":
@@ -83,7 +83,7 @@ def _read_number(name: str, values: Sequence[str], column: int) -> NumberField:
     """Return a number from its values: a width, and ``signed`` or the value of a constant, such as ``24:signed``."""
     if not values or values == [""]:
         hint = suggest_word(name, _KNOWN_NAMES) if name not in _KNOWN_NAMES else ""
-        raise FieldError(f"'{name}' has no width; write {_FORMS}{hint}")
+        raise FieldError(f"'{name}' has no width; write {_FIELD_FORMS}{hint}")
     if name in ("error", "warning"):
         raise FieldError(f"'{name}' is one bit; write {name}=low or {name}=high", len(name) + 1)
     bits = _read_width(name, values[0])

@@ -17,10 +17,10 @@ INTERFACES = ("biss", "ssi", "spi", "rs485")
 #: Characters of the longest line, and the highest number of fields in a line.
 LONGEST = 1000
 _MOST_FIELDS = 64
-_ALLOWED = re.compile(r"[A-Za-z0-9_=:,. ]*")
-_BEGINNING = re.compile(rf"\s*({'|'.join(INTERFACES)})\s*[:,]", re.IGNORECASE)
-_HERTZ = re.compile(r"([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?")
-_FACTORS = {"": 1, "k": 1_000, "M": 1_000_000}
+_ALLOWED_CHARACTERS = re.compile(r"[A-Za-z0-9_=:,. ]*")
+_INTERFACE_BEGINNING = re.compile(rf"\s*({'|'.join(INTERFACES)})\s*[:,]", re.IGNORECASE)
+_FREQUENCY_TEXT = re.compile(r"([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?")
+_PREFIX_FACTORS = {"": 1, "k": 1_000, "M": 1_000_000}
 #: Most bytes of the request in a line.
 _LONGEST_REQUEST = 8
 
@@ -37,7 +37,7 @@ _WORDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, Any]]] = {
 
 def is_line(text: str) -> bool:
     """Return True if a text is meant as a line: order codes and names of families have no such characters."""
-    return "=" in text or _BEGINNING.match(text) is not None
+    return "=" in text or _INTERFACE_BEGINNING.match(text) is not None
 
 
 def parse_line(text: str) -> EncoderLine:
@@ -49,9 +49,9 @@ def parse_line(text: str) -> EncoderLine:
     text = text.strip()
     if len(text) > LONGEST:
         raise LineError(text[:LONGEST], [LineProblem(1, f"the line is longer than {LONGEST} characters; shorten it")])
-    allowed = _ALLOWED.match(text)
+    allowed = _ALLOWED_CHARACTERS.match(text)
     if allowed is not None and allowed.end() < len(text):
-        message = f"{quoted(text[allowed.end()])} is not a character of a line; write {_EXAMPLE}"
+        message = f"{quoted(text[allowed.end()])} is not a character of a line; write {_LINE_EXAMPLE}"
         raise LineError(text, [LineProblem(allowed.end() + 1, message)])
     problems: list[LineProblem] = []
     interface, head_end = _read_interface(text, problems)
@@ -67,7 +67,7 @@ def parse_line(text: str) -> EncoderLine:
     return EncoderLine(text, interface, options, tuple(fields))
 
 
-_EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:0x43"
+_LINE_EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,crc=6:0x43"
 
 
 def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
@@ -81,7 +81,7 @@ def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
     interface = word.lower()
     if interface in INTERFACES:
         if not colon:
-            message = f"there is no colon after '{interface}' and its options; write {_EXAMPLE}"
+            message = f"there is no colon after '{interface}' and its options; write {_LINE_EXAMPLE}"
             problems.append(LineProblem(len(text) + 1, message))
         return interface, len(head)
     is_field = "=" in word or interface in ("error", "warning", POSITION)
@@ -122,7 +122,7 @@ def _read_fields(text: str, column: int, interface: str, problems: list[LineProb
     """
     fields: list[LineField] = []
     if not text.strip():
-        problems.append(LineProblem(column, f"the line has no fields; write {_EXAMPLE}"))
+        problems.append(LineProblem(column, f"the line has no fields; write {_LINE_EXAMPLE}"))
         return fields
     pieces = list(_split_at_commas(text, column))
     if len(pieces) > _MOST_FIELDS:
@@ -137,10 +137,10 @@ def _read_fields(text: str, column: int, interface: str, problems: list[LineProb
 
 def _read_frequency(option_text: str) -> int | None:
     """Return the frequency in Hz of a text such as ``1.5MHz`` or ``800k``, or None if it is not 1 Hz to 1 GHz."""
-    match = _HERTZ.fullmatch(option_text)
+    match = _FREQUENCY_TEXT.fullmatch(option_text)
     if match is None:
         return None
-    hertz = float(match[1] + (match[2] or "")) * _FACTORS[match[3]]
+    hertz = float(match[1] + (match[2] or "")) * _PREFIX_FACTORS[match[3]]
     return round(hertz) if 1 <= hertz <= 1_000_000_000 else None
 
 

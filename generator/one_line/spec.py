@@ -19,18 +19,18 @@ from .line import (
 )
 
 #: Source of the facts that the line states, and of the remaining facts.
-_LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
-_LAYOUTS = {"biss": "single_cycle_data", "ssi": "ssi_word", "spi": "position_word", "rs485": "reply"}
+_SOURCE_LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
+_LAYOUT_NAMES = {"biss": "single_cycle_data", "ssi": "ssi_word", "spi": "position_word", "rs485": "reply"}
 _CRC_NAME = "line_crc"
 #: Baud rate in the spec if the line states none. It is marked with TODO.
 _PLACEHOLDER_BAUD = 115200
 #: Units and meanings of fields.
-_NUMBERS = {
+_UNIT_AND_MEANING = {
     POSITION: ("counts", "Position"),
     IN_TURN: ("counts", "Position within one revolution"),
     TURNS: ("revolutions", "Number of revolutions"),
 }
-_MEANINGS = {
+_MEANING_BY_VERDICT = {
     "not_usable": "an error is active",
     "usable_with_warning": "a warning is active",
     "usable": "the bit is active",
@@ -92,7 +92,7 @@ def _write_head(line: EncoderLine, family_name: str, manufacturer: str, schema: 
     yield ""
     yield "order_code:"
     yield f'  pattern: "{_fixed_text_of_code(family_name)}-{{output}}"'
-    yield f"  source: {_LINE}"
+    yield f"  source: {_SOURCE_LINE}"
     yield "  parts:"
     only_value = f"{{{line.interface.upper()}: {{meaning: The interface of the line, interface: {line.interface}}}}}"
     yield f"    - {{name: output, meaning: Interface, values: {only_value}}}"
@@ -114,7 +114,7 @@ def _write_measurement(line: EncoderLine) -> Iterator[str]:
     # Without turns, the position within a revolution is the whole position.
     has_only_position_in_turn = IN_TURN in widths and TURNS not in widths
     measured_field = IN_TURN if has_only_position_in_turn else POSITION
-    yield f"measurement: {{of: {measured_field}, counts_per_turn: {counts}, turns: {turns}, source: {_LINE}}}"
+    yield f"measurement: {{of: {measured_field}, counts_per_turn: {counts}, turns: {turns}, source: {_SOURCE_LINE}}}"
     yield ""
 
 
@@ -127,7 +127,7 @@ def _write_crc(line: EncoderLine) -> Iterator[str]:
             numbers = f"width: {field.bits}, poly: {field.poly:#x}, init: {field.init:#x}"
             yield "crcs:"
             bit_order = "refin: false, refout: false"
-            yield f"  - {{name: {_CRC_NAME}, {numbers}, {bit_order}, xorout: {xorout:#x}, source: {_LINE}}}"
+            yield f"  - {{name: {_CRC_NAME}, {numbers}, {bit_order}, xorout: {xorout:#x}, source: {_SOURCE_LINE}}}"
             yield ""
 
 
@@ -145,7 +145,7 @@ def _write_interface(line: EncoderLine) -> Iterator[str]:
         yield "    reply: same_word"
     if line.interface == "ssi":
         yield f"    alignment: {options.alignment or 'msb_left'}"
-        source = _LINE if options.alignment else _NOT_STATED
+        source = _SOURCE_LINE if options.alignment else _NOT_STATED
         yield f"    alignment_source: {source}"
         yield f"    output_code: {'gray' if options.is_gray else 'binary'}"
     yield "    layouts:"
@@ -158,25 +158,25 @@ def _write_clock(line: EncoderLine) -> Iterator[str]:
     """Yield the clock of an interface, and the mode of SPI."""
     options = line.options
     is_mode_unknown = line.interface == "spi" and options.mode is None
-    yield f"    source: {_NOT_STATED if is_mode_unknown else _LINE}"
+    yield f"    source: {_NOT_STATED if is_mode_unknown else _SOURCE_LINE}"
     if line.interface == "spi":
         yield f"    mode: {options.mode or 0}"
     if options.clock_hz:
-        yield f"    clock: {{used_hz: {options.clock_hz}, source: {_LINE}}}"
+        yield f"    clock: {{used_hz: {options.clock_hz}, source: {_SOURCE_LINE}}}"
     else:
         yield f"    clock: {{source: {_NOT_STATED}}}"
 
 
 def _write_serial_port(line: EncoderLine) -> Iterator[str]:
     """Yield the serial port, and the exchange with the reply."""
-    source = _LINE if line.options.baud else _NOT_STATED
+    source = _SOURCE_LINE if line.options.baud else _NOT_STATED
     port = f"baud: {line.options.baud or _PLACEHOLDER_BAUD}, data_bits: 8, parity: none, stop_bits: 1"
-    yield f"    source: {_LINE}"
+    yield f"    source: {_SOURCE_LINE}"
     yield f"    port: {{{port}, source: {source}}}"
     yield "    exchanges:"
     # A request for the position needs a measurement.
     purpose = "position" if line.options.counts or line.has(IN_TURN) else "other"
-    yield f"      - {{request: position_request, reply: reply, purpose: {purpose}, source: {_LINE}}}"
+    yield f"      - {{request: position_request, reply: reply, purpose: {purpose}, source: {_SOURCE_LINE}}}"
 
 
 def _write_request(line: EncoderLine) -> Iterator[str]:
@@ -189,7 +189,7 @@ def _write_request(line: EncoderLine) -> Iterator[str]:
     yield "      - name: position_request"
     yield "        from: master"
     yield "        byte_order: high_byte_first"
-    yield f"        source: {_LINE if request else _NOT_STATED}"
+    yield f"        source: {_SOURCE_LINE if request else _NOT_STATED}"
     yield "        fields:"
     request_bytes = len(request) or 1
     yield f"          - {{name: request, bits: {8 * request_bytes}, {content}}}"
@@ -197,9 +197,9 @@ def _write_request(line: EncoderLine) -> Iterator[str]:
 
 def _write_layout(line: EncoderLine) -> Iterator[str]:
     """Yield the layout of the frame."""
-    yield f"      - name: {_LAYOUTS[line.interface]}"
+    yield f"      - name: {_LAYOUT_NAMES[line.interface]}"
     yield "        from: encoder"
-    yield f"        source: {_LINE}"
+    yield f"        source: {_SOURCE_LINE}"
     if line.interface == "rs485":
         yield f"        byte_order: {line.options.byte_order or 'high_byte_first'}"
     elif any(_byte_names(field, line) for field in line.fields):
@@ -278,7 +278,7 @@ def _write_erratum(line: EncoderLine) -> Iterator[str]:
     yield "errata:"
     yield "  - name: unlike_biss"
     yield "    title: The line describes a frame that is unusual for BiSS"
-    yield f"    source: {_LINE}"
+    yield f"    source: {_SOURCE_LINE}"
     yield "    printed: A frame of BiSS has the position, the active-low error and warning bits, and an inverted CRC."
     yield "    used: The frame of the line."
     yield "    why: The manual or the encoder must decide."
@@ -292,7 +292,7 @@ def _places_unlike_biss(line: EncoderLine) -> Iterator[str]:
 
     A usual frame has the position, the error and then the warning bit, both active low, and an inverted CRC.
     """
-    frame = f"interfaces.biss.{_LAYOUTS['biss']}"
+    frame = f"interfaces.biss.{_LAYOUT_NAMES['biss']}"
     names = [field.name for field in line.fields]
     flag_names = [name for name in names if name in ("error", "warning")]
     if not flag_names:
@@ -305,7 +305,7 @@ def _places_unlike_biss(line: EncoderLine) -> Iterator[str]:
     if flag_names == ["warning", "error"]:
         yield f"{frame}.warning"
     names_from_first_flag = names[names.index(flag_names[0]) :]
-    numbers_after_flags = [name for name in names_from_first_flag if name in _NUMBERS]
+    numbers_after_flags = [name for name in names_from_first_flag if name in _UNIT_AND_MEANING]
     if numbers_after_flags:
         yield f"{frame}.{numbers_after_flags[0]}"
     if "crc" not in names:
@@ -330,7 +330,7 @@ def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: 
             yield _keys_of_number(field) + note
         case FlagField():
             effect = f", makes_position: {field.verdict}" if has_position else ""
-            yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANINGS[field.verdict]}"
+            yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANING_BY_VERDICT[field.verdict]}"
         case FillerField(name="zero"):
             yield f"name: {name}, bits: {field.bits}, constant: 0"
         case FillerField():
@@ -349,5 +349,5 @@ def _keys_of_number(field: NumberField) -> str:
         keys += ", signed: true"
     if field.value is not None:
         return f"{keys}, constant: {field.value:#x}"
-    unit, meaning = _NUMBERS.get(field.name, ("", ""))
+    unit, meaning = _UNIT_AND_MEANING.get(field.name, ("", ""))
     return f"{keys}, unit: {unit}, meaning: {meaning}" if unit else keys

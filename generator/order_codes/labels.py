@@ -62,7 +62,7 @@ LONGEST, _SHOWN_CHARACTERS = 100, 20
 #: Least similarity, of 1, for a code to be suggested.
 NEAR = 0.4
 
-_BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
+_PART_IN_BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
 #: Regular expression for text that may follow the code on a label.
 AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 
@@ -130,7 +130,7 @@ def _can_be_combined(value: CodeValue, texts: Mapping[str, str]) -> bool:
 
 def fill_pattern(pattern: str, texts: Mapping[str, str]) -> str:
     """Return a pattern with the names in braces replaced by the texts of these parts."""
-    return _BRACES.sub(lambda brace: texts[brace[1]], pattern)
+    return _PART_IN_BRACES.sub(lambda brace: texts[brace[1]], pattern)
 
 
 def find_code(device: Device, text: str) -> LabelMatch:
@@ -199,7 +199,7 @@ def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
     If the first part can have unlisted values, an empty text is among them, since a label can begin with anything.
     """
     # The split yields texts and names of parts in turn, beginning with a text.
-    text_before_parts, *names_and_texts = _BRACES.split(spelling.pattern)
+    text_before_parts, *names_and_texts = _PART_IN_BRACES.split(spelling.pattern)
     if text_before_parts.strip():
         return [text_before_parts]
     first_part = member_named(code.parts, names_and_texts[0], "part of the order code")
@@ -292,7 +292,7 @@ def expression_of_code(order_code: OrderCode, spelling: Spelling, anything: str 
         else:
             pattern_by_part[part.name] = _value_pattern(part)
     expression = ""
-    texts_and_names = _BRACES.split(spelling.pattern)  # Text and names of parts in turn.
+    texts_and_names = _PART_IN_BRACES.split(spelling.pattern)  # Text and names of parts in turn.
     for index, text_or_name in enumerate(texts_and_names):
         is_name = index % 2 == 1
         if is_name:

@@ -41,9 +41,9 @@ from .parameters import parameters_of
 from .sent_layouts import with_sent_layouts
 
 #: Parts that apply to every order code. They make up most of a device, so the search leaves them out.
-_ALWAYS = (str, int, Source, Expression, Quantity)
+_UNCONDITIONAL_PARTS = (str, int, Source, Expression, Quantity)
 #: Parts of a device that have ``only``, or that refer to such parts.
-_PARTS = ("interfaces", "registers", "alarms", "timings", "connectors", "leds", "characteristics", "errata")
+_CONDITIONAL_PARTS = ("interfaces", "registers", "alarms", "timings", "connectors", "leds", "characteristics", "errata")
 
 
 def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
@@ -54,7 +54,7 @@ def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
     """
     # The list ``by_hand`` of a fact names characteristics: steps that a person carries out.
     manual_steps = {step.name for step in device.characteristics if not _applies_only_to_others(step, codes)}
-    reduced_parts = {name: _reduced_part(getattr(device, name), codes, manual_steps) for name in _PARTS}
+    reduced_parts = {name: _reduced_part(getattr(device, name), codes, manual_steps) for name in _CONDITIONAL_PARTS}
     reduced = replace(device, **reduced_parts)
     if not device.optional_alternatives:
         return reduced
@@ -72,7 +72,7 @@ def _reduced_part(part: Any, codes: Collection[str], manual_steps: Collection[st
     If nothing changes, the result is the same object, so that callers compare with ``is``. An ``only`` that includes
     all codes is removed. A flag that is explained only for other codes becomes unexplained.
     """
-    if isinstance(part, _ALWAYS):
+    if isinstance(part, _UNCONDITIONAL_PARTS):
         return part
     if isinstance(part, tuple):
         return _reduced_values(part, codes, manual_steps)
@@ -96,7 +96,7 @@ def _reduced_part(part: Any, codes: Collection[str], manual_steps: Collection[st
 
 def _reduced_values(values: tuple[Any, ...], codes: Collection[str], manual_steps: Collection[str]) -> tuple[Any, ...]:
     """Return the values for these order codes. If nothing changes, the result is the same object."""
-    if all(isinstance(value, _ALWAYS) for value in values):
+    if all(isinstance(value, _UNCONDITIONAL_PARTS) for value in values):
         return values
     applying_values = [value for value in values if not _applies_only_to_others(value, codes)]
     reduced_values = tuple([_reduced_part(value, codes, manual_steps) for value in applying_values])

@@ -151,7 +151,7 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
 
 
 #: Width in bits of the longest word, and of the widest CRC that is folded in such a word.
-_WORD, _WIDEST_FOLD = 64, 32
+_LONGEST_WORD_BITS, _WIDEST_FOLD = 64, 32
 
 
 class CrcMethod(Enum):
@@ -190,7 +190,7 @@ class CrcFunction:
     @property
     def steps(self) -> tuple[FoldStep, ...]:
         """Steps that reduce any 64-bit word to its remainder. Empty if the CRC cannot be folded."""
-        return fold_plan(self.crc.width, self.crc.poly, _WORD) if self.form is CrcMethod.FOLD else ()
+        return fold_plan(self.crc.width, self.crc.poly, _LONGEST_WORD_BITS) if self.form is CrcMethod.FOLD else ()
 
 
 def carriers(device: Device, crc: Crc) -> tuple[CoveredData, ...]:
@@ -244,7 +244,7 @@ def can_be_folded(crc: Crc) -> bool:
 
 def fold_steps(crc: Crc, bits: int) -> tuple[FoldStep, ...]:
     """Return the steps that fold a frame of at most ``bits`` bits, or none if the CRC cannot be folded."""
-    return fold_plan(crc.width, crc.poly, bits) if can_be_folded(crc) and bits <= _WORD else ()
+    return fold_plan(crc.width, crc.poly, bits) if can_be_folded(crc) and bits <= _LONGEST_WORD_BITS else ()
 
 
 def is_checked_by_division(crc: Crc, layout: Layout) -> bool:

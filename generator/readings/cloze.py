@@ -26,7 +26,7 @@ OUTDATED_RULE = "words-outdated"
 _LEFT_OUT = frozenset("documents editions evidence lost_figures".split())
 #: Kinds of words. Each line has the senses of a kind, separated by bars, and each sense has words, separated by commas.
 #: Words of one sense can replace each other. A reader fills in the first word.
-_WORDS = """\
+_REPLACEABLE_WORDS = """\
 negation: not, no, never, none, nothing, neither, nor, without, non, no longer | always
 modal: must, should, shall, has to, have to | may, can, could, might | must not, should not, may not | cannot, can not
 order: before, prior to, previous, until | after, afterwards, following, next, since
@@ -236,9 +236,9 @@ def _compare_gaps(
 
 
 #: Number of characters of a text shown on each side of a gap.
-_AROUND = 30
+_CONTEXT_CHARACTERS = 30
 #: A gap in a text, such as ``{2 order}``.
-_GAP = re.compile(r"\{(\d+) (\w+)\}")
+_GAP_IN_TEXT = re.compile(r"\{(\d+) (\w+)\}")
 
 
 def _text_around_gap(cloze: ClozeText, gap_number: int) -> str:
@@ -248,11 +248,11 @@ def _text_around_gap(cloze: ClozeText, gap_number: int) -> str:
     """
 
     def fill_gaps(text: str) -> str:
-        return _GAP.sub(lambda gap: cloze.gaps[int(gap[1]) - 1].word, text)
+        return _GAP_IN_TEXT.sub(lambda gap: cloze.gaps[int(gap[1]) - 1].word, text)
 
     text_before, text_behind = re.split(rf"\{{{gap_number} \w+\}}", cloze.text, maxsplit=1)
-    before = fill_gaps(text_before)[-_AROUND:]
-    behind = fill_gaps(text_behind)[:_AROUND]
+    before = fill_gaps(text_before)[-_CONTEXT_CHARACTERS:]
+    behind = fill_gaps(text_behind)[:_CONTEXT_CHARACTERS]
     kind = cloze.gaps[gap_number - 1].kind
     return quoted(f"{before}[{kind}]{behind}".strip())
 
@@ -300,7 +300,7 @@ class Vocabulary:
         self._senses: dict[str, Gap] = {}
         #: First words of the senses, by kind: ``{"level": ["high", "low"]}``.
         self.choices: dict[str, Sequence[str]] = {}
-        for line in _WORDS.splitlines():
+        for line in _REPLACEABLE_WORDS.splitlines():
             kind, _, senses = line.partition(": ")
             self._add_kind(kind, [sense.split(", ") for sense in senses.split(" | ")])
         # Signals of one or two characters are left out. Each other word is a separate sense.

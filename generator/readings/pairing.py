@@ -13,7 +13,7 @@ from .reading import ComparedFact, ComparedFacts, FactKey, FactValue
 #: Cells with numbers of a row, by column.
 _Row = tuple[tuple[int, FactValue], ...]
 #: Steps of the key that identifies a connector: ``("connector", "ssi", "cable", 1)``.
-_STEPS = 4
+_STEPS_TO_CONNECTOR = 4
 
 
 def with_rows_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
@@ -102,7 +102,7 @@ def with_order_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
         return spec
 
     def renumbered(key: FactKey) -> FactKey:
-        return (*new_keys.get(key[:_STEPS], key[:_STEPS]), *key[_STEPS:])
+        return (*new_keys.get(key[:_STEPS_TO_CONNECTOR], key[:_STEPS_TO_CONNECTOR]), *key[_STEPS_TO_CONNECTOR:])
 
     facts: dict[FactKey, ComparedFact] = {}
     for key, fact in spec.facts.items():
@@ -120,5 +120,5 @@ def _connector_keys(facts: ComparedFacts) -> dict[tuple[Any, ...], dict[str, Fac
     keys_by_kind: dict[tuple[Any, ...], dict[str, FactKey]] = defaultdict(dict)
     for kind, names in facts.names.items():
         for key, name in names.items() if kind[0] == "connector" else ():
-            keys_by_kind[key[: _STEPS - 1]].setdefault(str(name.value), key)
+            keys_by_kind[key[: _STEPS_TO_CONNECTOR - 1]].setdefault(str(name.value), key)
     return keys_by_kind

@@ -57,10 +57,10 @@ class FactClass(Enum):
     @property
     def is_needed(self) -> bool:
         """True if an error in this class corrupts a position or a transfer, so that it must be read twice."""
-        return self in _NEEDED
+        return self in _CLASSES_READ_TWICE
 
 
-_NEEDED = frozenset(list(FactClass)[: list(FactClass).index(FactClass.VALUE)])  # from POSITION up to WAIT
+_CLASSES_READ_TWICE = frozenset(list(FactClass)[: list(FactClass).index(FactClass.VALUE)])  # from POSITION up to WAIT
 
 #: Key that identifies a fact within its family, without names.
 FactKey = tuple[str | int, ...]
@@ -262,7 +262,7 @@ def _differ_in_one_letter(name: str, other_name: str) -> bool:
 Parameters = Mapping[str, int]
 
 #: Between alternative names in one language.
-_OR = " | "
+_BETWEEN_NAMES = " | "
 _PUNCTUATION = re.compile(r"[\W_]+")
 #: Prefix of the names of fields that the build adds for zero bits.
 _PREFIX_OF_ZERO_BITS = "zero"
@@ -382,7 +382,7 @@ class SpecReading:
         printed_name = getattr(part, "printed_name", "")
         if printed_name:
             names_by_language.setdefault(self.device.manual.language, []).append(comparable_text(printed_name))
-        return {language: _OR.join(names) for language, names in names_by_language.items()}
+        return {language: _BETWEEN_NAMES.join(names) for language, names in names_by_language.items()}
 
     def first_existing(self, *places: Path) -> Path:
         """Return the first of these places that exists in the file, otherwise the last."""
@@ -448,7 +448,7 @@ def _documented_number(field: Field) -> int | None:
 
 def same_name(names: str, other_names: str) -> bool:
     """Return whether two readers have a printed name in common. Alternatives are as from ``printed_names``."""
-    common_names = set(names.split(_OR)) & set(other_names.split(_OR))
+    common_names = set(names.split(_BETWEEN_NAMES)) & set(other_names.split(_BETWEEN_NAMES))
     return bool(common_names)
 
 

@@ -11,7 +11,7 @@ from .comparison import Disagreement
 from .reading import NOTHING, FactClass
 
 #: Classes of facts in words, of which a second reading may list some that the spec no longer has.
-_TEXTS = (FactClass.TEXT, FactClass.SECTION)
+_CLASSES_IN_WORDS = (FactClass.TEXT, FactClass.SECTION)
 
 
 #: Classes of facts whose values are places or words, with numbers that mean nothing elsewhere.
@@ -29,10 +29,10 @@ _SORTS_FROM_PARAMETERS = frozenset(
 
 
 #: A number in decimal, or in hexadecimal with its mark.
-_NUMBER = re.compile(r"0x[0-9A-Fa-f]+|\d[0-9A-F]*h\b|\d+(?:\.\d+)?")
+_NUMBER_IN_TEXT = re.compile(r"0x[0-9A-Fa-f]+|\d[0-9A-F]*h\b|\d+(?:\.\d+)?")
 
 #: The edition that a fact of the history is about.
-_EDITION = re.compile(r"of the edition '.*'")
+_EDITION_OF_HISTORY = re.compile(r"of the edition '.*'")
 
 
 class _Renaming(NamedTuple):
@@ -52,7 +52,7 @@ class Related:
     @property
     def is_text_without_spec(self) -> bool:
         """True for a text under ``found`` that the spec does not have."""
-        return self.first_disagreement.sort in _TEXTS and self.first_disagreement.spec_value == NOTHING
+        return self.first_disagreement.sort in _CLASSES_IN_WORDS and self.first_disagreement.spec_value == NOTHING
 
 
 def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
@@ -91,7 +91,7 @@ def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool]:
     """
     is_open_value = disagreement.second_place[-1:] == ("open",)
     is_time_without_spec = disagreement.sort is FactClass.TIME and disagreement.spec_value == NOTHING
-    return not disagreement.is_name, disagreement.sort in _TEXTS, is_open_value, is_time_without_spec
+    return not disagreement.is_name, disagreement.sort in _CLASSES_IN_WORDS, is_open_value, is_time_without_spec
 
 
 def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
@@ -119,14 +119,14 @@ def _own_cause(disagreement: Disagreement) -> object:
     This is the pair of names of a renamed item, a fixed text for missing texts or order codes, the edition of a
     revision, the table that lacks rows, or else the values in which the readings differ.
     """
-    if disagreement.sort in _TEXTS and disagreement.spec_value == NOTHING:
+    if disagreement.sort in _CLASSES_IN_WORDS and disagreement.spec_value == NOTHING:
         return "text that only the second reading has"
     if disagreement.is_name:
         return _Renaming(_plain_name(disagreement.spec_value), _plain_name(disagreement.second_value))
     if disagreement.sort is FactClass.ORDER_CODE and NOTHING in (disagreement.spec_value, disagreement.second_value):
         return "order codes"
     if disagreement.sort is FactClass.HISTORY:
-        edition = _EDITION.search(disagreement.description)
+        edition = _EDITION_OF_HISTORY.search(disagreement.description)
         return edition[0] if edition is not None else None
     # The place of a whole table is ("tables", name), and the place of a row is longer.
     is_whole_table = len(disagreement.spec_place) == 2
@@ -169,7 +169,7 @@ def _changed_parameters(disagreement: Disagreement, all_disagreements: Sequence[
 def _digits_of_numbers(text: str) -> Set[str]:
     """Return the digits of each number in a text without zeros at its ends: ``{"3", "25"}`` for ``30 ms to 2.5 s``."""
     # Without zeros at the ends, 30 ms and 30,000 µs have the same digits. For zero itself, "0" remains.
-    return {number.replace(".", "").strip("0") or "0" for number in _NUMBER.findall(text)}
+    return {number.replace(".", "").strip("0") or "0" for number in _NUMBER_IN_TEXT.findall(text)}
 
 
 def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
@@ -188,7 +188,7 @@ def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[
 
 def _known_renaming_of_place(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
     """Return a known renaming of a part that contains a source or a text, or None."""
-    if disagreement.sort not in _TEXTS:
+    if disagreement.sort not in _CLASSES_IN_WORDS:
         return None
     names_in_place = {_plain_name(str(step)) for step in disagreement.spec_place}
     for cause in known_causes:

@@ -108,9 +108,9 @@ def add_counts(counts: Iterable[TimesRead]) -> TimesRead:
 
 RULE = "readings-disagree"
 #: A number, and a value with its unit.
-_NUMBER = re.compile(r"(?<![\w.,])\d+(?:,\d{3})*(?:\.\d+)?(?![\d,.]*\d)")
-_QUANTITY = re.compile(rf"({_NUMBER.pattern}) ([µmn]?s|[kM]?Hz|m?V)(?!\w)")
-_ADVICE = "check the manual; if it prints both, add an erratum with both under 'readings'"
+_NUMBER_IN_TEXT = re.compile(r"(?<![\w.,])\d+(?:,\d{3})*(?:\.\d+)?(?![\d,.]*\d)")
+_QUANTITY_IN_TEXT = re.compile(rf"({_NUMBER_IN_TEXT.pattern}) ([µmn]?s|[kM]?Hz|m?V)(?!\w)")
+_ADVICE_TO_CHECK = "check the manual; if it prints both, add an erratum with both under 'readings'"
 
 _ADVICE_ON_TEXT = "remove entries for texts that the spec no longer has"
 
@@ -251,7 +251,7 @@ def _report_disagreements(disagreements: Related, spec: Document, second: Docume
     first = disagreements.first_disagreement
     spec_place = first.spec_place_or_nearest
     others_text = _others_text(disagreements, spec, second)
-    advice = _ADVICE_ON_TEXT if disagreements.is_text_without_spec else _ADVICE
+    advice = _ADVICE_ON_TEXT if disagreements.is_text_without_spec else _ADVICE_TO_CHECK
     if first.spec_value == NOTHING:
         both_values = f"{first.second_value} here, {first.spec_value} in {_file_and_line(spec, spec_place)}"
         report.add(RULE, second, first.second_place, f"{first.description}: {both_values}{others_text}; {advice}")
@@ -320,14 +320,14 @@ def _lacks_number(printed_text: str, value_with_unit: str) -> bool:
 
     A value without a unit is not checked.
     """
-    quantity = _QUANTITY.fullmatch(value_with_unit)
+    quantity = _QUANTITY_IN_TEXT.fullmatch(value_with_unit)
     if quantity is None:
         return False
     number, unit = quantity.groups()
-    units_in_text = {text_unit for _, text_unit in _QUANTITY.findall(printed_text)}
+    units_in_text = {text_unit for _, text_unit in _QUANTITY_IN_TEXT.findall(printed_text)}
     if unit not in units_in_text:
         return False
-    return _parse_number(number) not in map(_parse_number, _NUMBER.findall(printed_text))
+    return _parse_number(number) not in map(_parse_number, _NUMBER_IN_TEXT.findall(printed_text))
 
 
 def _parse_number(number_text: str) -> Decimal:

@@ -224,7 +224,7 @@ def program_texts(reading: SpecReading, names: tuple[str, ...]) -> str:
     return " | ".join(sorted(texts))
 
 
-_UNITS = {"mv": " mV", "us": " µs", "ms": " ms", "hz": " Hz", "ns": " ns"}
+_UNIT_BY_ENDING = {"mv": " mV", "us": " µs", "ms": " ms", "hz": " Hz", "ns": " ns"}
 
 
 @dataclass(frozen=True)
@@ -362,13 +362,17 @@ def _value_text(reading: SpecReading, member: ModelMember, member_value: Any, in
     if isinstance(member_value, bool):
         return _bool_text(member, member_value)
     if isinstance(member_value, int):
-        return in_hex(member_value) if member.notation == "hex" else f"{member_value}{_UNITS.get(member.notation, '')}"
+        return (
+            in_hex(member_value)
+            if member.notation == "hex"
+            else f"{member_value}{_UNIT_BY_ENDING.get(member.notation, '')}"
+        )
     if isinstance(member_value, float):
         return f"{member_value:g}"
     if isinstance(member_value, Enum):
         return str(member_value.value)
     if isinstance(member_value, tuple):
-        return f"{' '.join(map(_part_text, member_value))}{_UNITS.get(member.notation, '')}"
+        return f"{' '.join(map(_part_text, member_value))}{_UNIT_BY_ENDING.get(member.notation, '')}"
     if isinstance(member_value, Scale):
         # Two readers may write the same formula with different numbers, so it is reduced to a factor and an offset.
         factor = member_value.quantity(1) - member_value.quantity(0)

@@ -19,19 +19,19 @@ NUMBERS, CITED = "numbers", "cited"
 _UNITS = (
     r"(?:[mµ]?[VA](?:pp)?|[km]?Nm|[mckµ]?m(?:²|/s)?|[mµn]?s|min(?:ute)?s?|[kMG]?Hz|°[CF]?|%|[kM]?Ω(?:/km)?|AWG|k?g)"
 )
-_NUMBER = re.compile(rf"[±−+-]?(?:[^\W\d_][\w-]*)?\d[\w.,-]*(?:/s|/km|²| ?{_UNITS}(?!\w))?")
+_NUMBER_IN_TEXT = re.compile(rf"[±−+-]?(?:[^\W\d_][\w-]*)?\d[\w.,-]*(?:/s|/km|²| ?{_UNITS}(?!\w))?")
 #: Maps of a second reading by path, which are not texts.
-_WITHOUT = frozenset((("found",), ("sections",)))
-_TEXTS = PROSE | {"printed", "used"}
-_COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
+_MAPS_WITHOUT_TEXTS = frozenset((("found",), ("sections",)))
+_KEYS_OF_TEXTS = PROSE | {"printed", "used"}
+_THOUSANDS_COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
 
 
 def numbers_in(text: str) -> str:
     """Return the numbers in a text in their order, each with its unit: ``5V 10ms``. Empty if there is none."""
     # 4,096 is read as 4096.
-    without_commas = _COMMA.sub("", text)
+    without_commas = _THOUSANDS_COMMA.sub("", text)
     # The expression may include punctuation after a number.
-    numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER.findall(without_commas))
+    numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER_IN_TEXT.findall(without_commas))
     return " ".join(numbers).replace("−", "-")
 
 
@@ -120,14 +120,14 @@ def prose_texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
     """
     if isinstance(node, dict):
         for key, member in node.items():
-            if (*place, key) not in _WITHOUT:
+            if (*place, key) not in _MAPS_WITHOUT_TEXTS:
                 yield from prose_texts((*place, key), member)
     elif isinstance(node, list):
         for index, member in enumerate(node):
             yield from prose_texts((*place, label_of(member) or index), member)
     elif isinstance(node, str):
         is_characteristic = (place[0], place[-1]) == ("characteristics", "value")
-        if is_characteristic or place[-1] in _TEXTS:
+        if is_characteristic or place[-1] in _KEYS_OF_TEXTS:
             yield place, node
 
 

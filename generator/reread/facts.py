@@ -21,17 +21,17 @@ _NO_FACTS = frozenset({"source", "name", "erratum", "affects", "severity", "stat
 #: Words that manuals print for keys whose own words they never print.
 _PRINTED_FOR_KEY = {"init": "start value", "poly": "polynomial", "xorout": "inverted output"}
 #: Keys of the words that a manual prints next to a value.
-_LABELS = ("name", "printed_name", "title", "symbol", "contact", "signal")
+_KEYS_OF_LABELS = ("name", "printed_name", "title", "symbol", "contact", "signal")
 #: Letters of a value shown with its fact.
 _SHOWN_LETTERS = 60
 #: Words that manuals print for values of the spec language.
 _PRINTED_FOR_VALUE = {"read_only": ("ro", "r"), "read_write": ("rw",), "write_only": ("wo", "w")}
 #: The path of a fact about an option of the order code.
-_OPTION = re.compile(r"order_code\.parts\.[^.]+\.values\.([^.]+)(?:\..*)?")
+_PATH_OF_OPTION = re.compile(r"order_code\.parts\.[^.]+\.values\.([^.]+)(?:\..*)?")
 #: Paths of the facts about the edition itself. Manuals print them with a date.
-_EDITION = ("manual.revision", "manual.date", "manual.history")
-_REVISION = re.compile(r"\d+(?:\.\d+)+")
-_DATE = re.compile(r"\d{1,2}[./-]\d{1,2}[./-]\d{4}|\d{4}-\d\d-\d\d")
+_PATHS_OF_EDITION = ("manual.revision", "manual.date", "manual.history")
+_REVISION_NUMBER = re.compile(r"\d+(?:\.\d+)+")
+_PRINTED_DATE = re.compile(r"\d{1,2}[./-]\d{1,2}[./-]\d{4}|\d{4}-\d\d-\d\d")
 #: An order code that ends in a number, such as the resolution.
 ORDER_CODE = re.compile(r"[a-z]{2}\w*?(\d\d)")
 
@@ -66,7 +66,7 @@ class Citing:
     @property
     def is_of_edition(self) -> bool:
         """True for the revision, the date and the history of the manual."""
-        return self.path.startswith(_EDITION)
+        return self.path.startswith(_PATHS_OF_EDITION)
 
     @cached_property
     def words(self) -> frozenset[str]:
@@ -114,13 +114,13 @@ class Citing:
         """
         if self.is_of_edition:
             is_on_cover = passage.section.number == COVER and not self.words.isdisjoint(passage.old)
-            has_date = any(_DATE.fullmatch(word) for word in (*passage.old, *passage.new))
+            has_date = any(_PRINTED_DATE.fullmatch(word) for word in (*passage.old, *passage.new))
             return is_on_cover or has_date or self._is_above_new_row_of_history(passage)
         return not self.sections.isdisjoint(sections) or self._is_option_named_in(passage)
 
     def _is_above_new_row_of_history(self, passage: Passage) -> bool:
         """Return whether a passage adds a row with another revision below the row of this fact."""
-        begins_with_revision = bool(passage.new) and _REVISION.fullmatch(passage.new[0]) is not None
+        begins_with_revision = bool(passage.new) and _REVISION_NUMBER.fullmatch(passage.new[0]) is not None
         is_new_row = not passage.old and begins_with_revision
         return is_new_row and self.path != "manual.date" and not self.words.isdisjoint(passage.close)
 
@@ -130,7 +130,7 @@ class Citing:
         The label is one of the old words, or is the last two digits of an order code among them. For a passage that
         adds an order code, the words around it count instead of the old words.
         """
-        option_match = _OPTION.fullmatch(self.path)
+        option_match = _PATH_OF_OPTION.fullmatch(self.path)
         if option_match is None:
             return False
         label = option_match[1].casefold()
@@ -224,7 +224,7 @@ def _with_top_bit(polynomial: object) -> frozenset[str]:
 
 
 #: Keys whose values are the names of other parts of the spec, or paths to them.
-_REFERENCES = ("register", "crc", "field", "alarm", "procedure", "affects", "order_code", "erratum", "layout")
+_KEYS_OF_REFERENCES = ("register", "crc", "field", "alarm", "procedure", "affects", "order_code", "erratum", "layout")
 #: Keys of maps whose values are parts of the spec themselves.
 _MAPS_OF_ITEMS = ("values", "contents")
 
@@ -309,8 +309,8 @@ def _surroundings_in(item: Mapping[str, Any], path: Path, around: _Surroundings)
 
 
 def _references_in(item: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the names and paths of the parts to which a map refers by the keys ``_REFERENCES``."""
-    for key in _REFERENCES:
+    """Yield the names and paths of the parts to which a map refers by the keys ``_KEYS_OF_REFERENCES``."""
+    for key in _KEYS_OF_REFERENCES:
         name_or_names = item.get(key)
         names = name_or_names if isinstance(name_or_names, list) else [name_or_names]
         for name in names:
@@ -349,7 +349,7 @@ def _spelling_in_spec(document: Document, fact_value: object, path: Path) -> str
 
 def _names_of_item(item: Mapping[str, Any]) -> list[str]:
     """Return the names of an item: those that the manual may print next to its values, and translations."""
-    labels = [item.get(key) for key in _LABELS]
+    labels = [item.get(key) for key in _KEYS_OF_LABELS]
     names_by_language = item.get("names")
     if isinstance(names_by_language, dict):
         labels += names_by_language.values()

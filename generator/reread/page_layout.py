@@ -7,17 +7,19 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import chain, pairwise
 
-_PAGE = re.compile(r"[\s\-]*\d{1,4}[\s\-]*|(?:page|pag\.?|seite)\s+\d{1,4}(?:\s*(?:of|di|/)\s*\d{1,4})?", re.IGNORECASE)
+_PAGE_NUMBER = re.compile(
+    r"[\s\-]*\d{1,4}[\s\-]*|(?:page|pag\.?|seite)\s+\d{1,4}(?:\s*(?:of|di|/)\s*\d{1,4})?", re.IGNORECASE
+)
 #: Least number of times that a line is printed to be a running head, and the longest such line.
 LEAST_REPETITIONS, LONGEST_HEAD = 4, 120
 #: Number of lines at the top or bottom of a page, and the least share of a running head that is printed there.
-_EDGE, _MOSTLY = 4, 0.8
+_EDGE_LINES, _LEAST_HEAD_SHARE = 4, 0.8
 #: The same with a form feed between pages, which shows where they end.
 _PAGE_EDGE = 2
 #: Least share of a text over which page numbers are spread, unlike the numbers of steps or of the rows of a table.
-_SPREAD = 0.5
+_LEAST_PAGE_SPREAD = 0.5
 #: Least number of lines from one page to the next, and largest factor by which a page is longer or shorter than usual.
-_SHORT_PAGE, _FACTOR = 12, 2
+_SHORT_PAGE, _LARGEST_PAGE_FACTOR = 12, 2
 #: Largest step between two page numbers that are found. The first page of a chapter often has no page number.
 _PAGE_STEP = 3
 
@@ -35,7 +37,7 @@ def find_page_numbers(lines: Sequence[str]) -> set[int]:
     #: The lines of the longest series that ends with each page.
     series_by_last_page: dict[int, list[int]] = {}
     for index, line in enumerate(lines):
-        is_only_page = _PAGE.fullmatch(line) is not None
+        is_only_page = _PAGE_NUMBER.fullmatch(line) is not None
         number_match = re.search(r"\d{1,4}", line) if is_only_page else None
         if number_match is None:
             continue
@@ -69,7 +71,7 @@ def find_running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
     lines_with_page = sorted(chain.from_iterable(indices_by_head[head] for head in heads_with_page))
     counts_at_edges = _count_near_pages(lines, lines_with_page)
     for head, indices in indices_by_head.items():
-        is_mostly_at_edges = counts_at_edges[head] >= _MOSTLY * len(indices)
+        is_mostly_at_edges = counts_at_edges[head] >= _LEAST_HEAD_SHARE * len(indices)
         if len(indices) >= LEAST_REPETITIONS and is_mostly_at_edges:
             running_heads.add(head)
     return set(chain.from_iterable(indices_by_head[head] for head in running_heads | heads_with_page))
@@ -82,7 +84,7 @@ def _spread_heads(indices_by_head: Mapping[str, list[int]], line_count: int) -> 
     """
     spread_heads: dict[str, list[int]] = {}
     for head, indices in indices_by_head.items():
-        is_spread = indices[-1] - indices[0] >= _SPREAD * line_count
+        is_spread = indices[-1] - indices[0] >= _LEAST_PAGE_SPREAD * line_count
         if len(indices) >= LEAST_REPETITIONS and is_spread:
             spread_heads[head] = indices
     return spread_heads
@@ -94,8 +96,8 @@ def _count_near_pages(lines: Sequence[str], lines_with_page: Sequence[int]) -> C
     last_edge: int | None = None
     for index in lines_with_page:
         # One page has only one edge, or the lines near it would count twice.
-        if last_edge is None or index - last_edge > _EDGE:
-            lines_at_edge = lines[max(index - _EDGE, 0) : index + _EDGE + 1]
+        if last_edge is None or index - last_edge > _EDGE_LINES:
+            lines_at_edge = lines[max(index - _EDGE_LINES, 0) : index + _EDGE_LINES + 1]
             counts.update({without_digits(line) for line in lines_at_edge})
             last_edge = index
     return counts
@@ -111,9 +113,11 @@ def _is_regular(indices: Sequence[int]) -> bool:
     usual_distance = distances[median_index]
     # With whole numbers: from usual / factor to usual * factor.
     distances_near_usual = [
-        distance for distance in distances if usual_distance <= _FACTOR * distance <= _FACTOR**2 * usual_distance
+        distance
+        for distance in distances
+        if usual_distance <= _LARGEST_PAGE_FACTOR * distance <= _LARGEST_PAGE_FACTOR**2 * usual_distance
     ]
-    are_mostly_near_usual = len(distances_near_usual) >= _MOSTLY * len(distances)
+    are_mostly_near_usual = len(distances_near_usual) >= _LEAST_HEAD_SHARE * len(distances)
     return usual_distance >= _SHORT_PAGE and are_mostly_near_usual
 
 
@@ -133,7 +137,7 @@ def find_heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:
         counts_at_edges.update(map(without_digits, (*top, *bottom)))
     heads: set[str] = set()
     for head, count in counts_at_edges.items():
-        is_mostly_at_edges = count >= _MOSTLY * counts_anywhere[head]
+        is_mostly_at_edges = count >= _LEAST_HEAD_SHARE * counts_anywhere[head]
         if count >= LEAST_REPETITIONS and is_mostly_at_edges:
             heads.add(head)
     return heads
@@ -146,7 +150,7 @@ def without_edges(pages: Sequence[Sequence[str]], heads: Collection[str]) -> Ite
         remaining_lines: list[str] = []
         for index, line in enumerate(page):
             is_at_edge = not _PAGE_EDGE <= index < first_bottom_index
-            is_head_or_page = without_digits(line) in heads or bool(_PAGE.fullmatch(line))
+            is_head_or_page = without_digits(line) in heads or bool(_PAGE_NUMBER.fullmatch(line))
             if not is_at_edge or not is_head_or_page:
                 remaining_lines.append(line)
         yield remaining_lines

@@ -10,15 +10,15 @@ from .alignment import Ranges, differing_ranges
 from .sections import WORD, Manual, Section, joined_letters, pair_sections
 
 #: Differences with no more equal words between them are one passage.
-_TOGETHER = 6
+_MOST_EQUAL_WORDS_BETWEEN = 6
 #: Words before and after a difference that belong to its passage. The name of a register is often far above.
-_BEFORE, _AFTER = 60, 20
+_WORDS_BEFORE, _WORDS_AFTER = 60, 20
 #: Words before and after a difference that are close to it, such as the rest of a row.
-_CLOSE = 8
+_CLOSE_WORDS = 8
 #: Words directly before and after an insertion, such as the cells on both sides of a new cell.
-_NEXT = 1
+_WORDS_NEXT_TO_INSERTION = 1
 #: Words shown before and after a difference.
-_SHOWN = 5
+_SHOWN_WORDS = 5
 #: Least share of common words for texts in the same language.
 _SAME_LANGUAGE = 0.5
 
@@ -106,12 +106,14 @@ def _passages_of_section(
         is_in_one_edition = not old_words or not new_words
         if is_in_one_edition and joined_letters((*old_words, *new_words)) in heads:
             continue
-        old_row = _with_words_around(old, low, high, count_before=_CLOSE, count_after=_CLOSE)
-        new_row = _with_words_around(new, new_low, new_high, count_before=_CLOSE, count_after=_CLOSE)
-        old_paragraph = _with_words_around(old, low, high, count_before=_BEFORE, count_after=_AFTER)
-        new_paragraph = _with_words_around(new, new_low, new_high, count_before=_BEFORE, count_after=_AFTER)
+        old_row = _with_words_around(old, low, high, count_before=_CLOSE_WORDS, count_after=_CLOSE_WORDS)
+        new_row = _with_words_around(new, new_low, new_high, count_before=_CLOSE_WORDS, count_after=_CLOSE_WORDS)
+        old_paragraph = _with_words_around(old, low, high, count_before=_WORDS_BEFORE, count_after=_WORDS_AFTER)
+        new_paragraph = _with_words_around(new, new_low, new_high, count_before=_WORDS_BEFORE, count_after=_WORDS_AFTER)
         # Only an insertion has words next to it. It contains no old words for finding facts.
-        words_next_to = _with_words_around(old, low, high, count_before=_NEXT, count_after=_NEXT)
+        words_next_to = _with_words_around(
+            old, low, high, count_before=_WORDS_NEXT_TO_INSERTION, count_after=_WORDS_NEXT_TO_INSERTION
+        )
         is_insertion = not old_words
         yield Passage(
             section=section,
@@ -138,7 +140,7 @@ def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Ite
     """
     joined_ranges: Ranges | None = None
     for ranges in differing_ranges(old, new):
-        if joined_ranges is not None and ranges.low - joined_ranges.high <= _TOGETHER:
+        if joined_ranges is not None and ranges.low - joined_ranges.high <= _MOST_EQUAL_WORDS_BETWEEN:
             joined_ranges = joined_ranges._replace(high=ranges.high, new_high=ranges.new_high)
             continue
         if joined_ranges is not None:
@@ -150,8 +152,8 @@ def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Ite
 
 def _shown_text(words: Sequence[str], low: int, high: int) -> str:
     """Return a range of words in brackets, with up to 5 words before and after it: ``at most [ 10 ] MHz``."""
-    words_before = words[max(low - _SHOWN, 0) : low]
-    words_after = words[high : high + _SHOWN]
+    words_before = words[max(low - _SHOWN_WORDS, 0) : low]
+    words_after = words[high : high + _SHOWN_WORDS]
     text = " ".join([*words_before, "[", *words[low:high], "]", *words_after])
     return text.replace("[ ]", "[]")
 

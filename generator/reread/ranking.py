@@ -12,19 +12,19 @@ from .facts import ORDER_CODE, Citing, spaced
 from .passages import Passage
 
 #: Weights of the words that differ, and of those close to them. All words near them weigh as much as 2.
-_DIFFERS, _CLOSE_TO_CHANGE = 6.0, 2.0
+_WEIGHT_OF_DIFFERING, _CLOSE_TO_CHANGE = 6.0, 2.0
 #: Weight of the words of an insertion, which no fact of the old edition contains.
-_INSERTED = 1.0
+_WEIGHT_OF_INSERTED = 1.0
 #: Weight of the words next to an insertion.
-_NEXT_TO = 4.0
+_WEIGHT_NEXT_TO_CHANGE = 4.0
 #: Facts listed of the most likely items, of each other item, and of items that refer to the first item.
 _MOST_OF_FIRST_ITEMS, _MOST_OF_OTHER_ITEM, _MOST_REFERRING = (6, 4), 2, 3
 #: Items with a differing value or name, which are listed before everything else.
 _MOST_DIFFERING_VALUES = 4
 #: A number in hexadecimal, which the bytes of an example contain without the letter.
-_HEXADECIMAL = re.compile(r"[0-9a-f]{2,}h")
+_HEX_NUMBER = re.compile(r"[0-9a-f]{2,}h")
 #: A label of an order code, in capital letters.
-_LABEL = re.compile(r"[A-Z][A-Z0-9]+")
+_LABEL_IN_CAPITALS = re.compile(r"[A-Z][A-Z0-9]+")
 #: Facts that an insertion names, at most.
 _MOST_INSERTED = 3
 #: Groups of facts that are a changed text, at most.
@@ -70,7 +70,7 @@ class SectionFacts:
             row=_comparable_words(passage.close),
             paragraph=_comparable_words(passage.around),
             section=self.words,
-            weight=_DIFFERS if passage.old else _INSERTED,
+            weight=_WEIGHT_OF_DIFFERING if passage.old else _WEIGHT_OF_INSERTED,
         )
         scored_facts: list[tuple[float, Citing]] = []
         for fact in self.facts:
@@ -235,7 +235,7 @@ class _Change:
         # The shown text marks the changed words by brackets: ``at most [ 10 ] MHz``.
         words_before_change = shown_old_text.partition("[")[0]
         self._before = spaced(words_before_change) if passage.new else ""
-        self._labels = {word for word in changed_words if _LABEL.fullmatch(word)}
+        self._labels = {word for word in changed_words if _LABEL_IN_CAPITALS.fullmatch(word)}
         self._numbers = {word for word in _comparable_words(changed_words) if word[0].isdigit()}
 
     def is_value_or_name_of(self, fact: Citing) -> bool:
@@ -311,7 +311,7 @@ def _score_of_fact(fact: Citing, passage: _PassageWords, fact_counts: Mapping[st
     """
     difference_score = _weight_by_rarity(fact.words & passage.differing, fact_counts)
     difference_score += _weight_by_rarity(fact.named & passage.differing, fact_counts) / 2
-    difference_score += _weight_by_rarity(fact.named & passage.next_to, fact_counts) * _NEXT_TO
+    difference_score += _weight_by_rarity(fact.named & passage.next_to, fact_counts) * _WEIGHT_NEXT_TO_CHANGE
     paragraph_name_share = _share_near_passage(fact.named, passage.paragraph, passage.section, fact_counts)
     paragraph_value_share = _share_near_passage(fact.words, passage.paragraph, passage.section, fact_counts)
     # If the section prints words of the name elsewhere, the paragraph may be about another item.
@@ -337,7 +337,7 @@ def _comparable_words(words: Iterable[str]) -> set[str]:
     # Each step adds the spellings that follow from the spellings before it.
     comparable_words = {word.casefold() for word in words}
     comparable_words |= {word.replace(",", ".") for word in comparable_words}
-    comparable_words |= {word.removesuffix("h") for word in comparable_words if _HEXADECIMAL.fullmatch(word)}
+    comparable_words |= {word.removesuffix("h") for word in comparable_words if _HEX_NUMBER.fullmatch(word)}
     numbers_in_words: set[str] = set()
     for word in comparable_words:
         # The first group of either pattern is the number.

@@ -25,11 +25,11 @@ from .page_layout import (
 MOST_BYTES = 20_000_000
 #: Section of the text before the first heading.
 COVER = "Cover"
-_MARKUP = re.compile(r"</?\w+>|[#*_`•▪●■]+")
+_MARKUP_CHARACTERS = re.compile(r"</?\w+>|[#*_`•▪●■]+")
 #: A link of Markdown, which can continue on the next line.
-_LINK = re.compile(r"\[(?P<shown>[^]\f]{0,200})\]\([^)\f]{0,300}\)")
-_HEADING = re.compile(r"(?P<number>\d{1,2}(?:\.\d{1,2}){0,3})\.?\s*(?:-\s*)?(?P<title>[^\W\d].*|\"\S.*|\d\w+.*)")
-_NUMBER = re.compile(r"\d+(?:\.\d+)*")
+_MARKDOWN_LINK = re.compile(r"\[(?P<shown>[^]\f]{0,200})\]\([^)\f]{0,300}\)")
+_HEADING_LINE = re.compile(r"(?P<number>\d{1,2}(?:\.\d{1,2}){0,3})\.?\s*(?:-\s*)?(?P<title>[^\W\d].*|\"\S.*|\d\w+.*)")
+_SECTION_NUMBER = re.compile(r"\d+(?:\.\d+)*")
 _IN_CONTENTS = re.compile(r"(?<!\.)\.{3,}\s*\d+$|(?<!\.)\.{5,}$|\t\s*\d+$")
 #: A word of a manual or a spec, or a sign that changes the meaning of a word.
 WORD = re.compile(r"(?<![\w.])-\d+(?:[.,:]\d+)*|\w+(?:[.,:]\d+)*|[±+<>≤≥%°]")
@@ -46,7 +46,9 @@ _SECTION_REFERENCE = re.compile(
 _LEAST_COMPLETE_CONTENTS = 12
 #: Key of a number after the numbers of all sections.
 _AFTER_ALL_SECTIONS = (999,)
-_DASHES = str.maketrans(dict.fromkeys("‐‑‒–—−", "-") | {"\u00ad": "", "\u200b": "", "’": "'", "“": '"', "”": '"'})
+_DASH_TRANSLATION = str.maketrans(
+    dict.fromkeys("‐‑‒–—−", "-") | {"\u00ad": "", "\u200b": "", "’": "'", "“": '"', "”": '"'}
+)
 
 
 class NoText(Exception):
@@ -89,7 +91,7 @@ class Manual:
         Their numbers are between ``number`` and the next number in the text. A section without a number has no such
         sections.
         """
-        section_numbers = [section.number for section in self.sections if _NUMBER.fullmatch(section.number)]
+        section_numbers = [section.number for section in self.sections if _SECTION_NUMBER.fullmatch(section.number)]
         if number not in section_numbers:
             return set()
         next_index = section_numbers.index(number) + 1
@@ -149,7 +151,7 @@ def divide_into_sections(text: str) -> Manual:
     Pages are separated by form feeds. With at least 4 of them, running heads are found at their edges, otherwise by
     repetition.
     """
-    text_without_links = _LINK.sub(lambda match: match["shown"], text)
+    text_without_links = _MARKDOWN_LINK.sub(lambda match: match["shown"], text)
     pages = [_plain_lines(page) for page in text_without_links.split("\f")]
     has_pages = len(pages) >= LEAST_REPETITIONS
     heads_at_edges = find_heads_at_edges(pages) if has_pages else set()
@@ -235,8 +237,8 @@ def _plain_lines(page: str) -> list[str]:
 def plain_line(line: str) -> str:
     """Return a line without markup, with ASCII dashes and quotes, and a tab before each cell or page number."""
     with_tabs = line.strip().strip("|").replace("|", "\t")
-    ascii_line = unicodedata.normalize("NFKC", with_tabs).translate(_DASHES)
-    without_markup = _MARKUP.sub(" ", ascii_line)
+    ascii_line = unicodedata.normalize("NFKC", with_tabs).translate(_DASH_TRANSLATION)
+    without_markup = _MARKUP_CHARACTERS.sub(" ", ascii_line)
     with_tab_before_page = re.sub(r"(?<![^\S\t])[^\S\t]{2,}(\d{1,4})$", r"\t\1", without_markup)
     with_single_spaces = re.sub(r"[^\S\t]+", " ", with_tab_before_page)
     return re.sub(r" ?\t[ \t]*", "\t", with_single_spaces).strip()
@@ -378,7 +380,7 @@ def _number_key(section_number: str) -> tuple[int, ...]:
 
 def _numbered_heading(line: str) -> _Heading | None:
     """Return ``("4.3", "Preset")`` for ``4.3 Preset ..... 21``, or None without a number or for a very long line."""
-    match = _HEADING.fullmatch(_entry_title(line))
+    match = _HEADING_LINE.fullmatch(_entry_title(line))
     if match is None or len(line) > LONGEST_HEAD:
         return None
     return match["number"], match["title"].strip()

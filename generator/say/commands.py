@@ -149,14 +149,14 @@ def _register_or_field(device: Device, register: str, field: str) -> TextPart:
 
 
 #: Words of manuals for changing the position, in names and texts.
-_PRESET = re.compile(
+_PRESET_WORDS = re.compile(
     r"(?i)preset|pres(?:\b|_)|zero|offset|origin|datum|home|referenc|position to 0|set[ _-]?(?:the )?position"
 )
 #: Words of manuals for keeping settings when the power is off. A request that writes a byte of a memory saves nothing.
-_SAVE = re.compile(r"(?i)\bsav(?:e|ing)|_save|stor(?:e|ing)|permanent|programming")
-_SAVE_TO = re.compile(rf"{_SAVE.pattern}|eeprom|flash|non-?volatile")
+_SAVE_WORDS = re.compile(r"(?i)\bsav(?:e|ing)|_save|stor(?:e|ing)|permanent|programming")
+_SAVE_TO = re.compile(rf"{_SAVE_WORDS.pattern}|eeprom|flash|non-?volatile")
 #: Purposes of requests that change nothing.
-_READING = frozenset(("position", "read", "capture"))
+_READING_PURPOSES = frozenset(("position", "read", "capture"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,14 +185,14 @@ class Commands:
         """True if something, other than a reset, may change the position."""
         if self.settings or self.inputs:
             return True
-        return any(_PRESET.search(text) for text in (*self._texts_on_commands(), *self._request_texts()))
+        return any(_PRESET_WORDS.search(text) for text in (*self._texts_on_commands(), *self._request_texts()))
 
     @property
     def may_save(self) -> bool:
         """True if something may save settings."""
         if self.settings or any(_SAVE_TO.search(text) for text in self._texts_on_commands()):
             return True
-        return any(_SAVE.search(text) for text in self._request_texts())
+        return any(_SAVE_WORDS.search(text) for text in self._request_texts())
 
     @property
     def resets(self) -> tuple[DataId, ...]:
@@ -246,7 +246,9 @@ def commands_over(device: Device, interface: Interface) -> Commands:
         procedures=tuple(procedure for procedure in procedures if _changes_encoder(procedure)),
         registers=tuple(command_registers),
         settings=tuple(settings),
-        requests=tuple(request for request in _requests_of_interface(interface) if request.purpose not in _READING),
+        requests=tuple(
+            request for request in _requests_of_interface(interface) if request.purpose not in _READING_PURPOSES
+        ),
         inputs=device.inputs,
         has_control_data=isinstance(interface, Biss) and bool(interface.control_data),
     )

@@ -9,7 +9,7 @@ from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device
 from .text import CodeText, Reference, Statement, TextPart, as_sentence, list_parts, make_statement
 
 #: Top-level parts of a spec that are not lists of named items.
-_TOP = {
+_TOP_LEVEL_PARTS = {
     "connectors": "the connectors",
     "inputs": "the hardware inputs",
     "supply": "the supply",
@@ -22,7 +22,7 @@ _TOP = {
     "alarms": "the alarms",
 }
 #: Keys inside a part, with the words that precede the part.
-_KEYS = {
+_WORDS_BEFORE_KEYS = {
     "note": "the note on {}",
     "meaning": "the meaning of {}",
     "default": "the default of {}",
@@ -38,7 +38,7 @@ _KEYS = {
     "open_only_with": "the values that may accompany unlisted values of {}",
 }
 #: Lists of named items, with the word for one item.
-_LISTS = {
+_WORDS_FOR_LIST_ITEMS = {
     "registers": "register",
     "fields": "field",
     "layouts": "frame",
@@ -61,10 +61,10 @@ _LISTS = {
     "alternatives": "alternative",
     "documents": "document",
 }
-_PATH = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
+_PATH_PATTERN = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
 #: Number of an item in a list without names, counted from 1.
-_INDEX = re.compile(r"\[([0-9]+)\]")
-_MORE = re.compile(r" and ([0-9]+ more)$")
+_INDEX_IN_LIST = re.compile(r"\[([0-9]+)\]")
+_MORE_ITEMS = re.compile(r" and ([0-9]+ more)$")
 
 
 def paths_in_words(paths: str) -> str:
@@ -72,8 +72,8 @@ def paths_in_words(paths: str) -> str:
 
     The result is ``the default of register bank, the supply and 2 more``.
     """
-    number_of_more = _MORE.search(paths)
-    listed_paths = _MORE.sub("", paths).split(", ")
+    number_of_more = _MORE_ITEMS.search(paths)
+    listed_paths = _MORE_ITEMS.sub("", paths).split(", ")
     phrases = [_path_in_words(listed_path.split(".")) for listed_path in listed_paths]
     if number_of_more is not None:
         phrases.append(number_of_more[1])
@@ -87,8 +87,8 @@ def change_in_words(printed: str) -> str:
     """
     paths, colon, new_value = printed.partition(": ")
     # A number such as [1] becomes a step.
-    numbered_paths = _INDEX.sub(r".\1", paths)
-    are_paths = all(map(_PATH.fullmatch, _MORE.sub("", numbered_paths).split(", ")))
+    numbered_paths = _INDEX_IN_LIST.sub(r".\1", paths)
+    are_paths = all(map(_PATH_PATTERN.fullmatch, _MORE_ITEMS.sub("", numbered_paths).split(", ")))
     return f"{paths_in_words(numbered_paths)}{colon}{new_value}" if are_paths else printed
 
 
@@ -108,7 +108,7 @@ def _beginning_in_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
         # order_code.also_written.1.values.output
         case ["order_code", "also_written", number, "values", part, *other_steps]:
             return f"the values of {part} in spelling {number} on labels", other_steps
-    is_register = steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code")
+    is_register = steps[0] not in (*_WORDS_FOR_LIST_ITEMS, *_TOP_LEVEL_PARTS, "interfaces", "order_code")
     if is_register:
         # Paths of registers may leave out the name of their list.
         return f"register {steps[0]}", steps[1:]
@@ -121,8 +121,8 @@ def _path_in_words(steps: Sequence[str]) -> str:
     The words begin with the outermost step, and each further step is added before or around them. A step without words
     is kept.
     """
-    if len(steps) == 1 and steps[0] in _TOP:
-        return _TOP[steps[0]]
+    if len(steps) == 1 and steps[0] in _TOP_LEVEL_PARTS:
+        return _TOP_LEVEL_PARTS[steps[0]]
     words, remaining_steps = _beginning_in_words(steps)
     # registers.command.fields.status.note: "register command", "field status of …", "the note on field …".
     while remaining_steps:
@@ -131,10 +131,10 @@ def _path_in_words(steps: Sequence[str]) -> str:
                 words = INTERFACES[name].title if name in INTERFACES else name
             case ["order_code", *later_steps]:
                 words = "the order code"
-            case [list_name, name, *later_steps] if list_name in _LISTS:
-                words = _of_owner(f"{_LISTS[list_name]} {name}", words)
-            case [key] if key in _KEYS:
-                words = _KEYS[key].format(words)
+            case [list_name, name, *later_steps] if list_name in _WORDS_FOR_LIST_ITEMS:
+                words = _of_owner(f"{_WORDS_FOR_LIST_ITEMS[list_name]} {name}", words)
+            case [key] if key in _WORDS_BEFORE_KEYS:
+                words = _WORDS_BEFORE_KEYS[key].format(words)
                 later_steps = []
             case [step, *later_steps]:
                 words = _of_owner(step.replace("_", " "), words)
@@ -148,7 +148,7 @@ def _of_owner(part: str, owner: str) -> str:
 
 
 #: Longest reason, in characters, that is shown next to code. Errata with wrong data always show their reason.
-_SHORT = 100
+_LONGEST_INLINE_REASON = 100
 
 
 def errata(
@@ -177,15 +177,15 @@ def _is_within(path: str, parts: Collection[str]) -> bool:
 def describe_erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
-    The reason is omitted if it is longer than ``_SHORT``, unless ``whole`` is set or wrong bytes could be sent. A
-    change by an overlay or another edition is always given with its reason. ``brief`` is the form in one line. It
-    contains the first sentence on the value used, and all sentences if wrong bytes could be sent and the erratum is
-    open.
+    The reason is omitted if it is longer than ``_LONGEST_INLINE_REASON``, unless ``whole`` is set or wrong bytes could
+    be sent. A change by an overlay or another edition is always given with its reason. ``brief`` is the form in one
+    line. It contains the first sentence on the value used, and all sentences if wrong bytes could be sent and the
+    erratum is open.
     """
     if correction.overlay or correction.edition:
         return _change_statement(correction)
     may_send_wrong_bytes = correction.severity == "wrong_data"
-    shows_reason = whole or may_send_wrong_bytes or len(correction.why) <= _SHORT
+    shows_reason = whole or may_send_wrong_bytes or len(correction.why) <= _LONGEST_INLINE_REASON
     used = as_sentence(correction.used)
     if correction.only:
         used += " " + as_sentence(f"Only with {correction.only}")

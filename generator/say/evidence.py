@@ -15,7 +15,7 @@ from .errata import describe_erratum
 from .names_and_places import name_in_words
 from .text import CodeText, Reference, Statement, as_sentence, make_statement
 
-_MEANING = {
+_MEANING_BY_GRADE = {
     "manual": "all pages of the manufacturer's document were read",
     "quoted": "every fact is in the manufacturer's words, and an independent implementation and data from real"
     " hardware agree",
@@ -26,13 +26,13 @@ _MEANING = {
     "uncorroborated": "the facts have a single source, so do not rely on them",
 }
 #: All grades, from the highest to the lowest.
-GRADES = tuple(_MEANING)
+GRADES = tuple(_MEANING_BY_GRADE)
 
 
 def describe_grade(device: Device) -> Statement:
     """Return the grade of the evidence, with its meaning, and the values that are still the template's."""
     grade_name = device.evidence.grade
-    grade_text = f"{grade_name} ({_MEANING[grade_name]})"
+    grade_text = f"{grade_name} ({_MEANING_BY_GRADE[grade_name]})"
     if device.evidence.placeholders:
         grade_text = f"{grade_text}. {placeholders(device)}"
     return make_statement(grade_text, label="Evidence")
@@ -46,7 +46,7 @@ def grade_below_manual(device: Device) -> Iterator[Statement]:
 
 def lowest_grade() -> str:
     """Return the lowest grade, with its meaning."""
-    return f"{GRADES[-1]} ({_MEANING[GRADES[-1]]})"
+    return f"{GRADES[-1]} ({_MEANING_BY_GRADE[GRADES[-1]]})"
 
 
 def mark_in_lists(device: Device) -> str:
@@ -166,7 +166,7 @@ class Topic(Enum):
 
 
 #: Place of a text that is not in a list of its own.
-_NOTE = "note on the interface"
+_PLACE_OF_NOTE = "note on the interface"
 
 
 def mentions(device: Device, interface: Interface, subject: Topic) -> bool:
@@ -191,7 +191,7 @@ def reference_to_mention(device: Device, interface: Interface, subject: Topic) -
     if not place:
         return ""
     reference = f"see the {place} in the {word_for_document(device)}"
-    return f"{reference}: {interface.note.rstrip('.')}" if place == _NOTE else reference
+    return f"{reference}: {interface.note.rstrip('.')}" if place == _PLACE_OF_NOTE else reference
 
 
 @lru_cache
@@ -219,7 +219,7 @@ def _interface_texts(device: Device, interface: Interface) -> Iterator[tuple[str
         yield "tables", " ".join([table.title, *table.columns, *first_cells, table.note])
     for connector in device.connectors:
         yield "notes on the connectors", connector.note
-    yield _NOTE, interface.note
+    yield _PLACE_OF_NOTE, interface.note
 
 
 def _with_spaces(name: str) -> str:

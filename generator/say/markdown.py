@@ -13,12 +13,12 @@ from ..model import Source, Sources, cite
 from .plain_text import one_line, text_on_one_line
 from .text import Reference, Style
 
-_MARKS = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})
-_ENTITIES = {ord(mark): f"&#{ord(mark)};" for mark in r"\`*[]|~$"}
+_MARKUP_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})
+_MARKUP_ENTITIES = {ord(mark): f"&#{ord(mark)};" for mark in r"\`*[]|~$"}
 #: An underscore starts emphasis at the edge of a word, but not inside it.
 _EDGE_UNDERSCORE = re.compile(r"(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
 #: Columns of a wrapped paragraph.
-_WIDTH = 132
+_PARAGRAPH_WIDTH = 132
 _BLOCK_START = re.compile(r"^(\d+)([.)])(?=\s|$)|^([-+#=])")
 
 
@@ -29,7 +29,7 @@ def escape(value: object) -> str:
 
 @lru_cache(4096)
 def _escape_markdown(value: str) -> str:
-    return _EDGE_UNDERSCORE.sub(r"\\_", value.translate(_MARKS))
+    return _EDGE_UNDERSCORE.sub(r"\\_", value.translate(_MARKUP_ESCAPES))
 
 
 def code_span(value: object) -> str:
@@ -53,7 +53,7 @@ def _code_span(code_text: str) -> str:
 
 def wrap_markdown(value: str) -> str:
     """Wrap Markdown without code spans, so that no line starts a list, a heading or a rule."""
-    lines = textwrap.wrap(value, _WIDTH, break_long_words=False, break_on_hyphens=False)
+    lines = textwrap.wrap(value, _PARAGRAPH_WIDTH, break_long_words=False, break_on_hyphens=False)
     return "\n".join(_BLOCK_START.sub(_escaped_start, line) for line in lines)
 
 
@@ -89,7 +89,7 @@ _SECTION_NUMBER = re.compile(r"\d+(?![\dx])")
 
 def escape_html(value: object) -> str:
     """Return one line of text for an HTML element or attribute, with Markdown characters escaped as entities."""
-    return escape_xml(text_on_one_line(value)).translate(_ENTITIES)
+    return escape_xml(text_on_one_line(value)).translate(_MARKUP_ENTITIES)
 
 
 def markdown_link(label: str, target: str) -> str:

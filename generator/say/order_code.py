@@ -210,7 +210,7 @@ def bounds(printed_time: Timing) -> str:
     return ", ".join(limit_texts)
 
 
-_ALIGNMENT = {
+_ALIGNMENT_IN_WORDS = {
     "msb_left": "left: the most significant bit comes with the first clock, and zeros follow the word",
     "lsb_right": "right: zeros come before the word",
 }
@@ -219,7 +219,7 @@ REPLIES = {
     "same_word": "each reply is in the same word as its request",
     "next_word": "each reply is in the word after its request",
 }
-_CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}
+_CODING_IN_WORDS = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}
 
 
 #: Effects of requests.
@@ -290,9 +290,9 @@ def _label_and_text(fact: Signals | Alignment | OutputCode | Profile | Descripti
         case Signals(text):
             return "Signals", text
         case Alignment(end):
-            return "Alignment", _ALIGNMENT[end]
+            return "Alignment", _ALIGNMENT_IN_WORDS[end]
         case OutputCode(code):
-            return "Code", _CODE[code]
+            return "Code", _CODING_IN_WORDS[code]
         case Profile(text):
             return "Profile", text
         case DescriptionFile(text):

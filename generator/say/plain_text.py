@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 #: Decimals of a number that has no exact decimal, such as 1/3.
-_ROUNDED = 6
+_ROUNDED_DECIMALS = 6
 
 
 def group_digits(value: int) -> str:
@@ -28,7 +28,7 @@ def decimal(value: Fraction) -> str:
     If the decimals never end, return six of them after ``≈``.
     """
     exact_decimals = _number_of_decimals(value)
-    decimals = _ROUNDED if exact_decimals is None else exact_decimals
+    decimals = _ROUNDED_DECIMALS if exact_decimals is None else exact_decimals
     # As a whole number of the last decimal: 12345 for 1234.5 with one decimal.
     shifted_value = round(abs(value) * 10**decimals)
     whole_number, fraction = divmod(shifted_value, 10**decimals)
@@ -183,13 +183,13 @@ def in_ascii(text: str, replacements: Mapping[str, str]) -> str:
 
 #: Columns of a terminal.
 WIDTH = 80
-_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]+")
+_CONTROL_CHARACTERS = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]+")
 
 
 def one_line(text: object) -> str:
     """Return the text on one line. Control characters, line ends and direction marks become spaces."""
     line = str(text)
-    return line if line.isprintable() else _CONTROL.sub(" ", line)
+    return line if line.isprintable() else _CONTROL_CHARACTERS.sub(" ", line)
 
 
 def text_on_one_line(text: object) -> str:

@@ -48,7 +48,7 @@ from .text import (
     spec_text,
 )
 
-_ACCESS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
+_ACCESS_IN_WORDS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
 #: Phrases for registers and fields that only one party may use.
 USERS = {"maker": "manufacturer"}
 _ABOVE_MAX = {
@@ -58,7 +58,7 @@ _ABOVE_MAX = {
 
 
 def describe_access(register: Register) -> str:
-    return _ACCESS[register.access]
+    return _ACCESS_IN_WORDS[register.access]
 
 
 def head(device: Device, register: Register, name: TextPart) -> Statement:

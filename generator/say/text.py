@@ -12,7 +12,7 @@ from .plain_text import count_with_unit as count_with_unit
 from .plain_text import group_digits as group_digits
 from .plain_text import with_unit as with_unit
 
-_RULE = {"follows_clock": "varies with the clock", "fixed": "fixed"}
+_TIMEOUT_RULE_IN_WORDS = {"follows_clock": "varies with the clock", "fixed": "fixed"}
 #: Verdicts on the position, as clauses.
 VERDICT_CLAUSES = {
     Verdict.NOT_USABLE: "the position is not usable",
@@ -20,7 +20,7 @@ VERDICT_CLAUSES = {
     Verdict.USABLE: "the position is usable",
     Verdict.UNKNOWN: "no bit of this frame confirms that the position is usable",
 }
-_LANGUAGES = {
+_LANGUAGE_NAMES = {
     "de": "German",
     "en": "English",
     "es": "Spanish",
@@ -69,7 +69,7 @@ def timeout_words(timeout: Timeout) -> str:
     Without a number of clock periods, the values in the manual follow.
     """
     if timeout.half_clock_periods is None:
-        rule_and_limits = [_RULE.get(timeout.rule, timeout.rule)]
+        rule_and_limits = [_TIMEOUT_RULE_IN_WORDS.get(timeout.rule, timeout.rule)]
     else:
         rule_and_limits = [f"{timeout.half_clock_periods / 2:g} clock periods"]
     if timeout.typical_ns is not None:
@@ -84,7 +84,7 @@ def timeout_words(timeout: Timeout) -> str:
 
 def language_name(key: str) -> str:
     """Return the name of a language, or its code if there is no name for it."""
-    return _LANGUAGES.get(key, key)
+    return _LANGUAGE_NAMES.get(key, key)
 
 
 def as_sentence(text: str) -> str:

@@ -19,7 +19,7 @@ from ..language.problems import Path as Place
 from ..model import Biss, Device, Manufacturer
 from ..render import Templates
 
-_NAME = re.compile(r"[a-z][a-z0-9_-]*")
+_TARGET_NAME = re.compile(r"[a-z][a-z0-9_-]*")
 
 
 #: Function that returns the part of an output that depends on one device, which its second argument renders.
@@ -191,5 +191,5 @@ class Target:
 
     def __post_init__(self) -> None:
         for name in (self.name, *(option.name for option in self.options)):
-            if not _NAME.fullmatch(name):
+            if not _TARGET_NAME.fullmatch(name):
                 raise ValueError(f"'{name}' cannot name a target or option; use lower-case letters, digits, - and _")

@@ -9,8 +9,8 @@ from functools import cache
 from ..model.record import dataclass
 from .registry import our_runtime
 
-_PROPERTY = re.compile(r"--codewheel-([a-z-]+): (#[0-9a-f]{6});")
-_DARK = "@media (prefers-color-scheme: dark)"
+_COLOUR_PROPERTY = re.compile(r"--codewheel-([a-z-]+): (#[0-9a-f]{6});")
+_DARK_MEDIA_QUERY = "@media (prefers-color-scheme: dark)"
 #: Start of the names of wire colours.
 WIRE = "wire-"
 
@@ -40,5 +40,5 @@ def palette_css() -> str:
 
 @cache
 def palette() -> Palette:
-    light, _, dark = palette_css().partition(_DARK)
-    return Palette(dict(_PROPERTY.findall(light)), dict(_PROPERTY.findall(dark)))
+    light, _, dark = palette_css().partition(_DARK_MEDIA_QUERY)
+    return Palette(dict(_COLOUR_PROPERTY.findall(light)), dict(_COLOUR_PROPERTY.findall(dark)))

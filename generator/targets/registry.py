@@ -165,7 +165,7 @@ def _error_line(error: Exception) -> str:
 
 
 _NOT_ALLOWED = re.compile(r"[^A-Za-z0-9.-]+")
-_LONGEST = 80
+_LONGEST_TEXT = 80
 
 
 def names_of_codes(order_codes: Iterable[str], reserved_names: Iterable[str] = ()) -> list[str]:
@@ -185,15 +185,15 @@ def names_of_codes(order_codes: Iterable[str], reserved_names: Iterable[str] = (
 
 def _unused_file_name(stem: str, used_names: Collection[str]) -> str:
     """Return ``stem``, with a number at its end if it is empty or used already. ``used_names`` are in lower case."""
-    file_name = stem[:_LONGEST]
+    file_name = stem[:_LONGEST_TEXT]
     numbers = count(2)
     while not file_name or file_name.casefold() in used_names:
         suffix = f"-{next(numbers)}"
-        file_name = f"{stem[: _LONGEST - len(suffix)]}{suffix}"
+        file_name = f"{stem[: _LONGEST_TEXT - len(suffix)]}{suffix}"
     return file_name
 
 
-_TEXT = """\
+_LICENCE_TEXT = """\
 Zero-Clause BSD (0BSD)
 
 Permission to use, copy, modify, and/or distribute this software for any purpose with or without fee is hereby granted.
@@ -208,7 +208,7 @@ THIS SOFTWARE.
 
 def licence_in(folder: str) -> dict[str, str]:
     """Return the licence as a file in this folder."""
-    return {f"{folder}/LICENSE": _TEXT}
+    return {f"{folder}/LICENSE": _LICENCE_TEXT}
 
 
 def our_runtime(language: str) -> Path:

@@ -60,7 +60,7 @@ class ByLevels(ABC):
 #: Number of zeros after which a control frame can start, and number of zeros that abort one.
 ZEROS = 14
 #: CRC of control data: x^4 + x + 1, inverted.
-_CRC = Crc(name="control", width=4, poly=0x3, init=0, refin=False, refout=False, xorout=0xF, source=())
+_CONTROL_CRC = Crc(name="control", width=4, poly=0x3, init=0, refin=False, refout=False, xorout=0xF, source=())
 #: Fewest and most clocks by which the start bit is late.
 _CLOCKS_LATE = {"late": (1, 8), "busy": (9, 40)}
 
@@ -224,7 +224,7 @@ class BissLine(ByLevels):
         # CTS = 1 and slave ID 0 in 4 bits, 7 bits of the address, 4 bits of the CRC.
         cts_and_id, address, received_crc = head >> 11, (head >> 4) & 0x7F, head & 0xF
         covered_bits = head >> 4
-        if cts_and_id != 0b1000 or received_crc != compute_bits(_CRC, covered_bits, 11):
+        if cts_and_id != 0b1000 or received_crc != compute_bits(_CONTROL_CRC, covered_bits, 11):
             return 0
         write_bit = yield read_bit
         # The access must be either a read or a write.
@@ -269,7 +269,7 @@ class BissLine(ByLevels):
         byte_and_crc = (byte_and_crc << 1) | cdm
         byte = byte_and_crc >> 4
         received_crc = byte_and_crc & 0xF
-        if received_crc != compute_bits(_CRC, byte, 8):
+        if received_crc != compute_bits(_CONTROL_CRC, byte, 8):
             return cdm, False
         self.encoder.memory.write(address, byte)
         cdm = yield cdm
@@ -278,7 +278,7 @@ class BissLine(ByLevels):
     def _read_byte(self, address: int) -> Generator[int, int, int]:
         """Send the start bit, a byte and its CRC, and return the next CDM bit."""
         byte = self.encoder.memory.read(address) or 0
-        byte_and_crc = (byte << 4) | compute_bits(_CRC, byte, 8)
+        byte_and_crc = (byte << 4) | compute_bits(_CONTROL_CRC, byte, 8)
         cdm = yield 1
         for shift in reversed(range(12)):
             cdm = yield (byte_and_crc >> shift) & 1

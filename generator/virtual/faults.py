@@ -208,8 +208,8 @@ def _parse_fault(interface: str, text: str) -> tuple[str, float]:
 Position = int | Callable[[float], float]
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
-_RAMP = re.compile(rf"ramp:(?P<speed>{_NUMBER})")
-_SINE = re.compile(rf"sine:(?P<frequency>{_NUMBER})(?:Hz)?(?::(?P<amplitude>{_NUMBER})(?P<degrees>deg)?)?")
+_RAMP_TEXT = re.compile(rf"ramp:(?P<speed>{_NUMBER})")
+_SINE_TEXT = re.compile(rf"sine:(?P<frequency>{_NUMBER})(?:Hz)?(?::(?P<amplitude>{_NUMBER})(?P<degrees>deg)?)?")
 
 
 def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) -> Position:
@@ -232,11 +232,11 @@ def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) ->
         return int(text, 0)
     except ValueError:
         pass
-    ramp_match = _RAMP.fullmatch(text)
+    ramp_match = _RAMP_TEXT.fullmatch(text)
     if ramp_match is not None:
         speed = _parse_finite(ramp_match["speed"], text)
         return lambda seconds: speed * seconds
-    sine_match = _SINE.fullmatch(text)
+    sine_match = _SINE_TEXT.fullmatch(text)
     if sine_match is None:
         raise _not_a_position(text)
     frequency = _parse_finite(sine_match["frequency"], text)

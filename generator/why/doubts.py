@@ -23,13 +23,13 @@ READINGS = (
     "if the bytes are swapped",
 )
 #: Name of the position of an encoder whose counts are not known.
-_POSITION = "position"
+_POSITION_NAME = "position"
 
 
 def position_name(device: Device, variant: Variant) -> str:
     """Return the name of the position, which is ``position`` for an encoder without a measurement."""
     measurement = device.measurement_of(variant.interface)
-    return measurement.of if measurement is not None else _POSITION
+    return measurement.of if measurement is not None else _POSITION_NAME
 
 
 def other_positions(

@@ -38,7 +38,7 @@ from ..outputs import report_unfit_parts
 from ..terminal import CommandError
 
 #: Kind of entry for a family whose editions and second reading have no problems.
-_CLEAN = "clean family"
+_CLEAN_ENTRY = "clean family"
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
         CommandError: A target fails. The exit code is 1.
     """
     contents_before = contents(paths)
-    clean_files = {file for file, content in contents_before.items() if cache.get(_CLEAN, content)}
+    clean_files = {file for file, content in contents_before.items() if cache.get(_CLEAN_ENTRY, content)}
     families, report = load_families(paths, cache)
     to_check: list[Family] = []
     for family in families:
@@ -82,7 +82,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
         # A family whose content is unknown is not stored, nor is a family whose files have changed meanwhile.
         is_unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
         if is_unchanged and is_clean(family, report):
-            cache.put(_CLEAN, contents_before[file], True)
+            cache.put(_CLEAN_ENTRY, contents_before[file], True)
     return checked
 
 
@@ -135,8 +135,8 @@ def check_families(
 
 
 #: Kind of entry for a family that may be released.
-_PROVED = "proved family"
-_COLUMNS = ("twice", "explained", "decided", "once", "derived")
+_PROVED_ENTRY = "proved family"
+_COVERAGE_COLUMNS = ("twice", "explained", "decided", "once", "derived")
 _OUT_OF_DATE = "the counts do not match the readings; update them with codewheel check --coverage --write"
 
 
@@ -168,7 +168,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
     report = ProblemReport()
     # Check one family at a time, because a second reading needs as much memory as its spec.
     for family in families:
-        if family.content and cache.get(_PROVED, family.content) is True:
+        if family.content and cache.get(_PROVED_ENTRY, family.content) is True:
             continue
         problem_count_before = len(report)
         check_editions([family], report)
@@ -178,7 +178,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
         is_unchanged = family.content and content_of(family_files(Path(family.document.file))) == family.content
         has_no_new_problem = len(report) == problem_count_before
         if is_unchanged and has_no_new_problem:
-            cache.put(_PROVED, family.content, True)
+            cache.put(_PROVED_ENTRY, family.content, True)
     if report:
         for problem in report.shown:
             print(problem.format(), file=sys.stderr)
@@ -236,7 +236,7 @@ def as_text(covered: Sequence[Coverage], checked: CheckedSpecs) -> str:
     uncovered_names = [name for name in family_names if name not in covered_names]
     lines: list[str] = []
     if covered:
-        lines += ["facts by number of readings (*: two are required)", _table_line("", _COLUMNS)]
+        lines += ["facts by number of readings (*: two are required)", _table_line("", _COVERAGE_COLUMNS)]
         lines += [_table_line(name, astuple(times_read)) for name, times_read in _rows_of_table(covered)]
     if uncovered_names:
         lines.append(f"not read twice: {', '.join(uncovered_names)}")

@@ -11,10 +11,10 @@ from collections.abc import Iterator, Sequence
 from ...say import report as say
 from ...say.notations import DIGITS
 
-_DIGITS = re.compile(r"[0-9A-Fa-f]+")
-_DECIMAL = re.compile(DIGITS["decimal"])
+_HEX_DIGITS = re.compile(r"[0-9A-Fa-f]+")
+_DECIMAL_DIGITS = re.compile(DIGITS["decimal"])
 _ZEROS_AND_ONES = re.compile(r"[01]+")
-_BITS = re.compile(r"0[bB][01]+")
+_BINARY_NUMBER = re.compile(r"0[bB][01]+")
 #: Bits with a prefix, which may be misspelt as b, although all of it are hex digits.
 _PREFIXED_BITS = re.compile(r"0?[bB][01]+")
 
@@ -26,7 +26,7 @@ def with_prefix(text: str, bits: int) -> str:
     words in hex or binary, also without their leading zeros. Other text is returned as it is.
     """
     pieces = text.replace("_", "").split()
-    are_digits = all(_DIGITS.fullmatch(piece) for piece in pieces)
+    are_digits = all(_HEX_DIGITS.fullmatch(piece) for piece in pieces)
     if not are_digits or _PREFIXED_BITS.fullmatch("".join(pieces)):
         return text
     if _ZEROS_AND_ONES.fullmatch("".join(pieces)):
@@ -34,7 +34,7 @@ def with_prefix(text: str, bits: int) -> str:
         return f"0b{digits}" if digits else text
     if len(pieces) == 1:
         # Digits with a letter or a leading zero are not decimal.
-        return text if _DECIMAL.fullmatch(pieces[0]) else f"0x{pieces[0]}"
+        return text if _DECIMAL_DIGITS.fullmatch(pieces[0]) else f"0x{pieces[0]}"
     byte_pieces = with_leading_zeros(pieces)
     are_whole_bytes = all(len(piece) % 2 == 0 for piece in byte_pieces)
     return " ".join(f"0x{piece}" for piece in byte_pieces) if are_whole_bytes else text
@@ -95,7 +95,7 @@ def bits_of_bytes(text: str, bits: int, *, line_carries_bytes: bool) -> str:
     than one byte. It has all bits or, if the line carries bytes, no leading zeros.
     """
     compact_text = text.replace("_", "")
-    has_prefix = _BITS.fullmatch(compact_text) is not None
+    has_prefix = _BINARY_NUMBER.fullmatch(compact_text) is not None
     digits = compact_text[len("0b") :] if has_prefix else compact_text
     if has_prefix and not line_carries_bytes:
         return digits
@@ -114,7 +114,7 @@ def possible_meanings(digits: str, bits: int) -> Iterator[str]:
     rule.
     """
     largest = (1 << bits) - 1
-    if _DECIMAL.fullmatch(digits) and int(digits) <= largest:
+    if _DECIMAL_DIGITS.fullmatch(digits) and int(digits) <= largest:
         yield say.if_decimal(f"0x{int(digits):X}")
     if re.fullmatch(DIGITS["hexadecimal"], digits) and int(digits, 16) <= largest:
         yield say.if_hex(digits)

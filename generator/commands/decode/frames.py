@@ -34,15 +34,15 @@ from .digits import bits_of_bytes, meanings_of_long_number, possible_meanings, w
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis
 
-_HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
-_GAPS = re.compile(r"[\s_]")
-_BITS = re.compile(r"0[bB][01]+")
-_NUMBER = re.compile(r"0[xX][0-9A-Fa-f]+")
+_HEX_NUMBER = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
+_GAPS_IN_NUMBERS = re.compile(r"[\s_]")
+_BINARY_NUMBER = re.compile(r"0[bB][01]+")
+_PREFIXED_HEX = re.compile(r"0[xX][0-9A-Fa-f]+")
 _WHOLE_BYTES = re.compile(r"(?:0x)?((?:[0-9A-F]{2})+)", re.IGNORECASE)
 #: Only a number with its prefix, such as ``0x1F``.
-_BARE = re.compile(r"0[xXbB][0-9A-Fa-f]+")
-_PASTED = tuple((re.compile(pattern), replacement) for pattern, replacement in notations.PASTED)
-_TIME = re.compile(notations.TIME)
+_LONE_PREFIXED_NUMBER = re.compile(r"0[xXbB][0-9A-Fa-f]+")
+_PASTED_FORMS = tuple((re.compile(pattern), replacement) for pattern, replacement in notations.PASTED)
+_TIME_STAMP = re.compile(notations.TIME)
 _ODD_BLANKS = re.compile(notations.ODD_BLANKS)
 #: Faults that a mistake in reading the line, or in the computation of the CRC, may explain.
 _TRANSMISSION_FAULTS = frozenset((Fault.CRC, Fault.LENGTH))
@@ -69,7 +69,7 @@ def frame_lines(lines: Iterable[str]) -> Iterator[FrameLine]:
     for line_number, line in enumerate(lines, 1):
         before_comment, _, _ = _ODD_BLANKS.sub(" ", line).partition("#")
         time_and_frame = before_comment.strip()
-        time = _TIME.match(time_and_frame)
+        time = _TIME_STAMP.match(time_and_frame)
         if time:
             yield FrameLine(number=line_number, time=time[1], text=time_and_frame[time.end() :])
         elif time_and_frame:
@@ -86,10 +86,10 @@ def undecorated(frame_text: str) -> str:
     """
     if len(frame_text) > say_report.LONGEST:
         raise FrameTextError(say_report.TOO_LONG)
-    if _BARE.fullmatch(frame_text):
+    if _LONE_PREFIXED_NUMBER.fullmatch(frame_text):
         return frame_text
     # Brackets, quotes and commas become spaces, ``b`` and ``u`` are removed, ``\x1F`` and ``1Fh`` become ``0x1F``.
-    for pattern, replacement in _PASTED:
+    for pattern, replacement in _PASTED_FORMS:
         frame_text = pattern.sub(replacement, frame_text)
     frame_text = frame_text.strip()
     if not frame_text:
@@ -108,7 +108,7 @@ def frame_bytes(frame_text: str) -> bytes:
     frame = b""
     for piece in with_leading_zeros(frame_text.split()):
         quoted_piece = quoted(visible(piece))
-        if not _HEX.fullmatch(piece):
+        if not _HEX_NUMBER.fullmatch(piece):
             raise FrameTextError(say_report.not_hex(quoted_piece))
         has_prefix = piece[:2] in ("0x", "0X")
         digits = piece[2:] if has_prefix else piece
@@ -157,8 +157,8 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
         FrameTextError: The text has another form.
     """
     prefixed_text = with_prefix(frame_text, placed.bits)
-    without_gaps = _GAPS.sub("", prefixed_text)
-    if _BITS.fullmatch(without_gaps):
+    without_gaps = _GAPS_IN_NUMBERS.sub("", prefixed_text)
+    if _BINARY_NUMBER.fullmatch(without_gaps):
         bits = len(without_gaps) - len("0b")
         return TypedFrame(int(without_gaps, 2), bits, exact=True, written=bits)
     pieces = prefixed_text.split()
@@ -172,7 +172,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
         bits = 4 * (len(without_gaps) - len("0x"))
         if exact and bits // 8 != (placed.bits + 7) // 8:  # Another number of bytes than the layout needs.
             return TypedFrame(int(without_gaps, 16), bits, exact=True, written=bits)
-    if _NUMBER.fullmatch(without_gaps):
+    if _PREFIXED_HEX.fullmatch(without_gaps):
         number = int(without_gaps, 16)
         hex_digits = len(without_gaps) - len("0x")
         return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits, is_bytes=are_bytes)

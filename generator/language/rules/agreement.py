@@ -16,27 +16,27 @@ from .parts import FieldOwner, by_name, constant_width, field_lists, has_erratum
 from .walk import leaves, leaves_of
 
 #: A hexadecimal number in a text.
-_HEX = re.compile(r"\b(?:0x([0-9A-Fa-f]+)|([0-9][0-9A-F]*)h)\b")
+_HEX_IN_TEXT = re.compile(r"\b(?:0x([0-9A-Fa-f]+)|([0-9][0-9A-F]*)h)\b")
 #: Words before a number that is a place and not a value.
-_PLACE = re.compile(r"\b(?:register|address|at)\b", re.IGNORECASE)
+_WORDS_BEFORE_A_PLACE = re.compile(r"\b(?:register|address|at)\b", re.IGNORECASE)
 _BIT = r"\d{1,3}(?::\d{1,3})?"
 #: The place of a field: its highest and its lowest bit, or its only one.
 _FIELD_BITS = re.compile(r"([0-9]{1,4})(?::([0-9]{1,4}))?")
 #: Bits that a sentence calls unused without a condition.
-_UNUSED = re.compile(
+_CALLED_UNUSED = re.compile(
     rf"(?:^|[.;] )bits? ({_BIT}(?:(?:,| and|, and) {_BIT})*) (?:is|are) (?:not used|unused)(?=[.;]|$)", re.IGNORECASE
 )
 #: An access in words. The group is ``read`` or ``write``.
-_ONLY = re.compile(r"\b(?:is|are) (read|write)[ -]only\b")
-_NUMBERS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
-_REQUESTS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.IGNORECASE)
+_ACCESS_IN_WORDS = re.compile(r"\b(?:is|are) (read|write)[ -]only\b")
+_NUMBER_WORDS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_COUNT_OF_REQUESTS = re.compile(rf"\b({'|'.join(_NUMBER_WORDS)}|[1-9]\d?) requests\b", re.IGNORECASE)
 #: Cells of two tables that must agree before one that differs is a mistake.
-_CELLS = 8
+_LEAST_EQUAL_CELLS = 8
 #: Letters that a word needs so that one differing letter is likely a mistake, not another word.
-_LONG = 6
+_LEAST_LETTERS = 6
 #: Longest contents and most tables that are compared. A manual has some 50 entries and 10 tables.
 _MOST_ENTRIES, _MOST_TABLES = 200, 50
-_NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
+_DECIMAL_NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 #: Printed names that are numbers: binary in quotes, hexadecimal as in 0x1F or 0Ah, binary as in 0b01. Plain digits may
 #: be a name.
 _IN_QUOTES = re.compile(r"\"([01]+)\"|'([01]+)'|“([01]+)”")
@@ -112,7 +112,7 @@ def _misspells(printed_name: str, correct_name: str) -> bool:
         return False
     word, correct_word = different_pairs[0]
     differs_only_in_plural = word.rstrip("s") == correct_word.rstrip("s")
-    return len(correct_word) >= _LONG and not differs_only_in_plural and is_typo(word, correct_word)
+    return len(correct_word) >= _LEAST_LETTERS and not differs_only_in_plural and is_typo(word, correct_word)
 
 
 def _printed_names(part: _Printed) -> Iterator[tuple[Path, str]]:
@@ -156,11 +156,13 @@ def check_number_in_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     for field_list in field_lists(spec):
         for field in field_list.fields:
             fixed_numbers = _fixed_numbers(field)
-            if not fixed_numbers or _PLACE.search(field.meaning):
+            if not fixed_numbers or _WORDS_BEFORE_A_PLACE.search(field.meaning):
                 continue
             key, fixed_number = fixed_numbers[0]
             # Of the two groups of the expression, for 0x1F and for 1Fh, one is empty.
-            printed_numbers = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(field.meaning)}
+            printed_numbers = {
+                int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX_IN_TEXT.findall(field.meaning)
+            }
             if len(printed_numbers) == 1 and fixed_number not in printed_numbers:
                 message = (
                     f"the meaning has {printed_numbers.pop():#x}, but {quoted(key)} is {fixed_number:#x}; "
@@ -202,8 +204,8 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     """
     polynomials: dict[str, int] = {}
     top_bit = 1 << width
-    if not _PLACE.search(note):
-        for match in _HEX.finditer(note):
+    if not _WORDS_BEFORE_A_PLACE.search(note):
+        for match in _HEX_IN_TEXT.finditer(note):
             number = int(match[1] or match[2], 16)  # The group for 0x1F or the group for 1Fh is empty.
             is_odd = number & 1 == 1  # Every polynomial of a CRC ends in + 1.
             if is_odd and top_bit < number < 2 * top_bit:
@@ -249,7 +251,7 @@ def _bits_at(at: int | str | None) -> range:
 
 def _unused_bits_in(field_text: str) -> Iterator[int]:
     """Yield the bits that a text calls unused, such as 7, 6 and 2 in ``bits 7:6 and 2 are not used``."""
-    for match in _UNUSED.finditer(field_text):
+    for match in _CALLED_UNUSED.finditer(field_text):
         for high, low in re.findall(r"(\d{1,3})(?::(\d{1,3}))?", match[1]):
             yield from range(int(low or high), int(high) + 1)
 
@@ -281,7 +283,7 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
     """
     registers = by_name(spec.registers)
     is_about_bits = re.search(r"\b(?:bit|field)", erratum.used, re.IGNORECASE) is not None
-    stated_accesses = set(_ONLY.findall(erratum.used))
+    stated_accesses = set(_ACCESS_IN_WORDS.findall(erratum.used))
     if is_about_bits or len(stated_accesses) != 1:
         return
     access = f"{stated_accesses.pop()}_only"
@@ -316,7 +318,7 @@ def check_repeated_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         for text_path, text in leaves(procedure.data):
             if not isinstance(text, str):
                 continue
-            for printed_number in _REQUESTS.findall(text):
+            for printed_number in _COUNT_OF_REQUESTS.findall(text):
                 if _number_of(printed_number) != times:
                     message = (
                         f"the text says {printed_number} requests, but 'times' is {times}; one of the two is wrong"
@@ -326,7 +328,7 @@ def check_repeated_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 def _number_of(cell_text: str) -> int:
     """Return a number in digits, or in words from two to twelve."""
-    return int(cell_text) if cell_text.isdigit() else _NUMBERS.index(cell_text.casefold()) + 2
+    return int(cell_text) if cell_text.isdigit() else _NUMBER_WORDS.index(cell_text.casefold()) + 2
 
 
 def check_repeated_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -361,8 +363,8 @@ class _CellPair:
     @property
     def is_numeric(self) -> bool:
         """Return True if both cells are numbers, or texts with a number that have the same words: ``below 7``."""
-        words = {_NUMBER.sub("", cell) for cell in (self.cell, self.earlier_cell)}
-        return len(words) == 1 and _NUMBER.search(self.cell) is not None
+        words = {_DECIMAL_NUMBER.sub("", cell) for cell in (self.cell, self.earlier_cell)}
+        return len(words) == 1 and _DECIMAL_NUMBER.search(self.cell) is not None
 
 
 def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
@@ -385,7 +387,7 @@ def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
             if is_about_the_same:
                 compared_pairs += pairs
         differing_pairs = _differing_cells(compared_pairs)
-        if len(differing_pairs) == 1 and len(compared_pairs) > _CELLS:
+        if len(differing_pairs) == 1 and len(compared_pairs) > _LEAST_EQUAL_CELLS:
             return differing_pairs[0]
     return None
 

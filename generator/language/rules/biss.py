@@ -23,7 +23,7 @@ from .parts import (
 )
 
 #: Registers with a fixed place in BiSS, by their usual name: address, length, and the place in words.
-_PLACES = {
+_STANDARD_REGISTERS = {
     "eds_bank": (0x41, 1, "at 41h"),
     "profile_id": (0x42, 2, "at 42h and 43h"),
     "serial_number": (0x44, 4, "at 44h to 47h"),
@@ -33,12 +33,12 @@ _PLACES = {
 _BANK_SELECT = (0x40, 1, "at 40h")
 
 #: Names of nE and nW in specs.
-_FLAGS = {"error", "warning"}
+_ERROR_AND_WARNING = {"error", "warning"}
 #: Widths of the parts of a control frame, and the two access directions.
-_WIDTHS = {"register_address": 7, "address": 7, "rw": 2, "data": 8}
-_DIRECTIONS = {"write": 0b01, "read": 0b10}
+_CONTROL_FRAME_WIDTHS = {"register_address": 7, "address": 7, "rw": 2, "data": 8}
+_ACCESS_BITS = {"write": 0b01, "read": 0b10}
 #: Widths of the usual CRCs of BiSS, by the number that inverts them.
-_INVERTED = {0x3F: 6, 0xFFFF: 16}
+_CRC_WIDTH_BY_XOROUT = {0x3F: 6, 0xFFFF: 16}
 
 
 def check_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -49,7 +49,7 @@ def check_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     for register in spec.registers:
         name = register.name
         selects_banks = name == bank_select(spec)
-        fixed_place = _BANK_SELECT if selects_banks else _PLACES.get(name)
+        fixed_place = _BANK_SELECT if selects_banks else _STANDARD_REGISTERS.get(name)
         is_in_bank = register.bank is not None
         if fixed_place is None or interface_of(register) != Biss.name or (is_in_bank and not selects_banks):
             continue
@@ -76,7 +76,7 @@ def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     """
     for register in spec.registers:
         name = register.name
-        has_fixed_name = name in _PLACES or name == bank_select(spec)
+        has_fixed_name = name in _STANDARD_REGISTERS or name == bank_select(spec)
         if interface_of(register) != Biss.name or register.bank is not None or has_fixed_name:
             continue
         fixed_name = _taken_place(register)
@@ -86,7 +86,7 @@ def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         last_address = register.address + register.length - 1
         is_one_byte = first_address == last_address
         address_text = f"at {first_address:02X}h" if is_one_byte else f"at {first_address:02X}h to {last_address:02X}h"
-        _, _, fixed_place_text = _PLACES[fixed_name]
+        _, _, fixed_place_text = _STANDARD_REGISTERS[fixed_name]
         problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {fixed_place_text}"
         remedy = (
             f"correct the address, or rename the register to {quoted(fixed_name)} if that is the one you mean. If"
@@ -103,7 +103,7 @@ def _taken_place(register: WrittenRegister) -> str | None:
     """
     first_address = register.address
     end_address = register.address + register.length
-    for fixed_name, (fixed_first, length, _) in _PLACES.items():
+    for fixed_name, (fixed_first, length, _) in _STANDARD_REGISTERS.items():
         fixed_end = fixed_first + length
         overlaps = first_address < fixed_end and fixed_first < end_address
         is_inside = fixed_first <= first_address and end_address <= fixed_end
@@ -118,7 +118,7 @@ def check_biss_byte_order(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     """Check that registers fixed by BiSS have their most significant byte first, unless an erratum explains it."""
     for register in spec.registers:
         name = register.name
-        if name not in _PLACES or interface_of(register) != Biss.name or register.bank is not None:
+        if name not in _STANDARD_REGISTERS or interface_of(register) != Biss.name or register.bank is not None:
             continue
         is_low_byte_first = register.byte_order == "low_byte_first"
         if is_low_byte_first and not has_erratum_at(report.document, "registers", name, "byte_order"):
@@ -141,7 +141,7 @@ def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
         if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
             continue
         sent_fields = list(with_groups_expanded(frame, groups))
-        if _FLAGS.isdisjoint(field.name for _, field in sent_fields):
+        if _ERROR_AND_WARNING.isdisjoint(field.name for _, field in sent_fields):
             continue
         frame_path = f"interfaces.{Biss.name}.{layout.name}"
         faults = [
@@ -171,7 +171,7 @@ def _field_faults(sent_fields: SentFields, crcs: Mapping[str, LocatedPart[Crc]],
     """Yield the errors of single fields of a frame: nE or nW active high, ``crc_of``, and the numbers of the CRC."""
     for path, field in sent_fields:
         name = field.name
-        if name in _FLAGS and field.active == "high":
+        if name in _ERROR_AND_WARNING and field.active == "high":
             problem = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
             yield _Fault((*path, "active"), f"{frame_path}.{name}.active", problem)
         if field.crc_of:
@@ -206,8 +206,8 @@ def _late_positions(sent_fields: SentFields, positions: set[str], frame_path: st
     for path, field in sent_fields:
         name = field.name
         if first_flag is None:
-            first_flag = name if name in _FLAGS else None  # Fields before the first flag are in order.
-        elif name in positions and name not in _FLAGS:
+            first_flag = name if name in _ERROR_AND_WARNING else None  # Fields before the first flag are in order.
+        elif name in positions and name not in _ERROR_AND_WARNING:
             problem = f"{quoted(name)} is after {quoted(first_flag)}, but BiSS sends the position before nE and nW"
             yield _Fault(path, f"{frame_path}.{name}", f"{problem}; move it before {quoted(first_flag)}")
             return
@@ -215,7 +215,7 @@ def _late_positions(sent_fields: SentFields, positions: set[str], frame_path: st
 
 def _inverts_another_width(crc: Crc) -> str:
     """Return the message about a CRC whose ``xorout`` inverts 6 or 16 bits, but not all bits of its width."""
-    inverted_bits = _INVERTED[crc.xorout]
+    inverted_bits = _CRC_WIDTH_BY_XOROUT[crc.xorout]
     width = crc.width
     problem = (
         f"the CRC {quoted(crc.name)} has 'width' {width}, but its 'xorout' {crc.xorout:#x} inverts {inverted_bits} bits"
@@ -237,7 +237,7 @@ def _crc_faults(located_crc: LocatedPart[Crc]) -> Iterator[tuple[str, str]]:
     is_valid = 0 < crc.width <= 64 and located_crc.is_valid("xorout")
     # A larger number is reported as too wide.
     if is_valid and crc.xorout < _all_ones(crc.width):
-        if crc.xorout in _INVERTED:
+        if crc.xorout in _CRC_WIDTH_BY_XOROUT:
             yield "xorout", _inverts_another_width(crc)
         else:
             value = f"{crc.xorout:#x}" if crc.xorout else "0"
@@ -260,7 +260,7 @@ def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: Document
     interface = spec.interfaces.biss
     control_data = interface.control_data if interface is not None else None
     for field in control_data.fields if control_data is not None else ():
-        width = _WIDTHS.get(field.name)
+        width = _CONTROL_FRAME_WIDTHS.get(field.name)
         if width is not None and isinstance(field.bits, int) and field.bits != width:
             message = f"{quoted(field.name)} has {field.bits} bits; in the BiSS control frame it has {width}"
             report.add("biss-protocol", field.place_of("bits"), message)
@@ -286,6 +286,6 @@ def _is_control_crc(crc: LocatedPart[Crc]) -> bool:
 def _check_directions(field: WrittenField, report: DocumentReport) -> None:
     """Check that ``write`` is 01 and ``read`` is 10 in the field of a control frame that selects one of them."""
     for name, value in field.values.items():
-        if name in _DIRECTIONS and value.value != _DIRECTIONS[name]:
+        if name in _ACCESS_BITS and value.value != _ACCESS_BITS[name]:
             problem = f"{quoted(name)} is {value.value:02b}; in the BiSS control frame, 01 means write and 10"
             report.add("biss-protocol", value.place_of("value"), f"{problem} means read")

@@ -25,7 +25,7 @@ from .parts import (
 )
 
 #: Words in the name of a flag that signals an error. BiSS calls it nE.
-_ERROR = re.compile(r"(?<![A-Za-z])(?:nE|n?Err|(?i:errors?|faults?|failures?))(?![A-Za-z])")
+_ERROR_WORDS = re.compile(r"(?<![A-Za-z])(?:nE|n?Err|(?i:errors?|faults?|failures?))(?![A-Za-z])")
 #: Words before such a word that say the opposite.
 _NO_ERROR = re.compile(r"(?i:\b(?:no|not|without|free)\b)")
 
@@ -80,7 +80,7 @@ def report_usable_values(field: WrittenField, report: DocumentReport) -> None:
 def names_error(field_name: str, printed_name: str) -> bool:
     """Return True if the name of a flag or value, or its name in the manual, says that it is an error."""
     texts = (field_name.replace("_", " "), printed_name)
-    return any(_ERROR.search(text) and not _NO_ERROR.search(text) for text in texts)
+    return any(_ERROR_WORDS.search(text) and not _NO_ERROR.search(text) for text in texts)
 
 
 def check_flag_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -127,10 +127,10 @@ def _with_groups(fields: FieldList, spec: WrittenSpec) -> Iterator[WrittenField]
             yield field
 
 
-_FLAG = re.compile(r"(?:n_?)?(?:e|w|err|error|fault|failure|warn|warning|alarm)(?:_(?:bit|flag))?")
-_PARITY = re.compile(r"(?:(?:even|odd)_)?(?:par|parity)(?:_bit)?")
+_FLAG_NAME = re.compile(r"(?:n_?)?(?:e|w|err|error|fault|failure|warn|warning|alarm)(?:_(?:bit|flag))?")
+_PARITY_NAME = re.compile(r"(?:(?:even|odd)_)?(?:par|parity)(?:_bit)?")
 #: The only keys of a field that is just a number. Every other key says how the bit is used.
-_PLAIN = frozenset(("name", "printed_name", "names", "bits", "at", "meaning", "source"))
+_KEYS_OF_PLAIN_NUMBER = frozenset(("name", "printed_name", "names", "bits", "at", "meaning", "source"))
 
 
 def check_plain_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -145,14 +145,14 @@ def check_plain_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             continue
         for field in field_list.fields:
             name = field.name
-            is_plain_bit = _width_of_field(field) == 1 and _PLAIN.issuperset(field.data)
+            is_plain_bit = _width_of_field(field) == 1 and _KEYS_OF_PLAIN_NUMBER.issuperset(field.data)
             if not is_plain_bit or _is_fixed(field_list, name):
                 continue
             problem = f"{quoted(name)} is a plain number, so decoders ignore it"
-            if _PARITY.fullmatch(name):
+            if _PARITY_NAME.fullmatch(name):
                 remedy = "write 'parity_of: [FIELDS]' instead of 'bits: 1', or add a 'note' that it is not a parity bit"
                 report.add("plain-bit", field.path, f"{problem}; {remedy}")
-            elif _FLAG.fullmatch(name):
+            elif _FLAG_NAME.fullmatch(name):
                 remedy = (
                     "write 'active: high' or 'active: low' instead of 'bits: 1', or add a 'note' that it is not a flag"
                 )
@@ -171,10 +171,10 @@ def _width_of_field(field: WrittenField) -> int | str | None:
     return 1 if is_at_one_bit else field.bits
 
 
-_GRAY = re.compile(r"\bGray\b", re.IGNORECASE)
+_GRAY_WORD = re.compile(r"\bGray\b", re.IGNORECASE)
 #: Gray can also be a colour, except in the meaning of an interface.
 _GRAY_CODE = re.compile(r"\bGray[ -]code\b", re.IGNORECASE)
-_BINARY = re.compile(r"\bbinary\b", re.IGNORECASE)
+_BINARY_WORD = re.compile(r"\bbinary\b", re.IGNORECASE)
 #: Placeholder for the name of the position in a message.
 _UNKNOWN_POSITION = "POSITION"
 
@@ -254,9 +254,9 @@ def _names_gray(code_value: WrittenCodeValue) -> bool:
 
     If the value selects no interface, "Gray" alone may be a colour.
     """
-    gray_pattern = _GRAY if code_value.interface else _GRAY_CODE
+    gray_pattern = _GRAY_WORD if code_value.interface else _GRAY_CODE
     says_gray = gray_pattern.search(code_value.meaning) is not None
-    says_binary = _BINARY.search(code_value.meaning) is not None
+    says_binary = _BINARY_WORD.search(code_value.meaning) is not None
     return says_gray and not says_binary
 
 

@@ -13,13 +13,13 @@ from ..written_parts import WrittenSpec
 from .parts import layouts_of_interfaces
 
 #: Names of interfaces in manuals, without RS-485, which is also the name of the signals.
-_INTERFACES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
+_INTERFACE_NAMES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
 _ANY_INTERFACE = re.compile(r"\bSSI\b|\bBiSS\b|\bRS-?485\b", re.IGNORECASE)
 
 #: A length, perhaps as a quotient, and a voltage: one with its tolerance, or two.
 _DECIMAL = r"[0-9]{1,3}(?:,[0-9]{3})+|[0-9]+(?:\.[0-9]+)?"
-_LENGTH = re.compile(rf"(?<![\d.,/])(?:({_DECIMAL}) ?/ ?)?({_DECIMAL}) ?(mm|[µμ]m|nm)\b(?!/)")
-_NANOMETRES = {
+_LENGTH_IN_TEXT = re.compile(rf"(?<![\d.,/])(?:({_DECIMAL}) ?/ ?)?({_DECIMAL}) ?(mm|[µμ]m|nm)\b(?!/)")
+_NANOMETRES_PER_UNIT = {
     **dict.fromkeys(("nm", "nanometres", "nanometers"), 1),
     **dict.fromkeys(("µm", "μm", "um", "micrometres", "micrometers"), 1000),
     **dict.fromkeys(("mm", "millimetres", "millimeters"), 1_000_000),
@@ -65,7 +65,7 @@ def _check_lengths(code_value: WrittenCodeValue, says: str, as_read: WrittenSpec
     for name, number in code_value.sets.items():
         # ``as_read`` also contains the parameters that ``spec`` lacks as invalid.
         unit = as_read.parameters[name].unit if name in as_read.parameters else ""
-        if unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
+        if unit in _NANOMETRES_PER_UNIT and number * _NANOMETRES_PER_UNIT[unit] not in lengths:
             first_length, *_ = lengths.values()
             message = f"{says} {first_length}, but {quoted(name)} is {number} {unit}{MEANING_DIFFERS}"
             report.add("meaning-mismatch", (*code_value.path, "sets", name), message)
@@ -90,9 +90,9 @@ def _lengths_named(meaning: str) -> dict[Fraction, str]:
     A quotient such as ``20/1024 mm`` represents its result and also its dividend, 20 mm.
     """
     lengths = {}
-    for dividend, number, unit in _LENGTH.findall(meaning):
+    for dividend, number, unit in _LENGTH_IN_TEXT.findall(meaning):
         plain_number = Fraction(number.replace(",", ""))
-        nanometres = _NANOMETRES[unit]
+        nanometres = _NANOMETRES_PER_UNIT[unit]
         if dividend:
             text = f"{dividend}/{number} {unit}"
             whole_length = Fraction(dividend.replace(",", "")) * nanometres
@@ -157,7 +157,7 @@ def check_named_interface(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             interface_names = {word.upper().replace("RS485", "RS-485") for word in interface_words}
             if len(interface_names) != 1 or value.interface is None:
                 continue
-            named_kinds = [kind for kind, pattern in _INTERFACES.items() if pattern.search(value.meaning)]
+            named_kinds = [kind for kind, pattern in _INTERFACE_NAMES.items() if pattern.search(value.meaning)]
             if named_kinds and value.interface != named_kinds[0]:
                 name = interface_names.pop().replace("BISS", "BiSS")
                 problem = f"the meaning of {quoted(label)} mentions {name}, but the value selects {value.interface}"

@@ -15,18 +15,18 @@ from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 
 #: Contacts without a signal.
-_FREE = re.compile(
+_UNCONNECTED_SIGNAL = re.compile(
     r"(?:not (?:to be )?(?:connected|used)|unused|reserved|n\.? ?c\.?|do not connect|free|[-–—])", re.IGNORECASE
 )
 #: Signals that several contacts may have: supplies, grounds and shields.
-_SHARED = re.compile(
+_SHAREABLE_SIGNAL = re.compile(
     r"(?<![A-Za-z])"
     r"(?:\d*(?:[.,]\d+)? ?V(?:dc|b|cc|dd|in|s)?|ground|gnd|earth|pe|shield|screen|braid|case|housing|supply)"
     r"(?![A-Za-z])",
     re.IGNORECASE,
 )
 _IN_PARENTHESES = re.compile(r"\(([^()]*)\)")
-_SIGNS = {"+": "-", "-": "+"}
+_OPPOSITE_SIGN = {"+": "-", "-": "+"}
 #: Index in the list and number of each numbered contact.
 Numbered = Sequence[tuple[int, int]]
 
@@ -53,7 +53,7 @@ class _Contact:
 
     @property
     def is_shared(self) -> bool:
-        return _SHARED.search(self.signal) is not None
+        return _SHAREABLE_SIGNAL.search(self.signal) is not None
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,7 @@ def _collect_connectors(spec: WrittenSpec) -> list[_Connector]:
     for located in spec.connectors:
         contacts: list[_Contact] = []
         for index, contact in enumerate(located.part.contacts):
-            if not _FREE.fullmatch(contact.signal.strip()):
+            if not _UNCONNECTED_SIGNAL.fullmatch(contact.signal.strip()):
                 path = (*located.path, "contacts", index)
                 contacts.append(_Contact(path, contact.contact, contact.signal, contact.only))
         connectors.append(_Connector(located, tuple(contacts)))
@@ -219,8 +219,8 @@ def partner_of(signal_name: str, has_inverted: bool) -> str:
     an inverted line.
     """
     sign = signal_name[-1:]
-    if len(signal_name) > 1 and sign in _SIGNS:
-        return signal_name[:-1] + _SIGNS[sign]
+    if len(signal_name) > 1 and sign in _OPPOSITE_SIGN:
+        return signal_name[:-1] + _OPPOSITE_SIGN[sign]
     if signal_name.startswith("/"):
         return signal_name[1:]
     is_single_letter = re.fullmatch("[A-Za-z]", signal_name) is not None
@@ -232,7 +232,7 @@ def signal_names(signal: str) -> list[str]:
 
     A contact that is free has none.
     """
-    if _FREE.fullmatch(signal.strip()):
+    if _UNCONNECTED_SIGNAL.fullmatch(signal.strip()):
         return []
     # Only the names are needed, so the contact has no place, name or order codes.
     return [name.casefold() for name in _Contact((), "", signal, "").names]

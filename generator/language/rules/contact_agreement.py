@@ -17,16 +17,18 @@ from .parts import has_erratum_at
 
 _COLOURS = "white|black|brown|green|yellow|grey|gray|pink|blue|red|violet|orange|purple"
 #: A wire with one colour or two: ``White``, ``Brown_Green``.
-_WIRE = re.compile(rf"(?:{_COLOURS})(?:[-_/ ](?:{_COLOURS}))?", re.IGNORECASE)
-_SHIELD = re.compile(r"shield|screen|braid|drain", re.IGNORECASE)
+_WIRE_COLOURS = re.compile(rf"(?:{_COLOURS})(?:[-_/ ](?:{_COLOURS}))?", re.IGNORECASE)
+_SHIELD_WORDS = re.compile(r"shield|screen|braid|drain", re.IGNORECASE)
 #: Lines that only one interface has, by the names that its standard gives them.
-_LINES = {"biss": frozenset(("ma+", "ma-", "slo+", "slo-")), "rs485": frozenset(("rs-485",))}
+_LINES_OF_INTERFACES = {"biss": frozenset(("ma+", "ma-", "slo+", "slo-")), "rs485": frozenset(("rs-485",))}
 #: A connector and a cable for the same interface.
 _Connection = tuple[LocatedPart[Connector], LocatedPart[Connector]]
 #: Connectors and cables that are compared, and all with the same titles.
 _MOST_CONNECTORS, _MOST_CONNECTIONS = 100, 10
 #: The statement of a note that explains the order of a pair.
-_STATEMENT = re.compile(r"(?P<first>[\w/ ]+?(?: ?[+-])?) is on a lower contact than (?P<second>[\w/ ]+(?: ?[+-])?)")
+_PAIR_ORDER_NOTE = re.compile(
+    r"(?P<first>[\w/ ]+?(?: ?[+-])?) is on a lower contact than (?P<second>[\w/ ]+(?: ?[+-])?)"
+)
 
 
 class _Pair(NamedTuple):
@@ -59,11 +61,11 @@ def check_kinds_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     for connector in spec.connectors:
         for index, contact in enumerate(connector.part.contacts):
             path = (*connector.path, "contacts", index)
-            if connector.part.kind == "connector" and _WIRE.fullmatch(contact.contact):
+            if connector.part.kind == "connector" and _WIRE_COLOURS.fullmatch(contact.contact):
                 message = f"{quoted(contact.contact)} is the colour of a wire, but the kind is 'connector'"
                 report.add("contact-kind", (*connector.path, "kind"), f"{message}; write 'kind: cable'")
                 break
-            if _SHIELD.fullmatch(contact.contact) and not _SHIELD.search(contact.signal):
+            if _SHIELD_WORDS.fullmatch(contact.contact) and not _SHIELD_WORDS.search(contact.signal):
                 message = f"the contact is a shield, but its signal is {quoted(contact.signal)}; correct one of the two"
                 report.add("contact-kind", (*path, "signal"), message)
 
@@ -85,14 +87,14 @@ def check_numbered_cables(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 
 def _is_case(contact_name: str) -> bool:
-    return contact_name.casefold() in ("case", "housing", "shell") or _SHIELD.fullmatch(contact_name) is not None
+    return contact_name.casefold() in ("case", "housing", "shell") or _SHIELD_WORDS.fullmatch(contact_name) is not None
 
 
 def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a connector with a line that only one interface has, such as ``MA +``, is for this interface."""
     for connector in spec.connectors:
         names = {name for contact in connector.part.contacts for name in signal_names(contact.signal)}
-        for interface, lines in _LINES.items():
+        for interface, lines in _LINES_OF_INTERFACES.items():
             has_interface = getattr(spec.interfaces, interface) is not None
             # A connector that lists no interfaces is for all of them.
             is_missing = bool(connector.part.interfaces) and interface not in connector.part.interfaces
@@ -241,7 +243,7 @@ def _stated_pairs(
 
     For "MA - is on a lower contact than MA +", these are the indices of the two contacts, such as ``{2, 3}``.
     """
-    for match in _STATEMENT.finditer(connector.part.note):
+    for match in _PAIR_ORDER_NOTE.finditer(connector.part.note):
         names = [_last_line(match[key], indexes) for key in ("first", "second")]
         if not all(names):
             continue

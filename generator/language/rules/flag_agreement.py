@@ -15,9 +15,9 @@ from ..written_parts import WrittenSpec
 from .parts import FieldList, FieldOwner, by_name, field_lists, interface_of, owner_of_alarm, position_names
 
 #: A level in a text of a flag.
-_LEVEL = re.compile(r"\b(?:[01]|low|high)\b", re.IGNORECASE)
+_LEVEL_IN_TEXT = re.compile(r"\b(?:[01]|low|high)\b", re.IGNORECASE)
 #: Number of flags with the same level from which another one in the same register is suspicious.
-_SEVERAL = 4
+_LEAST_FLAGS_OF_A_LEVEL = 4
 #: Number of flags of a group from which one that no other flag combines is suspicious.
 _FLAGS_OF_GROUP = 4
 
@@ -36,7 +36,12 @@ def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             continue  # All flags have the same level, or there are none.
         (usual_level, usual_count), (_, rarer_count) = levels.most_common()
         for flag in flags:
-            if rarer_count == 1 and usual_count >= _SEVERAL and flag.active != usual_level and not _gives_level(flag):
+            if (
+                rarer_count == 1
+                and usual_count >= _LEAST_FLAGS_OF_A_LEVEL
+                and flag.active != usual_level
+                and not _gives_level(flag)
+            ):
                 message = (
                     f"{quoted(flag.name)} is active {flag.active}, but the other {usual_count} flags of"
                     f" {quoted(field_list.name)} are active {usual_level}; correct it, or say in its 'meaning' that it"
@@ -50,7 +55,7 @@ def _gives_level(flag: WrittenField) -> bool:
     if flag.name.startswith("not_"):
         return True
     texts = (flag.meaning, flag.note, flag.when_active, flag.when_inactive)
-    return any(_LEVEL.search(text) for text in texts)
+    return any(_LEVEL_IN_TEXT.search(text) for text in texts)
 
 
 def check_repeated_flags(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -182,7 +187,7 @@ def _mentions_word(text: str, word: str) -> bool:
 
 
 #: Verdicts in order, with the most severe one last.
-_SEVERITIES = ("usable", "usable_with_warning", "not_usable")
+_VERDICTS_BY_SEVERITY = ("usable", "usable_with_warning", "not_usable")
 
 
 def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -193,11 +198,11 @@ def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     for field_list in field_lists(spec):
         for flag in field_list.fields:
             verdicts = [flags[name].makes_position for name in flag.sums_up if name in flags]
-            all_have_verdict = all(verdict in _SEVERITIES for verdict in (flag.makes_position, *verdicts))
+            all_have_verdict = all(verdict in _VERDICTS_BY_SEVERITY for verdict in (flag.makes_position, *verdicts))
             if not verdicts or not all_have_verdict:
                 continue
-            most_severe = max(verdicts, key=_SEVERITIES.index)
-            if _SEVERITIES.index(flag.makes_position) < _SEVERITIES.index(most_severe):
+            most_severe = max(verdicts, key=_VERDICTS_BY_SEVERITY.index)
+            if _VERDICTS_BY_SEVERITY.index(flag.makes_position) < _VERDICTS_BY_SEVERITY.index(most_severe):
                 message = (
                     f"{quoted(flag.name)} makes the position {flag.makes_position}, but the most severe of the flags"
                     f" that it combines makes it {most_severe}; correct one of them"
@@ -265,13 +270,15 @@ def _explaining_registers(spec: WrittenSpec) -> Iterator[str]:
 _KEYS_OF_WRITABLE = ("default", "min", "max", "meanings", "opened_by", "clears_itself", "write_clears")
 
 
-_RETURNS = re.compile(r"\bautomatically returns to 0|\breturns to 0+h? (?:automatically|by itself)", re.IGNORECASE)
+_RETURNS_BY_ITSELF = re.compile(
+    r"\bautomatically returns to 0|\breturns to 0+h? (?:automatically|by itself)", re.IGNORECASE
+)
 
 
 def check_returning_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register that returns to 0 in its note clears itself."""
     for register in spec.registers:
-        if _RETURNS.search(register.note) and not register.clears_itself:
+        if _RETURNS_BY_ITSELF.search(register.note) and not register.clears_itself:
             message = "the note says that the register returns to 0; write 'clears_itself: true', or correct the note"
             key = "clears_itself" if register.has("clears_itself") else "name"
             report.add("words-contradict", register.place_of(key), message)

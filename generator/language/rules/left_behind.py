@@ -20,15 +20,15 @@ _NUMBER = r"(?P<number>0[xX][0-9A-Fa-f]+|[0-9][0-9A-F]*h\b|[0-9]+(?![0-9A-Fa-f]*
 #: The start value of a CRC in words, unless the sentence restricts it.
 _START_VALUE = re.compile(rf"\bstart value (?:is |of )?{_NUMBER}(?! unless)", re.IGNORECASE)
 #: The default of a register in words.
-_DEFAULT = re.compile(rf"\bdefault (?:value )?(?:is |of ){_NUMBER}(?! unless)", re.IGNORECASE)
+_DEFAULT_IN_TEXT = re.compile(rf"\bdefault (?:value )?(?:is |of ){_NUMBER}(?! unless)", re.IGNORECASE)
 #: Words in the name of an example that shows the factory default of a register.
 _AS_DELIVERED = frozenset(("default", "defaults", "delivered"))
 #: Parts of an order code that a text leaves open, and its tail.
 _LEFT_OPEN = re.compile(r"x+|\.{2,3}|…|_+|\*")
-_TAIL = re.compile(r"(?:[-/]?(?:\.{2,3}|…)|[-/])*")
+_TAIL_OF_LABEL = re.compile(r"(?:[-/]?(?:\.{2,3}|…)|[-/])*")
 #: Least number of letters with which an order code begins to be found in a text.
 _SHORTEST_START = 3
-_BRACES = re.compile(r"\{(\w+)\}")
+_NAME_IN_BRACES = re.compile(r"\{(\w+)\}")
 
 
 #: Numbers by the names of their registers or CRCs. None if the spec does not give one.
@@ -53,7 +53,7 @@ def check_defaults(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
     defaults = {name: register.default for name, register in registers.items()}
     for erratum in spec.errata:
         affected = _collect_affected(erratum, "registers", defaults, "default")
-        _check_words(erratum.place_of("used"), erratum.used, _DEFAULT, "default", affected, report)
+        _check_words(erratum.place_of("used"), erratum.used, _DEFAULT_IN_TEXT, "default", affected, report)
     for example in spec.examples:
         register = registers.get(example.register)
         if register is not None and _shows_default(example):
@@ -202,7 +202,7 @@ def _common_start(texts: Sequence[str]) -> str:
 
 
 #: Keys of texts about the encoder. Titles and reasons of errata may quote another order code.
-_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source", "alignment_source", "output_code_source"}
+_TEXT_KEYS = (PROSE | {"used"}) - {"title", "why", "changes", "source", "alignment_source", "output_code_source"}
 #: Sections whose texts may name other order codes.
 _SECTIONS_WITH_OTHER_CODES = frozenset(("documents", "manual", "order_code", "editions", "evidence"))
 
@@ -214,7 +214,7 @@ def _is_text_about_own_codes(path: Path) -> bool:
         return False
     is_cell_of_table = section == "tables" and "rows" in path
     is_value_of_characteristic = (section, key) == ("characteristics", "value")
-    return is_cell_of_table or is_value_of_characteristic or key in _TEXTS
+    return is_cell_of_table or is_value_of_characteristic or key in _TEXT_KEYS
 
 
 def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[str] | None]]:
@@ -225,7 +225,9 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
     no labels or an empty label, or is open with an invalid expression. The text is not checked from there on.
     """
     parts = by_name(order_code.parts)
-    literals_and_names = _BRACES.split(order_code.pattern)  # Literals are at even indices, names at odd indices.
+    literals_and_names = _NAME_IN_BRACES.split(
+        order_code.pattern
+    )  # Literals are at even indices, names at odd indices.
     pieces: list[tuple[str, re.Pattern[str] | None]] = []
     for index in range(1, len(literals_and_names), 2):
         part = parts.get(literals_and_names[index])
@@ -252,7 +254,7 @@ def _unknown_label(order_code_text: str, pieces: Sequence[tuple[str, re.Pattern[
     """
     is_left_open = False
     for literal, expression in pieces:
-        if _TAIL.fullmatch(order_code_text) or expression is None:
+        if _TAIL_OF_LABEL.fullmatch(order_code_text) or expression is None:
             return ""
         if not order_code_text.startswith(literal):
             if is_left_open:

@@ -28,16 +28,16 @@ from ..written_masters import (
 )
 
 #: Names of all items of a record, which describes an encoder for a master.
-_ITEMS = (*WORDS, *NUMBERS)
-_KINDS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
-_WRITING = ("needs", "after", "then", "takes_effect")
-_PLACES = ("index", "symbol", "register", "address", "where")
+_ITEM_NAMES = (*WORDS, *NUMBERS)
+_KINDS_OF_SETTINGS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
+_KEYS_OF_WRITING = ("needs", "after", "then", "takes_effect")
+_KEYS_OF_PLACES = ("index", "symbol", "register", "address", "where")
 #: Keys of a place whose values can be lists, with one entry for each channel.
 _PER_CHANNEL = ("index", "subindex", "symbol", "register", "address")
 _FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
 #: A bit number, or the highest and the lowest bit of a range, such as 7:6.
-_BITS = re.compile(r"[0-9]{1,3}(:[0-9]{1,3})?")
-_BRACES = re.compile(r"\{([^{}]*)\}")
+_BIT_RANGE = re.compile(r"[0-9]{1,3}(:[0-9]{1,3})?")
+_ITEM_IN_BRACES = re.compile(r"\{([^{}]*)\}")
 
 
 class _CitedPart(WrittenPart):
@@ -66,7 +66,7 @@ def check_master(master_data: dict[str, object], report: DocumentReport) -> None
         for place in cited_part.places:
             _check_place(place, master, report)
     for note in master.notes:
-        _check_braces(note.text, _ITEMS, note.place_of("text"), report)
+        _check_braces(note.text, _ITEM_NAMES, note.place_of("text"), report)
     for index, setting in enumerate(master.settings):
         _check_setting(setting, _written_setting(index, report), report)
     _check_writing(master, report)
@@ -125,15 +125,15 @@ def _check_source(source_text: str, path: Path, master: WrittenMaster, report: D
             )
 
 
-def _is_item(item_name: str, path: Path, report: DocumentReport, valid_items: tuple[str, ...] = _ITEMS) -> bool:
+def _is_item(item_name: str, path: Path, report: DocumentReport, valid_items: tuple[str, ...] = _ITEM_NAMES) -> bool:
     """Return True if ``item_name`` is one of the valid items of a record, otherwise report it.
 
     A record describes an encoder for a master. Its items are words and numbers.
     """
     if item_name in valid_items:
         return True
-    hint = "; it is a word, not a number" if item_name in _ITEMS else suggest_word(item_name, valid_items)
-    noun = "number" if valid_items is not _ITEMS else "item"
+    hint = "; it is a word, not a number" if item_name in _ITEM_NAMES else suggest_word(item_name, valid_items)
+    noun = "number" if valid_items is not _ITEM_NAMES else "item"
     report.add("undefined-reference", path, f"the record has no {noun} {quoted(item_name)}{hint}")
     return False
 
@@ -189,14 +189,14 @@ def _check_setting(setting: WrittenSetting, as_written: WrittenSetting, report: 
 
     The kinds are counted in the setting as written, so that an invalid value is not reported as missing.
     """
-    _check_braces(setting.name, _ITEMS, setting.place_of("name"), report)
-    _check_braces(setting.at, _ITEMS, setting.place_of("at"), report)
-    kinds = [kind for kind in _KINDS if as_written.has(kind)]
+    _check_braces(setting.name, _ITEM_NAMES, setting.place_of("name"), report)
+    _check_braces(setting.at, _ITEM_NAMES, setting.place_of("at"), report)
+    kinds = [kind for kind in _KINDS_OF_SETTINGS if as_written.has(kind)]
     if len(kinds) > 1:
         message = f"{quoted(setting.name)} has {join_words(map(quoted, kinds))}; keep one of them"
         report.add("setting-shape", setting.path, message)
     elif not kinds:
-        message = f"{quoted(setting.name)} has no value; add one of {', '.join(map(quoted, _KINDS))}"
+        message = f"{quoted(setting.name)} has no value; add one of {', '.join(map(quoted, _KINDS_OF_SETTINGS))}"
         report.add("setting-shape", setting.path, message)
     else:
         _check_setting_value(setting, kinds[0], report)
@@ -213,7 +213,7 @@ def _check_setting_value(setting: WrittenSetting, value_type: str, report: Docum
         _check_expression(setting.value, setting.place_of("value"), report)
     if setting.choice is not None:
         _check_choice(setting.choice, report)
-    _check_braces(setting.text, _ITEMS, setting.place_of("text"), report)
+    _check_braces(setting.text, _ITEM_NAMES, setting.place_of("text"), report)
     if setting.string is not None:
         _check_string(setting.string, report)
     if setting.any_clock is not None:
@@ -229,9 +229,9 @@ def _check_clocks(clocks: WrittenAnyClock, report: DocumentReport) -> None:
 def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a place is given, or only ``where``, which says that none is known, and that its devices are known."""
     path = place.path
-    place_keys = [key for key in _PLACES if place.has(key)]
+    place_keys = [key for key in _KEYS_OF_PLACES if place.has(key)]
     if not place_keys:
-        report.add("setting-shape", path, f"a place is missing; add {join_words(map(quoted, _PLACES), 'or')}")
+        report.add("setting-shape", path, f"a place is missing; add {join_words(map(quoted, _KEYS_OF_PLACES), 'or')}")
     if place.has("where") and len(place_keys) > 1:
         message = f"'where' says that no place is given, but {quoted(place_keys[0])} gives one; keep one of the two"
         report.add("setting-shape", (*path, "where"), message, at_key=True)
@@ -239,7 +239,7 @@ def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentRep
     _check_channels(place, master, report)
     symbols = place.symbol if isinstance(place.symbol, list) else [place.symbol]
     for symbol in symbols:
-        _check_braces(str(symbol), _ITEMS, (*path, "symbol"), report)
+        _check_braces(str(symbol), _ITEM_NAMES, (*path, "symbol"), report)
 
 
 def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
@@ -251,7 +251,7 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
     has_bit_range = place.at is not None
     if is_bits != has_bit_range:
         report.add("setting-shape", place.path, "use the type 'bits' and the key 'at' together or not at all")
-    if has_bit_range and not _BITS.fullmatch(str(place.at)):
+    if has_bit_range and not _BIT_RANGE.fullmatch(str(place.at)):
         report.add("setting-shape", place.place_of("at"), "'at' is a bit number, or a range such as 7:6")
     _check_bounds(_Bound("min", place.min), _Bound("max", place.max), place.path, report)
 
@@ -335,9 +335,9 @@ def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
 
 def _check_write_condition(condition: WrittenWriting, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a write condition has one kind and names existing settings, and that ``after`` has its ``of``."""
-    kinds = [key for key in _WRITING if condition.has(key)]
+    kinds = [key for key in _KEYS_OF_WRITING if condition.has(key)]
     if not kinds:
-        message = f"a write condition is empty; add {join_words(map(quoted, _WRITING), 'or')}"
+        message = f"a write condition is empty; add {join_words(map(quoted, _KEYS_OF_WRITING), 'or')}"
         report.add("writing-shape", condition.path, message)
     elif len(kinds) > 1:
         message = f"a write condition has {join_words(map(quoted, kinds))}; keep one of them"
@@ -388,18 +388,18 @@ def _check_string(rule: WrittenString, report: DocumentReport) -> None:
 
     The position is one field, or the two fields multiturn and singleturn.
     """
-    _check_braces(rule.start, _ITEMS, rule.place_of("start"), report)
+    _check_braces(rule.start, _ITEM_NAMES, rule.place_of("start"), report)
     field_kinds = {field.of for field in rule.fields}
     has_position = "position" in field_kinds or field_kinds >= {"multiturn", "singleturn"}
     if not has_position:
         message = "there is no entry for the position; add one for position, or for multiturn and singleturn"
         report.add("missing-key", rule.place_of("fields"), message)
     for field in rule.fields:
-        _check_braces(field.text, ("bits", "name", *_ITEMS), field.place_of("text"), report)
+        _check_braces(field.text, ("bits", "name", *_ITEM_NAMES), field.place_of("text"), report)
 
 
 def _check_braces(text_with_items: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:
     """Report each name in braces, as in ``{bits}``, that is not a known one."""
-    for name in _BRACES.findall(text_with_items):
+    for name in _ITEM_IN_BRACES.findall(text_with_items):
         if name not in known_names:
             report.add("undefined-reference", path, f"there is no {{{name}}}{suggest_word(name, known_names)}")

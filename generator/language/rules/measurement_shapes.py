@@ -9,8 +9,8 @@ from ..written_parts import WrittenSpec
 from .parts import by_name, interfaces, layouts_of_interfaces, measurements, readable_names
 
 #: Keys of the measurement of an angle, and of a length.
-_ANGLE = ("counts_per_turn", "turns")
-_LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
+_KEYS_OF_ANGLE = ("counts_per_turn", "turns")
+_KEYS_OF_LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
 
 
 def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -21,7 +21,9 @@ def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     movement = spec.movement
     if not movement:
         return
-    keys_of_movement, foreign_keys = (_ANGLE, _LENGTH) if movement == "rotary" else (_LENGTH, _ANGLE)
+    keys_of_movement, foreign_keys = (
+        (_KEYS_OF_ANGLE, _KEYS_OF_LENGTH) if movement == "rotary" else (_KEYS_OF_LENGTH, _KEYS_OF_ANGLE)
+    )
     unit_key = keys_of_movement[0]  # 'counts_per_turn' or 'step_um', the size of a count.
     total_key = keys_of_movement[-1]  # 'turns' or 'modulus', after which the position wraps around.
     raw_measurements = {measurement.path: measurement for measurement in measurements(as_read)}

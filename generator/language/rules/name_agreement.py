@@ -13,7 +13,7 @@ from ..written_parts import WrittenSpec
 from .parts import field_lists
 
 #: Words of a name, with the patterns of their opposites.
-_OPPOSITES = {
+_OPPOSITE_WORDS = {
     "singleturn": re.compile(r"multi-?turn", re.IGNORECASE),
     "multiturn": re.compile(r"single-?turn", re.IGNORECASE),
     "read": re.compile(r"writ(?:es?|ing|ten)", re.IGNORECASE),
@@ -22,7 +22,7 @@ _OPPOSITES = {
 #: The number of an LED in a name or title.
 _LED_NUMBER = re.compile(r"led[ _]?(\d+)", re.IGNORECASE)
 #: Shortest word that is compared with words of other names, and most names.
-_SHORTEST, _MOST = 6, 300
+_SHORTEST_COMPARED_WORD, _MOST = 6, 300
 
 
 def check_names_and_meanings(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -33,7 +33,7 @@ def check_names_and_meanings(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         has_both_opposites = {"read", "write"} <= words or {"singleturn", "multiturn"} <= words
         if has_both_opposites:
             continue
-        opposites = [word for word in words if word in _OPPOSITES and _OPPOSITES[word].fullmatch(first_word)]
+        opposites = [word for word in words if word in _OPPOSITE_WORDS and _OPPOSITE_WORDS[word].fullmatch(first_word)]
         if opposites:
             message = f"the text begins with {quoted(first_word)}, but the name has {quoted(opposites[0])}"
             report.add("words-contradict", path, f"{message}; correct one of the two")
@@ -96,7 +96,7 @@ def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
         return False
     ((word, other_word),) = different
     shorter, longer = sorted((word, other_word), key=len)
-    is_long = len(shorter) >= _SHORTEST
+    is_long = len(shorter) >= _SHORTEST_COMPARED_WORD
     has_other_length = len(longer) > len(shorter)
     is_letter_inside = not longer.startswith(shorter) and not longer.endswith(shorter)
     return is_long and has_other_length and is_letter_inside and is_typo(shorter, longer)

@@ -12,7 +12,7 @@ from ..schema_check import value_at
 from ..written_parts import WrittenSpec
 from .parts import bits_of, by_name, by_part_name, named_values
 
-_NAME = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
+_NAME_PATTERN = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
 class NameResolver:
@@ -30,7 +30,7 @@ class NameResolver:
         for path in report.faults():
             # A part in a list has its name under 'name', one in a map is a key itself.
             name = value_at(as_read.data, path) if path[-1] == "name" else path[-1]
-            if isinstance(name, str) and not _NAME.fullmatch(name):
+            if isinstance(name, str) and not _NAME_PATTERN.fullmatch(name):
                 self._broken.add(name)
         self.groups = by_name(as_read.field_groups)
         self.registers = by_name(as_read.registers)

@@ -14,30 +14,30 @@ from .parts import field_lists, measurements
 from .walk import leaves_of
 
 #: Bytes, as in ``41 42 in hexadecimal``.
-_CHARACTERS = re.compile(r"\b((?:[0-9A-F]{2} )*[0-9A-F]{2}) in hexadecimal")
-_ALWAYS = re.compile(r"\balways (\d+)\b(?!\.\d)")
+_BYTES_IN_HEXADECIMAL = re.compile(r"\b((?:[0-9A-F]{2} )*[0-9A-F]{2}) in hexadecimal")
+_ALWAYS_A_NUMBER = re.compile(r"\balways (\d+)\b(?!\.\d)")
 _NUMBER = r"\d{1,3}(?:,\d{3})+|\d+"
-_COUNTS = re.compile(r"(?<![\d.,])(\d[\d,]*) (counts per (?:turn|revolution)|revolutions|turns)\b")
+_COUNT_IN_TEXT = re.compile(r"(?<![\d.,])(\d[\d,]*) (counts per (?:turn|revolution)|revolutions|turns)\b")
 _BITS_RANGE = re.compile(r"(?<![\d.,])(\d+) to (\d+) bits\b")
 #: A number in two bases, as in ``16 is 10h`` and ``0x10 = 16``.
-_EQUAL = re.compile(rf"(?<![\w.,+])({_NUMBER}) (?:is|=) (0x[0-9A-Fa-f]+|[0-9A-F]+h)\b")
+_NUMBER_IN_TWO_BASES = re.compile(rf"(?<![\w.,+])({_NUMBER}) (?:is|=) (0x[0-9A-Fa-f]+|[0-9A-F]+h)\b")
 _EQUAL_HEX = re.compile(rf"\b(0x[0-9A-Fa-f]+|[0-9][0-9A-F]*h) (?:is|=) ({_NUMBER})(?![\w.,]*\d| bits?\b)")
 _SECTION_OF_BITS = re.compile(r"\bbits (\d+):(\d+), which are (\d+) bits")
-_STANDARD = re.compile(r"\bRS[- ]?(\d{2,4})\b")
-_STANDARDS = ("232", "422", "423", "449", "485", "530", "562", "644")
-_FIGURES = re.compile(r"\bFigures? (\d+(?:(?:, | and | to )\d+)*)\b")
+_RS_STANDARD = re.compile(r"\bRS[- ]?(\d{2,4})\b")
+_KNOWN_RS_STANDARDS = ("232", "422", "423", "449", "485", "530", "562", "644")
+_FIGURE_NUMBERS = re.compile(r"\bFigures? (\d+(?:(?:, | and | to )\d+)*)\b")
 #: A longer range of figures is compared only by its first and its last number.
 _MOST_FIGURES = 1000
 #: Texts that quote the manual, or are about other documents.
-_ELSEWHERE = frozenset(("documents", "editions", "evidence"))
-_QUOTED = frozenset(("printed", "title", "why"))
+_KEYS_ABOUT_OTHER_DOCUMENTS = frozenset(("documents", "editions", "evidence"))
+_KEYS_THAT_QUOTE = frozenset(("printed", "title", "why"))
 
 
 def check_characters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the hexadecimal characters in the meaning of a text field match its ``equals``."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            printed = _CHARACTERS.search(field.meaning)
+            printed = _BYTES_IN_HEXADECIMAL.search(field.meaning)
             if printed is None or not isinstance(field.equals, str) or not field.equals.isascii() or not field.text:
                 continue
             printed_digits = printed[1]
@@ -54,7 +54,7 @@ def check_constant_bits(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
     """Check that a fixed field whose meaning says ``always`` and a single number has this number."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            stated = _ALWAYS.findall(field.meaning)
+            stated = _ALWAYS_A_NUMBER.findall(field.meaning)
             for key, number in (("constant", field.constant), ("unused", field.unused)):
                 if number is not None and len(stated) == 1 and int(stated[0]) != number:
                     message = (
@@ -76,7 +76,7 @@ def check_counts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
             if value.meaning_differs:
                 continue
             parameters = resolve_parameters(value.sets, definitions)
-            for number_text, words in _COUNTS.findall(value.meaning):
+            for number_text, words in _COUNT_IN_TEXT.findall(value.meaning):
                 kind = "counts" if words.startswith("counts") else "turns"
                 formula = formulas.get(kind)
                 number = _evaluate_formula(formula, parameters) if formula is not None else None
@@ -172,7 +172,7 @@ def check_equal_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
     """
     for path, text in _own_texts(spec, report):
         # The first expression finds ``16 is 10h``, and the second one ``0x10 = 16``.
-        number_pairs = [(decimal, hexadecimal) for decimal, hexadecimal in _EQUAL.findall(text)]
+        number_pairs = [(decimal, hexadecimal) for decimal, hexadecimal in _NUMBER_IN_TWO_BASES.findall(text)]
         number_pairs += [(decimal, hexadecimal) for hexadecimal, decimal in _EQUAL_HEX.findall(text)]
         for decimal, hexadecimal in number_pairs:
             number = int(hexadecimal.removesuffix("h"), 16)
@@ -194,7 +194,12 @@ def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path
     for path, text in leaves_of(spec.data, report):
         section, key = path[0], path[-1]
         is_prose = key in PROSE or (section, key) == ("characteristics", "value")
-        if isinstance(text, str) and is_prose and key not in _QUOTED and section not in _ELSEWHERE:
+        if (
+            isinstance(text, str)
+            and is_prose
+            and key not in _KEYS_THAT_QUOTE
+            and section not in _KEYS_ABOUT_OTHER_DOCUMENTS
+        ):
             yield path, text
 
 
@@ -204,9 +209,9 @@ def check_standards(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
     Other standards are accepted by their full names, such as TIA-899.
     """
     for path, text in leaves_of(spec.data, report):
-        if not isinstance(text, str) or path[-1] == "printed" or path[0] in _ELSEWHERE:
+        if not isinstance(text, str) or path[-1] == "printed" or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS:
             continue
-        unknown_numbers = [number for number in _STANDARD.findall(text) if number not in _STANDARDS]
+        unknown_numbers = [number for number in _RS_STANDARD.findall(text) if number not in _KNOWN_RS_STANDARDS]
         if unknown_numbers:
             problem = f"RS-{unknown_numbers[0]} is not a known standard; expected one such as RS-422 or RS-485"
             message = f"{problem}; correct the number, or write TIA-{unknown_numbers[0]}"
@@ -229,7 +234,7 @@ def check_figures(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepor
 
 def _figure_numbers(figure_text: str) -> Iterator[int]:
     """Yield the numbers of the figures that a text names: 2, 3, 4 and 7 for ``Figures 2 to 4 and 7``."""
-    for listed_numbers in _FIGURES.findall(figure_text):
+    for listed_numbers in _FIGURE_NUMBERS.findall(figure_text):
         for numbers in re.split(", | and ", listed_numbers):
             first_text, _, last_text = numbers.partition(" to ")
             first = int(first_text)

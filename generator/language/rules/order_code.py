@@ -57,17 +57,17 @@ def _check_combinations(
 MAX_CODES = 10_000
 
 #: The name of a part in a pattern, such as ``{bits}``. Splitting at it yields literals and names in turn.
-_BRACES = re.compile(r"\{([^{}]*)\}")
-_LITERAL = re.compile(r"[A-Za-z0-9/_. -]*")
+_PART_IN_BRACES = re.compile(r"\{([^{}]*)\}")
+_LITERAL_TEXT = re.compile(r"[A-Za-z0-9/_. -]*")
 #: Keys of parameters that are not set by order codes, each with the middle of a message: "'bits' … ('equals'), so …".
 _NOT_SET = {
     "equals": "is computed from other parameters ('equals')",
     "read_from": "is read from the encoder ('read_from')",
     "alternative": "is set by an alternative ('alternative')",
 }
-_CLASS = re.compile(r"\[[^\]]*\]")
-_COUNT = re.compile(r"[*+?{]")
-_PARTS: tuple[str, str] = ("order_code", "parts")
+_CHARACTER_CLASS = re.compile(r"\[[^\]]*\]")
+_REPETITION = re.compile(r"[*+?{]")
+_PATH_OF_PARTS: tuple[str, str] = ("order_code", "parts")
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,10 +102,10 @@ def check_order_code_pattern(spec: WrittenSpec, as_read: WrittenSpec, report: Do
     codes = _compose_codes(spec)
     if codes is None:
         message = f"the parts combine to more than {MAX_CODES} order codes; use 'open' for parts with open values"
-        report.add("order-code-pattern", _PARTS, message, at_key=True)
+        report.add("order-code-pattern", _PATH_OF_PARTS, message, at_key=True)
     elif not codes:
         message = "'only_with' excludes every combination, so no order code remains"
-        report.add("order-code-pattern", _PARTS, message, at_key=True)
+        report.add("order-code-pattern", _PATH_OF_PARTS, message, at_key=True)
     else:
         _check_codes(spec, codes, report)
 
@@ -118,7 +118,7 @@ def check_ambiguous_order_codes(spec: WrittenSpec, as_read: WrittenSpec, report:
     part_names = {part.name for part in parts}
     has_duplicate_names = len(part_names) < len(parts)
     has_invalid_expression = any(_expression_fault(part.open) for part in parts)
-    names_each_part_once = sorted(_BRACES.findall(pattern)) == sorted(part_names)
+    names_each_part_once = sorted(_PART_IN_BRACES.findall(pattern)) == sorted(part_names)
     if has_duplicate_names or has_invalid_expression or not names_each_part_once:
         return  # Other rules report these mistakes.
     message = _find_ambiguity(spec)
@@ -130,7 +130,7 @@ def _find_ambiguity(spec: WrittenSpec) -> str:
     """Return the message about the first code that occurs twice or can be read in two ways. Empty if none is."""
     # Literals are at even indices, and names of parts at odd indices. Blanks on a label are ignored.
     parts = spec.order_code.parts
-    pieces = _BRACES.split(spec.order_code.pattern)
+    pieces = _PART_IN_BRACES.split(spec.order_code.pattern)
     names_of_parts = pieces[1::2]
     pieces[::2] = map(_without_blanks, pieces[::2])
     # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
@@ -169,7 +169,7 @@ def check_also_written(spec: WrittenSpec, as_read: WrittenSpec, report: Document
         return  # Invalid parts of the order code were removed from ``spec``, so parts of the spelling could be missing.
     parts = {part.name: part for part in spec.order_code.parts}
     for spelling in spec.order_code.also_written:
-        used_parts = _BRACES.findall(spelling.pattern)
+        used_parts = _PART_IN_BRACES.findall(spelling.pattern)
         if sorted(used_parts) == sorted(parts):
             _check_spelling(spelling, parts, report)
             continue
@@ -232,10 +232,10 @@ def _without_prose(node: object) -> object:
 def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a pattern has each part once, and only characters of order codes between them."""
     pattern, path = spec.order_code.pattern, spec.order_code.place_of("pattern")
-    used_parts = _BRACES.findall(pattern)
+    used_parts = _PART_IN_BRACES.findall(pattern)
     names = [part.name for part in spec.order_code.parts]
-    literals = "".join(_BRACES.split(pattern)[0::2])  # The split pieces alternate: literal, name, literal.
-    forbidden = [character for character in literals if not _LITERAL.fullmatch(character)]
+    literals = "".join(_PART_IN_BRACES.split(pattern)[0::2])  # The split pieces alternate: literal, name, literal.
+    forbidden = [character for character in literals if not _LITERAL_TEXT.fullmatch(character)]
     if forbidden:
         message = (
             f"{quoted(forbidden[0])} is not allowed outside braces; "
@@ -297,8 +297,10 @@ def _expression_fault(regular_expression: str) -> str:
     except (re.error, OverflowError) as error:
         return str(error)
     # Each repetition multiplies the ways to match a label. Three are more than any catalogue needs.
-    expression_without_classes = _CLASS.sub("", regular_expression)  # In [+*], the signs represent themselves.
-    repetitions = _COUNT.findall(expression_without_classes)
+    expression_without_classes = _CHARACTER_CLASS.sub(
+        "", regular_expression
+    )  # In [+*], the signs represent themselves.
+    repetitions = _REPETITION.findall(expression_without_classes)
     return "more than three repetitions" if len(repetitions) > 3 else ""
 
 
@@ -312,7 +314,7 @@ def _check_codes(spec: WrittenSpec, codes: Sequence[_Code], report: DocumentRepo
     for code in codes:
         interfaces = code.interfaces
         if len(interfaces) != 1:
-            first_problems.setdefault("interface", (_PARTS, _interface_fault(spec, code)))
+            first_problems.setdefault("interface", (_PATH_OF_PARTS, _interface_fault(spec, code)))
         for name in required_parameters:
             message = _parameter_fault(name, code, spec.parameters)
             if message:
@@ -405,7 +407,7 @@ def _is_allowed(chosen: Sequence[tuple[str, str, WrittenCodeValue]], labels: Map
 
 
 def _fill_pattern(pattern: str, labels: dict[str, str]) -> str:
-    return _BRACES.sub(lambda brace: labels.get(brace[1], ""), pattern)
+    return _PART_IN_BRACES.sub(lambda brace: labels.get(brace[1], ""), pattern)
 
 
 def _value_test(code_part: WrittenCodePart) -> Callable[[str], bool]:

@@ -38,9 +38,9 @@ _KINDS = {
 }
 _KIND_OF = {unit: kind for kind, units in _KINDS.items() for unit in units}
 #: Keys of fields whose expressions are in bits.
-_WIDTHS = ("bits", "low_bit")
+_KEYS_IN_BITS = ("bits", "low_bit")
 #: Quantity of each number of a measurement.
-_MEASURED = {
+_QUANTITY_OF_KEY = {
     "counts_per_turn": "counts",
     "turns": "revolutions",
     "step_um": "micrometres",
@@ -87,7 +87,7 @@ def expressions(spec: WrittenSpec) -> _Expressions:
         for limited in (register, *register.meanings):
             yield from _expressions_under(limited, ("min", "max"))
     for measurement in measurements(spec):
-        yield from _expressions_under(measurement, _MEASURED)
+        yield from _expressions_under(measurement, _QUANTITY_OF_KEY)
     for field_list in layouts_of_interfaces(spec):
         yield from _of_position_range(field_list)
         yield from _of_gray_code(field_list, ("excess",))
@@ -120,7 +120,7 @@ def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Ite
         # A measurement of the device applies to each interface without its own.
         measurement = interface.measurement if interface.has("measurement") else spec.measurement
         if measurement is not None:
-            yield from _used_by(name, _expressions_under(measurement, _MEASURED))
+            yield from _used_by(name, _expressions_under(measurement, _QUANTITY_OF_KEY))
         yield from _used_by(name, _of_interface(interface))
 
 
@@ -148,7 +148,7 @@ def _of_gray_code(fields: FieldList, keys: Iterable[str]) -> _Expressions:
 def _of_position_range(fields: FieldList) -> _Expressions:
     """Yield the numbers of the range that a layout has for itself."""
     if fields.layout is not None and fields.layout.position_range is not None:
-        yield from _expressions_under(fields.layout.position_range, _MEASURED)
+        yield from _expressions_under(fields.layout.position_range, _QUANTITY_OF_KEY)
 
 
 def _expressions_under(owner: PlacedPart, keys: Iterable[str]) -> _Expressions:
@@ -329,7 +329,7 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         alternative_name = set_by_alternative[names[0]].alternative
         alternative = alternatives.get(alternative_name)
         problem = f"{quoted(names[0])} is set by the alternative {quoted(alternative_name)}"
-        if path[-1] not in _WIDTHS:
+        if path[-1] not in _KEYS_IN_BITS:
             remedy = "use it only in 'bits' or 'low_bit' of a field"
             message = f"{problem}, so only frames and registers can depend on it; {remedy}"
             report.add("alternative-use", path, message)
@@ -366,7 +366,7 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
     """
     key = str(path[-1])
     is_exponent = bool(factor.power)
-    needed_kind = "bits" if is_exponent or key in _WIDTHS else _MEASURED.get(key)
+    needed_kind = "bits" if is_exponent or key in _KEYS_IN_BITS else _QUANTITY_OF_KEY.get(key)
     kind = _KIND_OF.get(unit)
     if needed_kind is None or kind is None or kind == needed_kind:
         return

@@ -39,7 +39,7 @@ _INTERFACE_CLASSES: Mapping[str, type[WrittenInterface]] = MappingProxyType(
 #: Largest number of fields of a layout or register, including the fields of its groups. Without groups, the schema
 #: limits it.
 MAX_FIELDS = 512
-_RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
+_BIT_RANGE_TEXT = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 
 
 class PlacedPart(Protocol):
@@ -292,7 +292,7 @@ def constant_width(field: WrittenField) -> int | None:
     if field.has("bits"):
         # A width that is a text is an expression over parameters.
         return field.bits if isinstance(field.bits, int) and field.bits > 0 else None
-    bit_range = _RANGE.fullmatch(str(field.at))
+    bit_range = _BIT_RANGE_TEXT.fullmatch(str(field.at))
     if bit_range is not None:
         width = int(bit_range[1]) - int(bit_range[2]) + 1
         return width if width > 0 else None

@@ -13,9 +13,9 @@ from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
 from .parts import Groups, by_name, fields_of, last_address
 
 #: The highest and the lowest bit, as in ``7:6``.
-_RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
+_BIT_RANGE_TEXT = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 #: A printed write, as in ``0x48 = 0x01``, ``0x49 bit 2 = 0`` or ``0x50-0x54``.
-_WRITE = re.compile(
+_PRINTED_WRITE = re.compile(
     r"(?P<first>0x[0-9A-Fa-f]+)(?:-(?P<last>0x[0-9A-Fa-f]+))?(?: bit (?P<bit>[0-9]+))?(?: = (?P<value>\w+))?"
 )
 
@@ -135,7 +135,7 @@ def _parse_bit_range(at: int | str | None) -> tuple[int, int] | None:
     if isinstance(at, int):
         is_bit_number = 0 <= at < 1024  # No register has more bits.
         return (at, at) if is_bit_number else None
-    bit_range = _RANGE.fullmatch(str(at))
+    bit_range = _BIT_RANGE_TEXT.fullmatch(str(at))
     if bit_range is None:
         return None
     high, low = int(bit_range[1]), int(bit_range[2])
@@ -199,7 +199,7 @@ def _compare_writes(
 
 def _printed_write(write_text: str) -> _Write:
     """Return the write that a text of ``printed_writes`` describes, such as ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
-    match = _WRITE.fullmatch(write_text)
+    match = _PRINTED_WRITE.fullmatch(write_text)
     assert match is not None  # The schema uses the same pattern.
     first, last, bit, value = match.group("first", "last", "bit", "value")
     return _Write(

@@ -27,9 +27,9 @@ from .shapes import KeysOfKind, check_keys
 _NO_REGISTER = WrittenRegister({})
 Registers = Mapping[str, WrittenRegister]
 #: Access of a register that makes a kind of step impossible.
-_REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
+_IMPOSSIBLE_ACCESS = {"write": "read_only", "read": "write_only", "poll": "write_only"}
 #: Keys of each kind of step, and keys of all kinds.
-_STEPS: dict[str, KeysOfKind] = {
+_KEYS_OF_STEPS: dict[str, KeysOfKind] = {
     "write": (("register", "value"), ("field",)),
     "read": (("register",), ("field",)),
     "poll": (("register", "field", "until"), ()),
@@ -43,7 +43,9 @@ def check_step_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
     """Check that each step has the keys of its kind, and conditions for several requests only if it sends several."""
     for procedure in spec.procedures:
         for step in procedure.steps:
-            check_keys("step-shape", f"a {step.do} step", step.path, step.data, _STEPS[step.do], _ALL_STEPS, report)
+            check_keys(
+                "step-shape", f"a {step.do} step", step.path, step.data, _KEYS_OF_STEPS[step.do], _ALL_STEPS, report
+            )
             _check_repeated(step, report)
 
 
@@ -80,7 +82,7 @@ def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                     "describe it as one field with all its bits, and remove 'field'"
                 )
                 report.add("access-mismatch", step.place_of("field"), message)
-            if register.access and _REFUSED.get(step.do) == register.access:
+            if register.access and _IMPOSSIBLE_ACCESS.get(step.do) == register.access:
                 message = f"{quoted(step.register)} is {register.access}, so a step cannot {step.do} it"
                 report.add("access-mismatch", step.place_of("register"), message)
     _check_written_registers(spec, _names_with_access(registers, "read_only"), report)
@@ -232,7 +234,7 @@ def check_procedure_name(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
                 report.add("procedure-name", writes[-1].place_of("value"), message)
 
 
-_SAVE = re.compile(r"(?:save|store|burn)(?:_.*)?")
+_SAVE_WORDS = re.compile(r"(?:save|store|burn)(?:_.*)?")
 _ANY_BANK = "any"
 
 
@@ -266,7 +268,7 @@ def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 def _is_save(step: WrittenStep) -> bool:
     """Return True if a step writes a value that is called save, store or burn, or begins with one and an underscore."""
-    return _SAVE.fullmatch(step.value) is not None
+    return _SAVE_WORDS.fullmatch(step.value) is not None
 
 
 def _first_unsaved(later_steps: Iterable[WrittenStep], arguments: set[str], registers: Registers) -> str:

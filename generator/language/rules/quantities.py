@@ -19,7 +19,7 @@ from .code_meanings import supply_named
 from .parts import PlacedPart, interfaces, timings
 from .walk import leaves, leaves_of
 
-_UNITS = {
+_UNIT_OF_KIND = {
     "angle": "°",
     "area": "mm²",
     "battery": "V",
@@ -40,29 +40,29 @@ _UNITS = {
     "voltage": "V Vpp",
 }
 #: Units as texts write them.
-_WRITTEN = {"diameters": "×", "min": "min(?:ute)?s?", "s": "s(?:ec(?:ond)?s?)?"}
-_NUMBER = r"(?<![\w.,])(?P<sign>[±−+-]?)\s?(?P<number>\d+(?:,\d{3})*(?:\.\d+)?)"
-_MILLIVOLTS = {"V": 1000, "mV": 1}
-_VOLTAGE = re.compile(r"(?<![\w.,])(\d+(?:\.\d+)?) ?(V|mV)\b")
+_UNITS_IN_TEXTS = {"diameters": "×", "min": "min(?:ute)?s?", "s": "s(?:ec(?:ond)?s?)?"}
+_NUMBER_PATTERN = r"(?<![\w.,])(?P<sign>[±−+-]?)\s?(?P<number>\d+(?:,\d{3})*(?:\.\d+)?)"
+_MILLIVOLTS_PER_UNIT = {"V": 1000, "mV": 1}
+_VOLTAGE_IN_TEXT = re.compile(r"(?<![\w.,])(\d+(?:\.\d+)?) ?(V|mV)\b")
 #: Nanoseconds by the ends of keys and by the units in texts.
-_NANOSECONDS = {"ns": 1, "us": 1000, "µs": 1000, "ms": 1_000_000, "s": 1_000_000_000}
-_TIME = r"(?<![\w.,])(?P<number>\d+(?:,\d{3})*(?:\.\d+)?) ?(?P<unit>ns|us|µs|ms|s(?:econds?)?)\b(?!/)"
-_ANY_TIME = re.compile(_TIME)
+_NANOSECONDS_PER_UNIT = {"ns": 1, "us": 1000, "µs": 1000, "ms": 1_000_000, "s": 1_000_000_000}
+_TIME_PATTERN = r"(?<![\w.,])(?P<number>\d+(?:,\d{3})*(?:\.\d+)?) ?(?P<unit>ns|us|µs|ms|s(?:econds?)?)\b(?!/)"
+_ANY_TIME = re.compile(_TIME_PATTERN)
 #: A time that the reader or the encoder must keep.
-_KEPT_TIME = re.compile(rf"\b(?:[Ww]ait|[Pp]ause|[Ww]ithin|[Aa]t least|[Aa]t most)\w*\b[^.;:,]{{0,40}}?{_TIME}")
+_KEPT_TIME = re.compile(rf"\b(?:[Ww]ait|[Pp]ause|[Ww]ithin|[Aa]t least|[Aa]t most)\w*\b[^.;:,]{{0,40}}?{_TIME_PATTERN}")
 _NO_TEXTS = frozenset(("source", "bytes", "bits", "name", "address"))
 #: A quantity in two units in a text, as in ``10 °C is 50 °F``.
-_SAME = re.compile(
+_QUANTITY_IN_TWO_UNITS = re.compile(
     r"(?<![\w.,±])(?P<one>[−+-]?\d+(?:\.\d+)?) ?(?P<one_unit>°[CF]|mm|in)(?:,? which)? (?:is|=) "
     r"(?P<two>[−+-]?\d+(?:\.\d+)?) ?(?P<two_unit>°[CF]|mm|in)\b"
 )
-_CONVERTED: Mapping[tuple[str, str], Callable[[float], float]] = {
+_UNIT_CONVERSIONS: Mapping[tuple[str, str], Callable[[float], float]] = {
     ("°C", "°F"): lambda number: number * 1.8 + 32,
     ("°F", "°C"): lambda number: (number - 32) / 1.8,
     ("mm", "in"): lambda number: number / 25.4,
     ("in", "mm"): lambda number: number * 25.4,
 }
-_CELL = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:\.\d+)?")
+_CELL_WITH_NUMBER = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:\.\d+)?")
 
 
 def check_quantity_text(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -86,8 +86,8 @@ def _check_quantity(quantity: Quantity, characteristic_text: str, path: Path, re
     A bound is a number of the text with the same unit, or one of its numbers plus or minus a tolerance.
     """
     unit, kind = quantity.unit, quantity.quantity
-    if unit not in _UNITS[kind].split():
-        units_text = join_words(_UNITS[kind].split(), "or")
+    if unit not in _UNIT_OF_KIND[kind].split():
+        units_text = join_words(_UNIT_OF_KIND[kind].split(), "or")
         report.add("quantity-text", (*path, "unit"), f"{quoted(kind)} is given in {units_text}, not in {unit}")
         return []
     bounds = {name: Decimal(str(number)) for name, number in _bounds_of(quantity).items()}
@@ -112,8 +112,8 @@ def _bounds_of(quantity: Quantity) -> dict[str, float]:
 
 def _signed_numbers(characteristic_text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
     """Yield each number with a unit in a text, with its sign: ``("±", 5)`` and ``("-", 20)``."""
-    unit_pattern = _WRITTEN.get(unit, re.escape(unit))
-    for match in re.finditer(rf"{_NUMBER}(?= ?{unit_pattern}(?!\w|/))", characteristic_text):
+    unit_pattern = _UNITS_IN_TEXTS.get(unit, re.escape(unit))
+    for match in re.finditer(rf"{_NUMBER_PATTERN}(?= ?{unit_pattern}(?!\w|/))", characteristic_text):
         sign, number = match.group("sign", "number")
         yield sign.replace("−", "-"), Decimal(number.replace(",", ""))
 
@@ -185,8 +185,8 @@ def _check_threshold(spec: WrittenSpec, alarm: LocatedPart[Alarm], report: Docum
     for flag in _flags_of(spec, alarm.part):
         located_texts += [(flag.place_of("meaning"), flag.meaning), (flag.place_of("when_active"), flag.when_active)]
     for path, text in located_texts:
-        for number, unit in _VOLTAGE.findall(text):
-            if Decimal(number) * _MILLIVOLTS[unit] != threshold_mv:
+        for number, unit in _VOLTAGE_IN_TEXT.findall(text):
+            if Decimal(number) * _MILLIVOLTS_PER_UNIT[unit] != threshold_mv:
                 message = (
                     f"the text says {number} {unit}, but 'below_mv' of the alarm is {threshold_mv}; "
                     "one of the two is wrong"
@@ -239,7 +239,7 @@ def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
         if not timing.part.symbol:
             continue
         times = set(_nanoseconds_in(timing.data))
-        pattern = rf"\b{re.escape(timing.part.symbol)} ?[<>=≤≥] ?{_TIME}"
+        pattern = rf"\b{re.escape(timing.part.symbol)} ?[<>=≤≥] ?{_TIME_PATTERN}"
         printed_times = list(re.finditer(pattern, timing.part.meaning))
         if printed_times and times.isdisjoint(map(_to_nanoseconds, printed_times)):
             _report_time(printed_times[0], times, (*timing.path, "meaning"), report)
@@ -317,7 +317,7 @@ def _compare_times(
 
 
 def _report_time(match: re.Match[str], expected_times: set[int], path: Path, report: DocumentReport) -> None:
-    """Report a time in a text, as matched by ``_TIME``, that is not expected."""
+    """Report a time in a text, as matched by ``_TIME_PATTERN``, that is not expected."""
     times_text = join_words([nanoseconds(time) for time in sorted(expected_times)], "or")
     number, unit = match.group("number", "unit")
     message = (
@@ -328,15 +328,17 @@ def _report_time(match: re.Match[str], expected_times: set[int], path: Path, rep
 
 
 def _to_nanoseconds(match: re.Match[str]) -> Decimal:
-    return Decimal(match["number"].replace(",", "")) * _NANOSECONDS.get(match["unit"], _NANOSECONDS["s"])
+    return Decimal(match["number"].replace(",", "")) * _NANOSECONDS_PER_UNIT.get(
+        match["unit"], _NANOSECONDS_PER_UNIT["s"]
+    )
 
 
 def _nanoseconds_in(node: object) -> Iterator[int]:
     """Yield every whole number below a place whose key ends in a unit of time, such as ``wait_ms``, in nanoseconds."""
     for path, value in leaves(node):
         unit = str(path[-1]).rpartition("_")[2] if path else ""  # ``ms`` of ``wait_ms``.
-        if unit in _NANOSECONDS and isinstance(value, int):
-            yield value * _NANOSECONDS[unit]
+        if unit in _NANOSECONDS_PER_UNIT and isinstance(value, int):
+            yield value * _NANOSECONDS_PER_UNIT[unit]
 
 
 def _yield_texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
@@ -368,7 +370,7 @@ def check_conversions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[-1] == "printed":
             continue
-        for match in _SAME.finditer(text):
+        for match in _QUANTITY_IN_TWO_UNITS.finditer(text):
             number = _Number(Decimal(match["one"].replace("−", "-")), match["one_unit"])
             repeated_number = _Number(Decimal(match["two"].replace("−", "-")), match["two_unit"])
             _compare_numbers(number, repeated_number, path, report)
@@ -397,12 +399,12 @@ def _compare_numbers(measured: _Number, printed: _Number, path: Path, report: Do
     It may differ by 1 %, or by half of the last printed digit in either unit. A temperature may also be a difference,
     which is converted without the offset. Two numbers whose units have no conversion are not compared.
     """
-    convert = _CONVERTED.get((measured.unit, printed.unit))
+    convert = _UNIT_CONVERSIONS.get((measured.unit, printed.unit))
     if convert is None:
         return
     number, printed_number = float(measured.number), float(printed.number)
     converted = convert(number)
-    converted_back = _CONVERTED[printed.unit, measured.unit](printed_number)
+    converted_back = _UNIT_CONVERSIONS[printed.unit, measured.unit](printed_number)
     half_digit = _half_digit(printed.number)
     is_rounded = abs(converted - printed_number) <= max(abs(converted) / 100, half_digit)
     is_rounded_back = abs(converted_back - number) <= _half_digit(measured.number)
@@ -433,7 +435,7 @@ def check_column_units(spec: WrittenSpec, as_read: WrittenSpec, report: Document
         for row_index, cells in enumerate(table.part.rows):
             # Another rule reports a row with too few or too many cells.
             for column_index, (unit, cell) in enumerate(zip(units, cells, strict=False)):
-                if unit and not _CELL.fullmatch(cell):
+                if unit and not _CELL_WITH_NUMBER.fullmatch(cell):
                     message = f"{quoted(cell)} is not a number, but the column has the unit {unit}"
                     report.add("column-units", (*table.path, "rows", row_index, column_index), message)
 

@@ -17,19 +17,19 @@ from ..written_parts import WrittenSpec
 from .parts import WrittenInterface, as_affected_name, has_erratum_at, interfaces, share_codes
 
 #: Significant digits of the rates in data sheets.
-_DIGITS = 3
+_SIGNIFICANT_DIGITS = 3
 #: Slower rates, such as the limits of slow masters, are not compared.
 _LOWEST_HZ = 100_000
 #: Every standard baud rate with more digits is a multiple of this one.
 _STANDARD_BAUD = 300
 #: Highest rate in Hz over lines as in RS-422 and RS-485, and the names of these lines.
 _HIGHEST_HZ = 10_000_000
-_LINES = re.compile(r"\bRS-?(?:422|485)\b", re.IGNORECASE)
+_RS_LINES = re.compile(r"\bRS-?(?:422|485)\b", re.IGNORECASE)
 #: Usual names of the times of an SSI encoder.
 _MONOFLOP, _PAUSE = "monoflop", "pause"
 #: Place of the time-outs of BiSS, and the path of their printed values in errata.
-_TIMEOUT = ("interfaces", "biss", "timeout")
-_PRINTED = ".".join((*_TIMEOUT, "printed"))
+_PATH_OF_TIMEOUT = ("interfaces", "biss", "timeout")
+_PATH_OF_PRINTED_TIMEOUTS = ".".join((*_PATH_OF_TIMEOUT, "printed"))
 _NS_PER_S, _NS_PER_US = 1_000_000_000, 1000
 
 
@@ -45,7 +45,7 @@ def check_round_rates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             digits = len(str(rate).rstrip("0"))  # 2 for 1,500,000.
             is_standard = unit == "baud" and rate % _STANDARD_BAUD == 0
             is_high = rate >= _LOWEST_HZ
-            if digits > _DIGITS and is_high and not is_standard and not _gives_rate(interface.note, rate):
+            if digits > _SIGNIFICANT_DIGITS and is_high and not is_standard and not _gives_rate(interface.note, rate):
                 message = (
                     f"{rate} {unit} has {digits} significant digits, which is implausible; correct it, or say in a"
                     f" 'note' of the interface that it is {rate} {unit}"
@@ -84,7 +84,7 @@ def check_rates_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
     for _, interface in interfaces(spec):
         if isinstance(interface, WrittenSpi):
             continue
-        has_such_lines = isinstance(interface, WrittenRs485) or _LINES.search(interface.signals) is not None
+        has_such_lines = isinstance(interface, WrittenRs485) or _RS_LINES.search(interface.signals) is not None
         if not has_such_lines:
             continue
         for path, rate, unit in _yield_rates(interface):
@@ -192,9 +192,12 @@ def check_timeouts_and_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: D
     if biss is None:
         return
     for timeout in biss.timeout:
-        if has_erratum_at(report.document, *_TIMEOUT, "printed"):
+        if has_erratum_at(report.document, *_PATH_OF_TIMEOUT, "printed"):
             continue
-        remedy = f"correct one of the two. If this is what the manual says, add an erratum that affects {_PRINTED}"
+        remedy = (
+            "correct one of the two. If this is what the manual says, "
+            f"add an erratum that affects {_PATH_OF_PRINTED_TIMEOUTS}"
+        )
         _check_longest_timeout(biss, timeout, remedy, report)
         if timeout.part.rule == "follows_clock" and timeout.part.half_clock_periods is None:
             _check_half_periods(timeout, remedy, report)
@@ -252,14 +255,14 @@ def check_timeout_mismatch(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
 def _check_clocks_of_timeouts(timeout: LocatedPart[Timeout], clock: Clock, report: DocumentReport) -> None:
     """Report printed time-outs at clocks that an encoder does not support."""
-    if clock.max_hz is None or has_erratum_at(report.document, *_TIMEOUT):
+    if clock.max_hz is None or has_erratum_at(report.document, *_PATH_OF_TIMEOUT):
         return
     lowest_hz = clock.min_hz or 0
     highest_hz = clock.max_hz
     for index, printed in enumerate(timeout.part.printed):
         if not lowest_hz <= printed.clock_hz <= highest_hz:
             problem = f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no time-out at {printed.clock_hz} Hz"
-            remedy = f"if the manual gives both, add an erratum that affects {'.'.join(_TIMEOUT)}"
+            remedy = f"if the manual gives both, add an erratum that affects {'.'.join(_PATH_OF_TIMEOUT)}"
             path = (*timeout.path, "printed", index, "clock_hz")
             report.add("timeout-mismatch", path, f"{problem}; {remedy}")
 

@@ -31,7 +31,7 @@ from .parts import (
 )
 
 #: Kind of a field that is a number.
-_NUMBER = "digits"
+_NUMBER_KIND = "digits"
 
 
 def check_field_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -179,7 +179,7 @@ def _check_measured_field(
         field = field_names(frame, resolver.groups).get(name)
         if is_measured and frame.is_from_encoder and field is not None:
             kinds_in_frames.append(_kind_of(field))
-    if kinds_in_frames and _NUMBER not in kinds_in_frames:
+    if kinds_in_frames and _NUMBER_KIND not in kinds_in_frames:
         problem = f"{quoted(name)} has {quoted(kinds_in_frames[0])}, so it is not a number"
         message = f"{problem}; name the field that holds the position"
         report.add("measurement-shape", (*path, "of"), message)
@@ -188,7 +188,7 @@ def _check_measured_field(
 def _kind_of(field: WrittenField) -> str:
     """Return the first key of a field that makes it something other than a number, such as ``crc``, or ``digits``."""
     kinds = [key for key in KIND_KEYS if field.has(key)]
-    return kinds[0] if kinds else _NUMBER
+    return kinds[0] if kinds else _NUMBER_KIND
 
 
 def check_alarm_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -318,7 +318,7 @@ def _check_example_values(
 
 
 #: Lists that paths leave out: a frame belongs to its interface, and a field to its frame.
-_LISTS = ("layouts", "fields", "combinations")
+_LISTS_LEFT_OUT_OF_PATHS = ("layouts", "fields", "combinations")
 
 
 def check_erratum_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -332,7 +332,7 @@ def check_erratum_references(spec: WrittenSpec, as_read: WrittenSpec, report: Do
     for erratum in spec.errata:
         for index, affected in enumerate(erratum.affects):
             steps = affected.split(".")
-            steps_without_lists = [*(step for step in steps[:-1] if step not in _LISTS), steps[-1]]
+            steps_without_lists = [*(step for step in steps[:-1] if step not in _LISTS_LEFT_OUT_OF_PATHS), steps[-1]]
             if len(steps_without_lists) < len(steps):
                 problem = f"no output would find {quoted(affected)}; write {'.'.join(steps_without_lists)}"
                 report.add("undefined-reference", (*erratum.path, "affects", index), problem)

@@ -17,7 +17,7 @@ from .parts import by_name, field_lists, has_erratum_at, interface_of
 from .walk import leaves_of
 
 #: Lists that are sets, at any place.
-_SETS = frozenset(
+_LISTS_THAT_ARE_SETS = frozenset(
     """
     interfaces sums_up explained_by write_clears cleared_by by_hand data_id memory_access printed also_written
     cable_lengths
@@ -29,11 +29,11 @@ _MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
 _DESCRIPTION_FILE = re.compile(r"idbiss([0-9A-Fa-f]+)\.xml")
 _ALIGNMENTS = {"left": "msb_left", "right": "lsb_right"}
 #: A bit and the side to which it is aligned, as in ``MSB left-aligned`` and ``LSB aligned to the right``.
-_ALIGNED = re.compile(r"\b[ML]SB (?:(?=\w+[ -]aligned)|aligned to the )(left|right)\b", re.IGNORECASE)
-_NUMBERS = {"one": 1, "two": 2, "nine": 9, "ten": 10, "eleven": 11, "twelve": 12}
+_ALIGNMENT_IN_TEXT = re.compile(r"\b[ML]SB (?:(?=\w+[ -]aligned)|aligned to the )(left|right)\b", re.IGNORECASE)
+_NUMBER_WORDS = {"one": 1, "two": 2, "nine": 9, "ten": 10, "eleven": 11, "twelve": 12}
 _STOP_BITS = re.compile(r"\b(one|two|[12]) stop bits?\b", re.IGNORECASE)
-_CHARACTER = re.compile(r"\b(nine|ten|eleven|twelve|9|1[0-2]) bits\b", re.IGNORECASE)
-_PARITY = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
+_CHARACTER_LENGTH = re.compile(r"\b(nine|ten|eleven|twelve|9|1[0-2]) bits\b", re.IGNORECASE)
+_PARITY_IN_TEXT = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
 
 
 def check_repeated_items(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -58,7 +58,7 @@ def _unique_lists(path: Path, node: object) -> Iterator[tuple[Path, list[object]
     """
     if isinstance(node, list):
         is_in_map_of_sets = len(path) > 1 and path[-2] in _MAPS_OF_SETS
-        if path[-1] in _SETS or is_in_map_of_sets:
+        if path[-1] in _LISTS_THAT_ARE_SETS or is_in_map_of_sets:
             yield path, node
         for index, inner in enumerate(node):
             yield from _unique_lists((*path, index), inner)
@@ -162,7 +162,7 @@ def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
         texts += [value.meaning for value in part.values.values()]
     named_alignments: set[str] = set()
     for text in texts:
-        named_alignments.update(_ALIGNMENTS[side.casefold()] for side in _ALIGNED.findall(text))
+        named_alignments.update(_ALIGNMENTS[side.casefold()] for side in _ALIGNMENT_IN_TEXT.findall(text))
     if ssi is None or len(named_alignments) != 1 or has_erratum_at(report.document, "interfaces", "ssi", "alignment"):
         return
     named_alignment = named_alignments.pop()
@@ -184,12 +184,12 @@ def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     # For each key, the pattern of words about it and the right one of them.
     words_by_key = {
         "stop_bits": (_STOP_BITS, str(port.stop_bits)),
-        "parity": (_PARITY, port.parity.replace("none", "no")),
+        "parity": (_PARITY_IN_TEXT, port.parity.replace("none", "no")),
     }
     # Only if the note counts the start bit, its number of bits is the number of the whole character.
     if "start bit" in rs485.note:
         bits_of_character = 1 + port.data_bits + parity_bits + port.stop_bits
-        words_by_key["data_bits"] = (_CHARACTER, str(bits_of_character))
+        words_by_key["data_bits"] = (_CHARACTER_LENGTH, str(bits_of_character))
     _compare_with_port(rs485.note, words_by_key, rs485, report)
 
 
@@ -206,7 +206,7 @@ def _compare_with_port(
     for key, (pattern, expected) in numbers.items():
         for word in pattern.findall(port_text):
             plain_word = word.casefold()
-            number_or_word = str(_NUMBERS.get(plain_word, plain_word))  # "2" for "Two", "even" for "even".
+            number_or_word = str(_NUMBER_WORDS.get(plain_word, plain_word))  # "2" for "Two", "even" for "even".
             if number_or_word != expected:
                 line, _ = report.document.position((*rs485.port.path, key))
                 message = (
@@ -228,15 +228,17 @@ def check_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
 def check_numbers_of_conditions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers in ``where``, the condition of a quantity, are in the text of the characteristic."""
     for characteristic in spec.characteristics:
-        printed_numbers = set(_NUMBER.findall(characteristic.part.value))
+        printed_numbers = set(_NUMBER_IN_TEXT.findall(characteristic.part.value))
         for index, value in enumerate(characteristic.part.values):
-            missing_numbers = [number for number in _NUMBER.findall(value.where) if number not in printed_numbers]
+            missing_numbers = [
+                number for number in _NUMBER_IN_TEXT.findall(value.where) if number not in printed_numbers
+            ]
             if missing_numbers:
                 message = f"'where' has {missing_numbers[0]}, which the text does not have; correct one of the two"
                 report.add("quantity-text", (*characteristic.path, "values", index, "where"), message)
 
 
-_NUMBER = re.compile(r"(?<![\w.,])\d+(?:\.\d+)?(?![\w,]*\d)")
+_NUMBER_IN_TEXT = re.compile(r"(?<![\w.,])\d+(?:\.\d+)?(?![\w,]*\d)")
 _HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
 
 
@@ -266,7 +268,7 @@ def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
                 report.add("table-shape", path, message)
 
 
-_WORD = re.compile(r"\b[A-Za-z]+\d\w*")
+_WORD_WITH_DIGITS = re.compile(r"\b[A-Za-z]+\d\w*")
 #: Shortest start of an order code of which a word with the same letters in another order is a mistake.
 _SHORTEST_START = 5
 
@@ -283,7 +285,7 @@ def check_swapped_letters(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[-1] == "printed" or path[0] in ("documents", "evidence"):
             continue
-        misspelt = [word for word in _WORD.findall(text) if word != start and sorted(word) == sorted(start)]
+        misspelt = [word for word in _WORD_WITH_DIGITS.findall(text) if word != start and sorted(word) == sorted(start)]
         if misspelt:
             message = (
                 f"{quoted(misspelt[0])} has the characters of {quoted(start)}, which begins order codes; correct it"

@@ -80,7 +80,7 @@ def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report
         report.add(rule, layout.path, message)
 
 
-_RULE = "rs485-exchange"
+_EXCHANGE_RULE = "rs485-exchange"
 #: Keys that belong to data IDs, in the interface and in its layouts.
 _OF_DATA_IDS = ("data_ids", "memory_access")
 
@@ -96,17 +96,17 @@ def check_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
     port = interface.port
     if port.has("data_bits") and port.part.data_bits != 8:
         message = "frames over RS-485 consist of bytes, so a character has 8 data bits, and its parity bit is 'parity'"
-        report.add(_RULE, (*port.path, "data_bits"), message)
+        report.add(_EXCHANGE_RULE, (*port.path, "data_bits"), message)
     if not interface.has("exchanges"):
         if not raw_interface.has("data_ids"):
             message = "no request is described; add 'data_ids' (for frames as in the T-format) or 'exchanges'"
-            report.add(_RULE, interface.path, message)
+            report.add(_EXCHANGE_RULE, interface.path, message)
         return
     for key in _OF_DATA_IDS:
         if interface.has(key):
             message = f"{quoted(key)} belongs to frames as in the T-format; keep either it or 'exchanges'"
-            report.add(_RULE, interface.place_of(key), message, at_key=True)
-    check_exchanges(interface, raw_interface, as_read, _RULE, report)
+            report.add(_EXCHANGE_RULE, interface.place_of(key), message, at_key=True)
+    check_exchanges(interface, raw_interface, as_read, _EXCHANGE_RULE, report)
     _check_frames_of_rs485(interface, report)
 
 
@@ -119,22 +119,22 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
     for exchange in position_exchanges:
         if not exchange.reply:
             message = f"{quoted(exchange.request)} asks for the position, so it needs a 'reply'"
-            report.add(_RULE, exchange.path, message)
+            report.add(_EXCHANGE_RULE, exchange.path, message)
     for exchange in position_exchanges[1:]:
         message = "a second request asks for the position; use 'other'"
-        report.add(_RULE, exchange.place_of("purpose"), message)
+        report.add(_EXCHANGE_RULE, exchange.place_of("purpose"), message)
     for layout in interface.layouts:
-        report_unused(layout, interface.exchanges, _RULE, report)
+        report_unused(layout, interface.exchanges, _EXCHANGE_RULE, report)
         if layout.when:
             message = "the request decides which frame is the reply; remove 'when'"
-            report.add(_RULE, layout.place_of("when"), message, at_key=True)
+            report.add(_EXCHANGE_RULE, layout.place_of("when"), message, at_key=True)
         if layout.carried_as == "bits":
             message = f"{quoted(layout.name)} is sent over a serial port, as bytes; use 'carried_as: bytes'"
-            report.add(_RULE, layout.place_of("carried_as"), message)
+            report.add(_EXCHANGE_RULE, layout.place_of("carried_as"), message)
 
 
 #: Fields that access a register, by purpose: in the request, and in the reply.
-_NEEDED = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
+_FIELDS_FOR_ACCESS = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
 
 
 def check_spi_exchanges(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -202,7 +202,7 @@ def _check_lengths(interface: WrittenSpi, report: DocumentReport) -> None:
 
 
 #: Keys of fields whose values follow from the spec or from other fields.
-_DECIDED = ("constant", "unused", "parity_of", "crc", "use")
+_KEYS_WITH_KNOWN_VALUES = ("constant", "unused", "parity_of", "crc", "use")
 
 
 def _check_frames(interface: WrittenSpi, report: DocumentReport) -> None:
@@ -222,7 +222,7 @@ def _free_fields(layout: WrittenLayout | None) -> Iterator[str]:
     if layout is None:
         return
     for field in layout.fields:
-        if field.name and not field.has(*_DECIDED):
+        if field.name and not field.has(*_KEYS_WITH_KNOWN_VALUES):
             yield field.name
 
 
@@ -236,7 +236,7 @@ def _check_accesses(
     groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
     layouts = by_name(raw_interface.layouts)
     spi_registers = [register for register in as_read.registers if interface_of(register) == Spi.name]
-    for purpose, (needed_in_request, needed_in_reply) in _NEEDED.items():
+    for purpose, (needed_in_request, needed_in_reply) in _FIELDS_FOR_ACCESS.items():
         accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
         _check_fields(accesses, "request", needed_in_request, layouts, groups, report)
         _check_fields(accesses, "reply", needed_in_reply, layouts, groups, report)

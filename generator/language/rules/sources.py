@@ -15,14 +15,14 @@ from ..written_parts import WrittenExample, WrittenSection, WrittenSpec
 from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, has_erratum_at, interfaces
 from .walk import leaves, leaves_of, mapping, sources
 
-_CITED = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
-_NUMBERED = re.compile(r"[0-9]+(?:\.[0-9]+)*")
+_CITATION_PATTERN = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
+_SECTION_NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)*")
 #: Page on which a section begins or ends if the contents do not say.
-_FIRST, _END = 1, 10_000
+_PAGE_BEFORE_CONTENTS, _PAGE_AFTER_CONTENTS = 1, 10_000
 #: Name under which the pages of a whole section are kept.
 _WHOLE_SECTION = ""
 #: A spec cites first pages if at least this many citations do, and this share of all with a known first page.
-_ENOUGH, _SHARE = 50, 0.98
+_LEAST_CITATIONS, _LEAST_SHARE = 50, 0.98
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ def check_cited_place(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                 )
     # Otherwise this spec does not follow the custom of citing first pages, so later pages are correct in it.
     compared_count = first_page_count + len(later_pages)
-    first_pages_needed = max(_ENOUGH, _SHARE * compared_count)
+    first_pages_needed = max(_LEAST_CITATIONS, _LEAST_SHARE * compared_count)
     if first_page_count >= first_pages_needed:
         _report_later_pages(later_pages, report)
 
@@ -84,12 +84,12 @@ def _report_later_pages(later_pages: list[_LaterPage], report: DocumentReport) -
 
 
 def _find_citations(source: str) -> list[re.Match[str]]:
-    """Return the matches of ``_CITED`` for the sections of the manual that a source cites, some of them with a page.
+    """Return the matches of ``_CITATION_PATTERN`` for the sections that a source cites, some with a page.
 
     Sources in other documents, which have a key before a colon, and placeholders are left out.
     """
     places = [piece.strip() for piece in source.split(";") if not is_placeholder(piece)]
-    matches = [_CITED.fullmatch(place) for place in places]
+    matches = [_CITATION_PATTERN.fullmatch(place) for place in places]
     return [match for match in matches if match is not None]
 
 
@@ -104,7 +104,7 @@ def _first_pages(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> 
             first_page, _ = spans[name]
             return {first_page}
     section_start, _ = spans[_WHOLE_SECTION]
-    if section_start <= _FIRST:  # The contents do not say where it begins.
+    if section_start <= _PAGE_BEFORE_CONTENTS:  # The contents do not say where it begins.
         return set()
     return {start for start, _ in spans.values()}
 
@@ -113,7 +113,8 @@ def _find_spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, t
     """Return the first and the last page of each section, under an empty name, and of its entries by name.
 
     For a section 4 with the entry Preset these are ``{"4": {"": (12, 24), "preset": (13, 15)}}``. The last page is the
-    page on which the next section or entry begins. Without pages, a section lasts from ``_FIRST`` to ``_END``.
+    page on which the next section or entry begins. Without pages, a section lasts from ``_PAGE_BEFORE_CONTENTS`` to
+    ``_PAGE_AFTER_CONTENTS``.
     """
     sections = list(contents.items())
     page_spans: dict[str, dict[str, tuple[int, int]]] = {}
@@ -122,8 +123,10 @@ def _find_spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, t
         prefix = f"{name}."  # The subsections of 4 are 4.1, 4.2 and so on.
         subsections = [inner for inner_name, inner in sections_after if inner_name.startswith(prefix)]
         later_sections = [later for later_name, later in sections_after if not later_name.startswith(prefix)]
-        last_page = _page_of_section(later_sections[0], _END) if later_sections else _END
-        page_spans[name] = {_WHOLE_SECTION: (_page_of_section(section, _FIRST), last_page)}
+        last_page = (
+            _page_of_section(later_sections[0], _PAGE_AFTER_CONTENTS) if later_sections else _PAGE_AFTER_CONTENTS
+        )
+        page_spans[name] = {_WHOLE_SECTION: (_page_of_section(section, _PAGE_BEFORE_CONTENTS), last_page)}
         # The entries of a section come before its subsections.
         end_of_entries = _page_of_section(subsections[0], last_page) if subsections else last_page
         entries = list(section.entries.items())
@@ -163,8 +166,8 @@ def _is_in_section(
     If one of the names around the source is an entry of the section, the page must be the page of the entry.
     """
     if section not in spans:
-        if _NUMBERED.fullmatch(section):
-            numbered_sections = [name for name in spans if _NUMBERED.fullmatch(name)]
+        if _SECTION_NUMBER.fullmatch(section):
+            numbered_sections = [name for name in spans if _SECTION_NUMBER.fullmatch(name)]
             hint = suggest_word(section, numbered_sections)
             report.add("cited-place", path, f"the contents have no section {quoted(section)}{hint}")
         return False
@@ -183,18 +186,18 @@ def _is_in_section(
 
 def _pages_text(start: int, end: int) -> str:
     """Return pages as text, such as ``on pages 3 to 5``."""
-    if end == _END:
+    if end == _PAGE_AFTER_CONTENTS:
         return f"on page {start} or later"
     return f"on page {start}" if start == end else f"on pages {start} to {end}"
 
 
-_CORROBORATED = ("corroborated", "corroborated, no hardware frame seen")
+_CORROBORATED_STATES = ("corroborated", "corroborated, no hardware frame seen")
 #: Grades that need data from real hardware, and the advice if there are no such data.
 _WITH_FRAME = ("quoted", "corroborated")
-_OR = "or write 'corroborated, no hardware frame seen'"
-_WHOLE = "all pages"
+_OR_CORROBORATED = "or write 'corroborated, no hardware frame seen'"
+_ALL_PAGES = "all pages"
 #: A source: the key of the cited document, and the place in it.
-_SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
+_SOURCE_PATTERN = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
 def check_evidence(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -212,7 +215,7 @@ def check_evidence(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
         return
     for problem in _yield_missing_support(stated):
         report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(stated.grade)} {problem}")
-    if stated.grade == "quoted" or stated.grade in _CORROBORATED:
+    if stated.grade == "quoted" or stated.grade in _CORROBORATED_STATES:
         _check_sources(spec, report)
 
 
@@ -230,7 +233,9 @@ def _check_vectors(stated: Evidence, examples: Mapping[str, WrittenExample], rep
     if stated.grade in _WITH_FRAME and are_known and not has_reading:
         problem = f"the grade {quoted(stated.grade)} needs data from an encoder"
         remedy = "add a frame 'from: encoder' without 'refused', or a register reading"
-        report.add("evidence-grade", ("evidence", "vectors", 0), f"{problem}: {remedy}, {_OR} without 'vectors'")
+        report.add(
+            "evidence-grade", ("evidence", "vectors", 0), f"{problem}: {remedy}, {_OR_CORROBORATED} without 'vectors'"
+        )
 
 
 def _yield_missing_support(stated: Evidence) -> Iterator[str]:
@@ -239,8 +244,8 @@ def _yield_missing_support(stated: Evidence) -> Iterator[str]:
     documents_read = stated.documents
     implementations = stated.implementations
     has_source = bool(documents_read) or bool(implementations)
-    if grade == "manual" and documents_read.get("manual") != _WHOLE:
-        yield f"needs the whole manual: write 'documents: {{manual: {_WHOLE}}}', or another grade"
+    if grade == "manual" and documents_read.get("manual") != _ALL_PAGES:
+        yield f"needs the whole manual: write 'documents: {{manual: {_ALL_PAGES}}}', or another grade"
     if grade == "quoted" and not documents_read:
         yield "needs a document of the manufacturer: list it under 'documents', with the pages that were read"
     if grade == "quoted" and not implementations:
@@ -248,11 +253,11 @@ def _yield_missing_support(stated: Evidence) -> Iterator[str]:
     if grade == "uncorroborated" and not has_source:
         yield "needs a source: list it under 'documents', with the pages that were read, or under 'implementations'"
     needed_implementations = 1 if documents_read else 2
-    if grade in _CORROBORATED and len(implementations) < needed_implementations:
+    if grade in _CORROBORATED_STATES and len(implementations) < needed_implementations:
         yield "needs two sources that share no code: list them under 'implementations'"
     if grade in _WITH_FRAME and not stated.vectors:
-        yield f"needs an example from real hardware: list it under 'vectors', {_OR}"
-    _, grade_without_frame = _CORROBORATED
+        yield f"needs an example from real hardware: list it under 'vectors', {_OR_CORROBORATED}"
+    _, grade_without_frame = _CORROBORATED_STATES
     if grade == grade_without_frame and stated.vectors:
         yield "has no vectors: remove them, or write 'corroborated'"
 
@@ -265,7 +270,7 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
     grade = spec.evidence.part.grade
     documents_read = spec.evidence.part.documents
     implementations = spec.evidence.part.implementations
-    is_corroborated = grade in _CORROBORATED
+    is_corroborated = grade in _CORROBORATED_STATES
     can_cite_two_implementations = is_corroborated and len(implementations) > 1
     if not documents_read and not can_cite_two_implementations:
         return  # Reported as missing.
@@ -276,7 +281,7 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
         if is_corroborated and "clock" in path:
             continue  # One program is enough for its own clock. Another rule checks limits.
         # ``errata: 2`` has the key errata and the place 2, and ``6.4`` no key and the place 6.4.
-        matches = [_SOURCE.fullmatch(piece) for piece in source.split(";")]
+        matches = [_SOURCE_PATTERN.fullmatch(piece) for piece in source.split(";")]
         keys_and_places = [(match[1], match[2]) for match in matches if match is not None]
         cited_keys = {key or "manual" for key, _ in keys_and_places}
         cites_manufacturer = not cited_keys.isdisjoint(documents_read)
@@ -314,7 +319,7 @@ def _is_reading(example: WrittenExample) -> bool:
 #: Grades with which every fact is in the manufacturer's words.
 _IN_THE_MANUFACTURERS_WORDS = ("manual", "quoted")
 #: The document that a source cites. Without a key, it is the manual.
-_DOCUMENT = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?")
+_CITED_DOCUMENT = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -334,11 +339,11 @@ class _Limited:
     kind: _LimitKeys
 
 
-_CLOCK = _LimitKeys(("min_hz", "max_hz"), "write 'used_hz' for a clock that a program or a master uses")
-_TIMING = _LimitKeys(("at_least_us", "at_most_us"), "write 'typical_us', or describe the time in a 'note'")
-_TIMEOUT = _LimitKeys(("at_most_ns",), "write 'typical_ns', or remove the time-out")
-_CABLE = _LimitKeys(("below_hz",), "remove the table")
-_SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
+_CLOCK_LIMITS = _LimitKeys(("min_hz", "max_hz"), "write 'used_hz' for a clock that a program or a master uses")
+_TIMING_LIMITS = _LimitKeys(("at_least_us", "at_most_us"), "write 'typical_us', or describe the time in a 'note'")
+_TIMEOUT_LIMITS = _LimitKeys(("at_most_ns",), "write 'typical_ns', or remove the time-out")
+_CABLE_LIMITS = _LimitKeys(("below_hz",), "remove the table")
+_SUPPLY_LIMITS = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
 
 
 def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -353,7 +358,7 @@ def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
     for limited in _yield_limited(spec):
         cited_keys = set()
         for piece in limited.source.split(";"):
-            document = _DOCUMENT.match(piece)
+            document = _CITED_DOCUMENT.match(piece)
             if document is not None:
                 cited_keys.add(document[1] or "manual")  # A place without a key refers to the manual.
         given_limits = [key for key in limited.kind.keys if key in limited.part.data]
@@ -366,9 +371,9 @@ def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 def _yield_limited(spec: WrittenSpec) -> Iterator[_Limited]:
     """Yield each part of a spec that can have limits, with its own source or else its interface's source."""
     if spec.supply is not None:
-        yield _Limited(spec.supply, _source_of_part(spec.supply), _SUPPLY)
+        yield _Limited(spec.supply, _source_of_part(spec.supply), _SUPPLY_LIMITS)
     for timing in spec.timings:
-        yield _Limited(timing, _source_of_part(timing), _TIMING)
+        yield _Limited(timing, _source_of_part(timing), _TIMING_LIMITS)
     for _, interface in interfaces(spec):
         for part, kind in _limited_parts(interface):
             yield _Limited(part, _source_of_part(part) or interface.source, kind)
@@ -377,13 +382,13 @@ def _yield_limited(spec: WrittenSpec) -> Iterator[_Limited]:
 def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[LocatedPart[object], _LimitKeys]]:
     """Yield the parts of an interface that can have limits, each with the keys for them."""
     for clock in clocks_of(interface):
-        yield clock, _CLOCK
+        yield clock, _CLOCK_LIMITS
     for timeout in interface.timeout if isinstance(interface, WrittenBiss) else ():
-        yield timeout, _TIMEOUT
+        yield timeout, _TIMEOUT_LIMITS
     for timing in interface.timings:
-        yield timing, _TIMING
+        yield timing, _TIMING_LIMITS
     for cable_length in interface.cable_lengths if isinstance(interface, WrittenSsi) else ():
-        yield cable_length, _CABLE
+        yield cable_length, _CABLE_LIMITS
 
 
 def _source_of_part(located_part: LocatedPart[object]) -> str:

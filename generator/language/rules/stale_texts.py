@@ -17,7 +17,7 @@ from .parts import by_name, interfaces
 from .walk import leaves, leaves_of
 
 #: Factors to the smallest unit of a quantity, by the units of texts and by the ends of keys.
-_UNITS: Mapping[str, Mapping[str, int]] = {
+_UNIT_FACTORS: Mapping[str, Mapping[str, int]] = {
     "voltage": {"V": 1000, "mV": 1, "mv": 1},
     "frequency": {"MHz": 1_000_000, "kHz": 1000, "Hz": 1, "hz": 1},
     "current": {"A": 1000, "mA": 1, "ma": 1},
@@ -25,9 +25,9 @@ _UNITS: Mapping[str, Mapping[str, int]] = {
     "torque": {"Nm": 1},
 }
 #: ``"voltage"`` for ``"mV"`` and so on. Units in lower case occur only at the ends of keys.
-_KIND_OF_UNIT = {unit: kind for kind, factors in _UNITS.items() for unit in factors}
+_KIND_OF_UNIT = {unit: kind for kind, factors in _UNIT_FACTORS.items() for unit in factors}
 _UNITS_IN_TEXTS = "|".join(sorted((unit for unit in _KIND_OF_UNIT if not unit.islower()), key=len, reverse=True))
-_QUANTITY = re.compile(
+_QUANTITY_IN_TEXT = re.compile(
     rf"(?<![\w.,±])(?<!± )(?P<number>[+−-]?\d+(?:,\d{{3}})*(?:\.\d+)?) ?(?P<unit>{_UNITS_IN_TEXTS})(?![\w/])"
 )
 _THING = "bits?|registers?|commands?|alarms?|inputs?"
@@ -35,10 +35,10 @@ _THING = "bits?|registers?|commands?|alarms?|inputs?"
 _QUOTED_NAME = re.compile(
     rf'"(?P<before>[A-Z][^"]{{2,60}})" (?:{_THING})\b|\b(?:{_THING}) "(?P<after>[A-Z][^"]{{2,60}})"'
 )
-_NAMES = frozenset(("printed_name", "title", "signal", "name"))
+_KEYS_OF_NAMES = frozenset(("printed_name", "title", "signal", "name"))
 #: Texts about the encoder of today.
-_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
-_ELSEWHERE = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
+_KEYS_OF_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
+_KEYS_ABOUT_OTHER_DOCUMENTS = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
 
 
 def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -51,8 +51,8 @@ def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         return
     affected_places = ErratumTargets(spec.data)
     for erratum in spec.errata:
-        key, text = ("used", erratum.used) if _QUANTITY.search(erratum.used) else ("printed", erratum.printed)
-        matches = list(_QUANTITY.finditer(text))
+        key, text = ("used", erratum.used) if _QUANTITY_IN_TEXT.search(erratum.used) else ("printed", erratum.printed)
+        matches = list(_QUANTITY_IN_TEXT.finditer(text))
         # An erratum with readings is about two printed values, and the facts have only one of them.
         if not matches or erratum.readings:
             continue
@@ -102,7 +102,7 @@ def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, 
 
 
 def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
-    return Decimal(number_text.replace(",", "").replace("−", "-")) * _UNITS[_KIND_OF_UNIT[unit]][unit]
+    return Decimal(number_text.replace(",", "").replace("−", "-")) * _UNIT_FACTORS[_KIND_OF_UNIT[unit]][unit]
 
 
 def check_repeated_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -149,7 +149,7 @@ def check_quoted_names(spec: WrittenSpec, as_read: WrittenSpec, report: Document
     names_in_spec = _printed_names(spec, report)
     folded_names = {_fold_name(name) for name in names_in_spec}
     for path, text in leaves_of(spec.data, report):
-        if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in _TEXTS:
+        if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or path[-1] not in _KEYS_OF_TEXTS:
             continue
         for match in _QUOTED_NAME.finditer(text):
             before, after = match.group("before", "after")
@@ -163,10 +163,10 @@ def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     """Return the names of all parts of a spec, as printed, in specs and in other languages, each once."""
     names: dict[str, None] = {}  # In the order of the spec, each once.
     for path, text in leaves_of(spec.data, report):
-        if path[0] in _ELSEWHERE or path[0] == "errata" or not isinstance(text, str):
+        if path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or path[0] == "errata" or not isinstance(text, str):
             continue
         is_in_other_language = path[-2:-1] == ("names",)
-        if path[-1] in _NAMES or is_in_other_language:
+        if path[-1] in _KEYS_OF_NAMES or is_in_other_language:
             names[text] = None
     return list(names)
 
@@ -176,7 +176,7 @@ def _fold_name(printed_name: str) -> str:
     return re.sub(r"[\W_]+", " ", printed_name).strip().casefold()
 
 
-_LABEL = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
+_WORD_IN_CAPITALS = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
 
 
 def check_labels_in_errata(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -191,7 +191,7 @@ def check_labels_in_errata(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
         is_about_order_codes = any(affected.split(".")[0] == "order_code" for affected in erratum.affects)
         if not is_about_order_codes:
             continue
-        words_in_capitals = _LABEL.findall(erratum.used)
+        words_in_capitals = _WORD_IN_CAPITALS.findall(erratum.used)
         shapes_of_labels = {_shape_of_label(word) for word in words_in_capitals if word in known_labels}
         unknown_labels = [
             word for word in words_in_capitals if word not in known_labels and _shape_of_label(word) in shapes_of_labels
@@ -236,9 +236,9 @@ def check_alarm_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     for path, text in leaves_of(spec.data, report):
         if path[-1] in ("printed_name", "title", "signal"):
             known_words.update(re.findall(r"[A-Z]{2,}", str(text)))
-    checked_keys = _TEXTS | {"when_active", "when_inactive"}
+    checked_keys = _KEYS_OF_TEXTS | {"when_active", "when_inactive"}
     for path, text in leaves_of(spec.data, report):
-        if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in checked_keys:
+        if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or path[-1] not in checked_keys:
             continue
         for match in _NAMED_ERROR.finditer(text):
             word_in_capitals = match[1]
@@ -267,7 +267,7 @@ def check_led_states(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport
     if not states or report.document.family or report.document.other_files:
         return
     for path, text in leaves_of(spec.data, report):
-        if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in _TEXTS_ON_LEDS:
+        if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or path[-1] not in _TEXTS_ON_LEDS:
             continue
         for match in _LED_IS.finditer(text):
             if match["state"].casefold() not in words_of_states:

@@ -14,10 +14,10 @@ from .parts import Groups, by_name, constant_width, fields_of, interface_of
 from .walk import leaves
 
 #: Kinds of steps that access a register.
-_ACCESSES = frozenset(("write", "read", "poll"))
-_MILLISECONDS = re.compile(r"(?<![\w.,])(\d+) ?ms\b")
-_NUMBERS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
-_REPETITIONS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.IGNORECASE)
+_KINDS_OF_ACCESS = frozenset(("write", "read", "poll"))
+_MILLISECONDS_IN_TEXT = re.compile(r"(?<![\w.,])(\d+) ?ms\b")
+_NUMBER_WORDS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_REPETITIONS_IN_TEXT = re.compile(rf"\b({'|'.join(_NUMBER_WORDS)}|[1-9]\d?) requests\b", re.IGNORECASE)
 
 
 def check_interface_of_steps(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -26,7 +26,7 @@ def check_interface_of_steps(spec: WrittenSpec, as_read: WrittenSpec, report: Do
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = registers.get(step.register)
-            if step.do not in _ACCESSES or register is None or procedure.interface not in spec.interfaces.data:
+            if step.do not in _KINDS_OF_ACCESS or register is None or procedure.interface not in spec.interfaces.data:
                 continue
             if interface_of(register) != procedure.interface:
                 message = (
@@ -102,7 +102,7 @@ def _printed_milliseconds(procedure: WrittenProcedure) -> Iterator[int]:
     """Yield the times in milliseconds in the texts of a procedure."""
     for _, text in leaves(procedure.data):
         if isinstance(text, str):
-            yield from map(int, _MILLISECONDS.findall(text))
+            yield from map(int, _MILLISECONDS_IN_TEXT.findall(text))
 
 
 def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenStep, Sequence[WrittenStep]]]:
@@ -178,11 +178,11 @@ def _counts_in_texts(part_data: Mapping[str, object]) -> Iterator[tuple[Path, in
     for path, text in leaves(part_data):
         if not isinstance(text, str):
             continue
-        for number_text in _REPETITIONS.findall(text):
+        for number_text in _REPETITIONS_IN_TEXT.findall(text):
             if number_text.isdigit():
                 yield path, int(number_text)
             else:
-                yield path, _NUMBERS.index(number_text.casefold()) + 2  # The words begin with two.
+                yield path, _NUMBER_WORDS.index(number_text.casefold()) + 2  # The words begin with two.
 
 
 def check_polled_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:

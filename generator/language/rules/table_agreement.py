@@ -11,12 +11,12 @@ from ..problems import DocumentReport, quoted
 from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 
-_NUMBER = re.compile(r"\d+(?:\.\d+)?")
-_HEX = re.compile(r"(?:0x)?([0-9A-F]{2,4})h?")
+_DECIMAL_NUMBER = re.compile(r"\d+(?:\.\d+)?")
+_HEX_NUMBER = re.compile(r"(?:0x)?([0-9A-F]{2,4})h?")
 #: Edges of the two signals A and B in one period.
-_EDGES = 4
-_FREQUENCIES = frozenset(("Hz", "kHz", "MHz"))
-_NANOMETRES = {"nm": 1, "µm": 1_000, "mm": 1_000_000}
+_EDGES_PER_PERIOD = 4
+_FREQUENCY_UNITS = frozenset(("Hz", "kHz", "MHz"))
+_NANOMETRES_PER_UNIT = {"nm": 1, "µm": 1_000, "mm": 1_000_000}
 
 
 def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -32,11 +32,16 @@ def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         numbers_of_errata = _numbers_of_errata(spec, f"tables.{table.part.name}")
         for index, row in enumerate(table.part.rows):
             period_frequency, edge_frequency = _number_in_cell(row, periods), _number_in_cell(row, edges)
-            if period_frequency is None or edge_frequency is None or edge_frequency == _EDGES * period_frequency:
+            if (
+                period_frequency is None
+                or edge_frequency is None
+                or edge_frequency == _EDGES_PER_PERIOD * period_frequency
+            ):
                 continue
             is_explained = {row[periods], row[edges]} <= numbers_of_errata
             if not is_explained:
-                message = f"the edge frequency {row[edges]} is not {_EDGES} times the period frequency {row[periods]}"
+                factor = f"{_EDGES_PER_PERIOD} times the period frequency {row[periods]}"
+                message = f"the edge frequency {row[edges]} is not {factor}"
                 path = (*table.path, "rows", index, edges)
                 report.add("table-arithmetic", path, f"{message}; correct one of the two")
 
@@ -44,16 +49,16 @@ def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 def _numbers_of_errata(spec: WrittenSpec, affected_path: str) -> set[str]:
     """Return the numbers in the texts of the errata that affect a place."""
     texts = [f"{erratum.printed} {erratum.used}" for erratum in spec.errata if affected_path in erratum.affects]
-    return set(_NUMBER.findall(" ".join(texts)))
+    return set(_DECIMAL_NUMBER.findall(" ".join(texts)))
 
 
 def _frequency_column(table: Table, word: str) -> int | None:
     """Return the only column of frequencies with this word in its heading, if it has the unit of the other columns."""
     columns: list[int] = []
     for index, (heading, unit) in enumerate(zip(table.columns, table.units, strict=False)):
-        if unit in _FREQUENCIES and re.search(rf"\b{word}\b", heading, re.IGNORECASE):
+        if unit in _FREQUENCY_UNITS and re.search(rf"\b{word}\b", heading, re.IGNORECASE):
             columns.append(index)
-    frequency_units = {unit for unit in table.units if unit in _FREQUENCIES}
+    frequency_units = {unit for unit in table.units if unit in _FREQUENCY_UNITS}
     is_unambiguous = len(columns) == 1 and len(frequency_units) == 1
     return columns[0] if is_unambiguous else None
 
@@ -61,7 +66,7 @@ def _frequency_column(table: Table, word: str) -> int | None:
 def _number_in_cell(row: tuple[str, ...], column: int) -> Decimal | None:
     """Return the number in a cell, or None if the cell is missing or contains other text."""
     cell = row[column] if column < len(row) else ""
-    return Decimal(cell) if _NUMBER.fullmatch(cell) else None
+    return Decimal(cell) if _DECIMAL_NUMBER.fullmatch(cell) else None
 
 
 def check_order_codes_in_rows(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -94,7 +99,7 @@ def _compare_rows(table: LocatedPart[Table], column: int, meanings: dict[str, st
         if len(labels) != 1 or _number_in_cell(row, column) is None:
             continue
         label = labels.pop()
-        quantity = re.fullmatch(rf"({_NUMBER.pattern}) {re.escape(unit)}", meanings[label]) if unit else None
+        quantity = re.fullmatch(rf"({_DECIMAL_NUMBER.pattern}) {re.escape(unit)}", meanings[label]) if unit else None
         if quantity is not None and Decimal(quantity[1]) != Decimal(row[column]):
             message = (
                 f"the row is about {quoted(label)}, which means {meanings[label]} in the order code, but this is"
@@ -151,8 +156,8 @@ def check_reserved_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         for index, row in enumerate(table.part.rows):
             if len(row) < len(headings):
                 continue
-            first_match = _HEX.fullmatch(row[headings.index("first address")])
-            last_match = _HEX.fullmatch(row[headings.index("last address")])
+            first_match = _HEX_NUMBER.fullmatch(row[headings.index("first address")])
+            last_match = _HEX_NUMBER.fullmatch(row[headings.index("last address")])
             if first_match is None or last_match is None:
                 continue
             first, last = int(first_match[1], 16), int(last_match[1], 16)
@@ -174,7 +179,7 @@ def check_lengths_of_errata(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         if not lengths:
             continue
         for number, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used):
-            if Decimal(number.replace(",", "")) * _NANOMETRES[unit] not in lengths:
+            if Decimal(number.replace(",", "")) * _NANOMETRES_PER_UNIT[unit] not in lengths:
                 message = f"no table that it affects has {number} {unit}; correct one of the two"
                 report.add("left-behind", erratum.place_of("used"), message)
                 break
@@ -185,5 +190,5 @@ def _yield_lengths(table: Table) -> Iterator[Decimal]:
     for row in table.rows:
         for column, unit in enumerate(table.units):
             number = _number_in_cell(row, column)
-            if unit in _NANOMETRES and number is not None:
-                yield number * _NANOMETRES[unit]
+            if unit in _NANOMETRES_PER_UNIT and number is not None:
+                yield number * _NANOMETRES_PER_UNIT[unit]

@@ -31,14 +31,14 @@ from .parts import (
 )
 from .walk import leaves_of, sources
 
-_PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
+_CITATION_PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
 #: A heading, possibly with a number, such as ``Table 41``. It does not begin with the word for a page.
 _HEADING = rf"(?!(?i:page|pag|pg|p)\b)[^\W\d_](?:[^\W\d_]|[ '&/()-])+(?: {_NUMBER})?"
 #: A section by number, possibly with a table or figure in it, or by its heading.
 _SECTION = rf"{_NUMBER}(?: (?:Table|Figure) {_NUMBER})?|{_HEADING}"
 _PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
-_PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
+_CITED_PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
 
 
 def check_field_count(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -307,7 +307,7 @@ def _check_piece(
 ) -> None:
     """Check one place that a source cites: its edition or document, and within the manual also its form."""
     # TODO marks a place that is still to be checked.
-    match = _PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
+    match = _CITATION_PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
     key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
     if key is not None and key == own_language:
         report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; remove '{key}:'")
@@ -316,7 +316,7 @@ def _check_piece(
         report.add("undefined-reference", path, f"there is no edition or document {quoted(key)}{hint}")
     elif key in documents and place:
         return  # Public documents have sections of every kind.
-    elif not _PLACE.fullmatch(place):
+    elif not _CITED_PLACE.fullmatch(place):
         piece_text = quoted(piece) if piece else "empty text"
         forms = (
             "cite a section ('6.4' or 'Cover'), a table ('Table 41'), a page ('p.35'), "
@@ -378,8 +378,8 @@ HEXADECIMAL = frozenset("address addresses poly init xorout check control consta
 #: Maps whose keys are names defined in the spec.
 _OWN_NAMES = frozenset(("values", "arguments", "sets"))
 #: Pairs of quotes used by word processors and PDF files.
-_TYPOGRAPHIC = frozenset(map(tuple, ("“”", "„“", "„”", "””", "‘’", "‚‘", "’’", "«»", "»«")))
-_DECIMAL = re.compile("[0-9]{2,}")
+_TYPOGRAPHIC_QUOTES = frozenset(map(tuple, ("“”", "„“", "„”", "””", "‘’", "‚‘", "’’", "«»", "»«")))
+_DECIMAL_DIGITS = re.compile("[0-9]{2,}")
 _LEADING_ZERO = re.compile("[-+]?0[0-9]+")
 
 
@@ -396,7 +396,7 @@ def check_number_base(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         spelling = report.document.spelling_at(path)
         # The same digits read as hexadecimal, without sign and leading zeros, with at least two digits.
         hexadecimal = f"0x{spelling.lstrip('+-0'):0>2}"
-        if not is_json and _is_hexadecimal(path) and _DECIMAL.fullmatch(spelling):
+        if not is_json and _is_hexadecimal(path) and _DECIMAL_DIGITS.fullmatch(spelling):
             decimal_hint = f", or {number:#04x} for decimal {number}" if number > 9 else ""
             message = (
                 f"{quoted(path[-1])} is {spelling}, which is decimal, but manuals print it in hexadecimal; "
@@ -417,7 +417,7 @@ def check_typographic_quotes(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         if not isinstance(value, str) or len(value) < 2:
             continue
         first_character, last_character = value[0], value[-1]
-        if (first_character, last_character) in _TYPOGRAPHIC:
+        if (first_character, last_character) in _TYPOGRAPHIC_QUOTES:
             message = (
                 f"the quotes {first_character} and {last_character} are part of this text; "
                 f'write "{value[1:-1]}" with straight quotes'

@@ -24,22 +24,22 @@ _OPPOSITES = (
     ("up", "down"),
 )
 _OPPOSITE_OF = {word: other for pair in _OPPOSITES for word, other in (pair, pair[::-1])}
-_VOLTAGE = re.compile(r"\b(above|over|exceeds|below|under) (\d+(?:\.\d+)?) ?(m?)V\b")
-_ABOVE = frozenset(("above", "over", "exceeds"))
+_VOLTAGE_LIMIT = re.compile(r"\b(above|over|exceeds|below|under) (\d+(?:\.\d+)?) ?(m?)V\b")
+_WORDS_FOR_ABOVE = frozenset(("above", "over", "exceeds"))
 #: A sentence that gives the level of an active bit: "0 means an error", "active if it is 1", "it is active at 0".
-_LEVEL = re.compile(r"\bactive (?:at|if it is|when it is|while it is|=) ?([01])\b", re.IGNORECASE)
+_ACTIVE_LEVEL_SENTENCE = re.compile(r"\bactive (?:at|if it is|when it is|while it is|=) ?([01])\b", re.IGNORECASE)
 _CLEARS_ITSELF = re.compile(
     r"\b(?:clears (?:by )?itself|cleared automatically|returns to 0 by itself|not latched|is not stored)\b",
     re.IGNORECASE,
 )
-_STAYS = re.compile(
+_LATCHED_WORDS = re.compile(
     r"\b(?:is latched|remains active until it is reset|stays active until it is reset)\b", re.IGNORECASE
 )
 #: Two wires named together, as in "white and blue wires".
-_WIRES = re.compile(r"\b([A-Za-z]+(?:[-/_][A-Za-z]+)?) and ([A-Za-z]+(?:[-/_][A-Za-z]+)?) wires\b")
+_TWO_WIRES = re.compile(r"\b([A-Za-z]+(?:[-/_][A-Za-z]+)?) and ([A-Za-z]+(?:[-/_][A-Za-z]+)?) wires\b")
 #: A supply line, such as ``+5 V`` or ``0V``.
-_VOLTAGES = re.compile(r"(?<![A-Za-z])[+-]?\d*(?:[.,]\d+)? ?V", re.IGNORECASE)
-_TEXTS = ("meaning", "note", "remedy", "detected", "precondition", "result", "when_active", "when_inactive")
+_SUPPLY_LINE = re.compile(r"(?<![A-Za-z])[+-]?\d*(?:[.,]\d+)? ?V", re.IGNORECASE)
+_KEYS_OF_TEXTS = ("meaning", "note", "remedy", "detected", "precondition", "result", "when_active", "when_inactive")
 
 
 def check_threshold_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
@@ -48,10 +48,10 @@ def check_threshold_words(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         limit = alarm.part.below_mv
         if limit is None:
             continue
-        for path, text in _texts_of(alarm, _TEXTS):
-            for word, number, milli in _VOLTAGE.findall(text):  # ("above", "3.6", ""), or ("below", "100", "m").
+        for path, text in _texts_of(alarm, _KEYS_OF_TEXTS):
+            for word, number, milli in _VOLTAGE_LIMIT.findall(text):  # ("above", "3.6", ""), or ("below", "100", "m").
                 millivolts = float(number) * (1 if milli else 1000)
-                if word in _ABOVE and millivolts == limit:
+                if word in _WORDS_FOR_ABOVE and millivolts == limit:
                     message = (
                         f"the text says {quoted(word)}, but the alarm has 'below_mv: {limit}'; correct one of the two"
                     )
@@ -64,8 +64,8 @@ def check_latch_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         latch = alarm.part.latch
         if latch is None:
             continue
-        contradictions, word = (_CLEARS_ITSELF, "true") if latch else (_STAYS, "false")
-        for path, text in _texts_of(alarm, _TEXTS):
+        contradictions, word = (_CLEARS_ITSELF, "true") if latch else (_LATCHED_WORDS, "false")
+        for path, text in _texts_of(alarm, _KEYS_OF_TEXTS):
             contradiction = contradictions.search(text)
             if contradiction is not None:
                 message = f"the text says {quoted(contradiction[0])}, but 'latch' is {word}; correct one of the two"
@@ -80,8 +80,8 @@ def check_level_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             active_level = levels.get(field.active)  # None for a field that is not a flag.
             if active_level is None:
                 continue
-            for path, text in _texts_of(field, _TEXTS):
-                wrong_levels = [stated for stated in _LEVEL.findall(text) if stated != active_level]
+            for path, text in _texts_of(field, _KEYS_OF_TEXTS):
+                wrong_levels = [stated for stated in _ACTIVE_LEVEL_SENTENCE.findall(text) if stated != active_level]
                 if wrong_levels:
                     message = (
                         f"the text says that it is active at {wrong_levels[0]}, but 'active: {field.active}' means"
@@ -120,7 +120,7 @@ def check_named_wires(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
     if not signals_by_colour:
         return
     for path, text in _all_texts(spec):
-        for first_wire, second_wire in _WIRES.findall(text):
+        for first_wire, second_wire in _TWO_WIRES.findall(text):
             first_signals = signals_by_colour.get(first_wire.casefold())
             second_signals = signals_by_colour.get(second_wire.casefold())
             if first_signals is None or second_signals is None:
@@ -151,7 +151,7 @@ def _belong_together(first: str, second: str) -> bool:
 
     The lines of a pair have the same letters and digits, as in ``MA+`` and ``MA-``.
     """
-    if _VOLTAGES.search(first) and _VOLTAGES.search(second):
+    if _SUPPLY_LINE.search(first) and _SUPPLY_LINE.search(second):
         return True
     letters_and_digits = re.sub(r"[^a-z0-9]", "", first.casefold())
     return letters_and_digits == re.sub(r"[^a-z0-9]", "", second.casefold())
@@ -160,11 +160,11 @@ def _belong_together(first: str, second: str) -> bool:
 def _all_texts(spec: WrittenSpec) -> Iterator[tuple[Path, str]]:
     """Yield the texts of the parts that describe work by hand and hardware."""
     for procedure in spec.procedures:
-        yield from _texts_of(procedure, _TEXTS)
+        yield from _texts_of(procedure, _KEYS_OF_TEXTS)
     for characteristic in spec.characteristics:
         yield from _texts_of(characteristic, ("value", "note"))
     for alarm in spec.alarms:
-        yield from _texts_of(alarm, _TEXTS)
+        yield from _texts_of(alarm, _KEYS_OF_TEXTS)
 
 
 def _texts_of(placed_part: PlacedPart, keys: Sequence[str]) -> Iterator[tuple[Path, str]]:

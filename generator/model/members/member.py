@@ -10,7 +10,7 @@ from ..key_types import data_notation, name_of_part
 from ..part import DescribedKey, description_of, keys_of
 
 #: Notations of numbers, by the ends of the names of members.
-_UNITS = ("mv", "us", "ms", "hz", "ns")
+_NOTATION_BY_ENDING = ("mv", "us", "ms", "hz", "ns")
 #: Rules of ``diff`` for limits, and the rules for the opposite change.
 WIDER = {
     "clock-narrower": "clock-wider",
@@ -75,7 +75,7 @@ class ModelMember:
         if self.shape.startswith("hex"):
             return "hex"
         _, _, unit = self.attribute.rpartition("_")
-        return unit if unit in _UNITS else ""
+        return unit if unit in _NOTATION_BY_ENDING else ""
 
     def is_stated(self, value: object) -> bool:
         """Return True if the manual states a value, and not just the default."""

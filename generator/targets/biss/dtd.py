@@ -11,7 +11,7 @@ from typing import Any
 from lxml import etree
 
 #: Size limit in bytes. It is far above the size of any DTD of this kind and prevents the reading of a wrong file.
-_LARGEST = 1_000_000
+_LARGEST_DTD = 1_000_000
 
 
 class DtdError(ValueError):
@@ -54,10 +54,10 @@ def read_dtd(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
             # One byte more than allowed shows that the file is too large.
-            text = file.read(_LARGEST + 1)
+            text = file.read(_LARGEST_DTD + 1)
     except OSError as error:
         raise DtdError(f"{path}: {error.strerror}") from None
-    if len(text) > _LARGEST:
+    if len(text) > _LARGEST_DTD:
         raise DtdError(f"{path}: too large for a document type. Is this the right file?")
     return text
 

@@ -52,7 +52,7 @@ from ...why.exchanges import usual_values_of
 
 Data = dict[str, Any]
 #: Characters that could end the surrounding script element, an HTML comment, or a line of the script.
-_ESCAPES = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029"}
+_SCRIPT_ESCAPES = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029"}
 
 
 def without_empty(**members: Any) -> Data:
@@ -118,7 +118,7 @@ def plain_data(value: Any) -> Any:
 def script_json(value: object, indent: int | None = None) -> str:
     """Return data as JSON that is also valid JavaScript and cannot end the markup around the script."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), indent=indent)
-    return text.translate(_ESCAPES)
+    return text.translate(_SCRIPT_ESCAPES)
 
 
 class SharedParts:

@@ -54,7 +54,7 @@ CALLS = {
 #: Labels of statements that the constants and functions of a register already express.
 _IN_CODE = ("Default", "Limits")
 #: Maximum width of the column with the places in a comment.
-_PLACE = 30
+_PLACE_COLUMN_WIDTH = 30
 
 
 def _paragraphs_with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
@@ -225,7 +225,7 @@ def table(struct: LayoutStruct) -> Iterator[Paragraph]:
     rows = list(_table_rows(struct))
     # The text of a long place goes below it, so that it does not widen the column of places.
     place_widths = (len(place_text) for place_text, _, _ in rows)
-    place_width = max((width for width in place_widths if width <= _PLACE), default=0)
+    place_width = max((width for width in place_widths if width <= _PLACE_COLUMN_WIDTH), default=0)
     name_width = max((len(name) for _, name, _ in rows), default=0)
     for place_text, name, description in rows:
         lead = f"  {place_text:{place_width}}  "

@@ -204,7 +204,7 @@ def digits(number: object, field: Field, digit_run: Digits) -> CExpression:
     return quotient if is_highest_run else COperation("%", (quotient, CNumber(digit_run.modulus)))
 
 
-_MEMBER = CName("in->unused")
+_UNUSED_MEMBER = CName("in->unused")
 
 
 class UnusedMember:
@@ -299,15 +299,15 @@ class UnusedMember:
             all_bits_of_type = (1 << size_of(self.width)) - 1
             other_bits = fixed_mask ^ all_bits_of_type
             can_have_other_bits = bool(fixed_mask and other_bits)
-            return COperation("!=", (masked(_MEMBER, other_bits), CNumber(0))) if can_have_other_bits else None
+            return COperation("!=", (masked(_UNUSED_MEMBER, other_bits), CNumber(0))) if can_have_other_bits else None
         masks: list[CExpression] = []
         for reserved in varying_fields:
             mask_of_width = self.reader.scope.mask(reserved.bits.width)
             masks.append(shifted_left(mask_of_width, reserved.place))
         if fixed_mask:
             masks.append(CNumber(fixed_mask, hexadecimal=True))
-        unused_bits_of_member = COperation("&", (_MEMBER, join_operands("|", tuple(masks))))
-        return COperation("!=", (unused_bits_of_member, _MEMBER))
+        unused_bits_of_member = COperation("&", (_UNUSED_MEMBER, join_operands("|", tuple(masks))))
+        return COperation("!=", (unused_bits_of_member, _UNUSED_MEMBER))
 
     @property
     def in_word(self) -> Iterator[CExpression]:
@@ -315,13 +315,13 @@ class UnusedMember:
         # A single group of bits is the whole member, and needs no mask.
         is_all = len(self.moved) + len(self.single) == 1
         for moved in self.moved:
-            differing_bits = _MEMBER if is_all else masked(_MEMBER, moved.mask)
+            differing_bits = _UNUSED_MEMBER if is_all else masked(_UNUSED_MEMBER, moved.mask)
             bits = _with_inverted(differing_bits, _express_documented_value(moved.value))
             # Bit 0 of the member is bit ``shift`` of the word.
             yield _shift_bits(CCast(self.reader.encoded_type, bits), -moved.shift)
         for reserved in self.single:
             if is_all:
-                bits = _with_inverted(_MEMBER, self._express_documented(reserved))
+                bits = _with_inverted(_UNUSED_MEMBER, self._express_documented(reserved))
             else:
                 bits = self._bits_to_send(reserved)
             low = reserved.bits.low
@@ -343,9 +343,9 @@ class UnusedMember:
         """Return bits of the member, shifted to their places in the frame and combined with the documented bits."""
         # In bytes, ``shift`` is 0 or negative: bit -shift of the member is bit 0 of the byte.
         bit_in_member = -moved.shift
-        bits = _masked_byte(shifted_right(_MEMBER, bit_in_member), moved.mask >> bit_in_member)
+        bits = _masked_byte(shifted_right(_UNUSED_MEMBER, bit_in_member), moved.mask >> bit_in_member)
         # The member itself, if it was neither shifted nor masked.
-        is_wider_than_byte = bits is _MEMBER and self.width > 8
+        is_wider_than_byte = bits is _UNUSED_MEMBER and self.width > 8
         if is_wider_than_byte:
             bits = CCast("uint8_t", bits)
         return _with_inverted(bits, _express_documented_value(moved.value >> bit_in_member))
@@ -357,7 +357,7 @@ class UnusedMember:
 
     def _bits_to_send(self, reserved: Reserved) -> CExpression:
         """Return the documented bits of an unused field at bit 0, with those inverted that are 1 in the member."""
-        differing_bits = shifted_right(masked(_MEMBER, reserved.mask), reserved.place)
+        differing_bits = shifted_right(masked(_UNUSED_MEMBER, reserved.mask), reserved.place)
         return _with_inverted(differing_bits, self._express_documented(reserved))
 
     # -- both

@@ -12,7 +12,7 @@ from .names import string
 
 COLUMNS = 100
 #: The smallest width of a text after its lead.
-_NARROWEST = 36
+_NARROWEST_TEXT = 36
 
 #: A paragraph of a comment. A pair is a lead and its text, whose other lines are indented by the width of the lead.
 Paragraph = str | tuple[str, str]
@@ -57,7 +57,7 @@ def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
         if lead.startswith("@") and lines and not lines[-1].startswith(("@", " ")):
             # The parameters of a function come after an empty line.
             lines.append("")
-        if len(lead) > COLUMNS - indent - _NARROWEST:
+        if len(lead) > COLUMNS - indent - _NARROWEST_TEXT:
             # The lead is too long: the text goes below.
             lines.append(_separate_comment_marks(lead.rstrip()))
             lead = "        "
@@ -108,14 +108,14 @@ HEADER_STYLE = InHeader(text=TITLE_STYLE.text, code=TITLE_STYLE.code, ref=TITLE_
 
 
 #: Places where a long line may be broken, the better ones first.
-_CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
-_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[A-Za-z&(])")
-_STRING = re.compile(r'"(?:\\.|[^"\\])*"')
+_BREAKS_IN_CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
+_BREAKS_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[A-Za-z&(])")
+_STRING_LITERAL = re.compile(r'"(?:\\.|[^"\\])*"')
 #: A comment that begins a line, except titles of sections, or that follows a declaration or a macro.
-_OPENING = re.compile(r"\s*/\*(?: (?!-- )|$)")
+_COMMENT_OPENING = re.compile(r"\s*/\*(?: (?!-- )|$)")
 _AT_END = re.compile(r"^(\s*[A-Za-z#](?:(?!/\*).)*) /\* (?=[^*]*\*/$)")
 #: The end of a line that the next one continues.
-_CONTINUED = ("(", " =", " |")
+_CONTINUED_LINE = ("(", " =", " |")
 
 
 def end_comment(note: object) -> str:
@@ -172,7 +172,7 @@ def _mark_for_doxygen(line: str) -> Iterator[str]:
 
     A comment that gets too long at the end goes above the line, as ``/**``.
     """
-    if _OPENING.match(line):
+    if _COMMENT_OPENING.match(line):
         yield from _one_or_more(line.replace("/*", "/**", 1))
         return
     marked = _AT_END.sub(r"\1 /**< ", line)
@@ -206,7 +206,7 @@ def break_lines(text: str) -> str:
         if in_comment or len(line) <= COLUMNS or line.endswith(("};", "\\")):
             lines.append(line)
         else:
-            continues_previous = bool(lines) and lines[-1].endswith(_CONTINUED)
+            continues_previous = bool(lines) and lines[-1].endswith(_CONTINUED_LINE)
             lines += _broken_lines(line, continues_previous=continues_previous)
         in_comment = in_comment and not line.endswith("*/")
     return "".join(f"{line}\n" for line in lines)
@@ -240,7 +240,7 @@ def _broken_code(c_code: str, margin: str, further_margin: str) -> Sequence[str]
     parts are joined by ``|``, neither a question mark nor an assignment counts.
     """
     # It has the length of the code, so that places in it are places in the code.
-    without_strings = _STRING.sub(lambda string: "x" * len(string[0]), c_code)
+    without_strings = _STRING_LITERAL.sub(lambda string: "x" * len(string[0]), c_code)
     left_side, mark, _ = without_strings.partition(" ? ")
     open_brackets = left_side.count("(") - left_side.count(")")
     is_inside_brackets = open_brackets > 1
@@ -251,8 +251,8 @@ def _broken_code(c_code: str, margin: str, further_margin: str) -> Sequence[str]
     two_lines = [margin + c_code[: second_start - 1], further_margin + c_code[second_start:]]
     if mark and " | " not in without_strings and _all_fit(two_lines):
         return two_lines
-    lines = _break_code(c_code, without_strings, margin, further_margin, _CONDITIONS)
-    return lines if _all_fit(lines) else _break_code(c_code, without_strings, margin, further_margin, _ANYWHERE)
+    lines = _break_code(c_code, without_strings, margin, further_margin, _BREAKS_IN_CONDITIONS)
+    return lines if _all_fit(lines) else _break_code(c_code, without_strings, margin, further_margin, _BREAKS_ANYWHERE)
 
 
 def _all_fit(lines: Sequence[str]) -> bool:

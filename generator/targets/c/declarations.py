@@ -9,13 +9,13 @@ from itertools import chain
 
 from ...model.record import dataclass
 
-_NAME = re.compile(r"[A-Za-z_]\w*")
-_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
-_DEFINED = re.compile(r"^#define (\w+)", re.MULTILINE)
+_C_IDENTIFIER = re.compile(r"[A-Za-z_]\w*")
+_C_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+_DEFINED_MACRO = re.compile(r"^#define (\w+)", re.MULTILINE)
 #: The constant of an enumeration, in the line with its value.
-_MEMBER = re.compile(r"^ +(\w+) = ", re.MULTILINE)
-_CONDITION = re.compile(r"#(if|el|endif)")
-_FUNCTION = re.compile(r"(\w+)\(")
+_ENUMERATION_CONSTANT = re.compile(r"^ +(\w+) = ", re.MULTILINE)
+_PREPROCESSOR_CONDITION = re.compile(r"#(if|el|endif)")
+_FUNCTION_NAME = re.compile(r"(\w+)\(")
 #: What opens and closes the scope of C in a header.
 _OPENS_C, _CLOSES_C = 'extern "C" {\n#endif\n', "#ifdef __cplusplus\n}\n#endif\n"
 
@@ -41,7 +41,7 @@ class Declaration:
     @property
     def plain_code(self) -> str:
         """The code without comments."""
-        return _COMMENT.sub("", self.code)
+        return _C_COMMENT.sub("", self.code)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -52,32 +52,34 @@ class Declaration:
         code = self.plain_code
         if code.startswith("#if"):
             # With the comments, which separate the declarations inside.
-            inner_lines = [line for line in self.code.splitlines(keepends=True) if not _CONDITION.match(line)]
+            inner_lines = [
+                line for line in self.code.splitlines(keepends=True) if not _PREPROCESSOR_CONDITION.match(line)
+            ]
             return tuple(sorted(names_of(_parse_declarations(inner_lines))))
         # #define X_BITS 12
-        macros = tuple(_DEFINED.findall(code))
+        macros = tuple(_DEFINED_MACRO.findall(code))
         if macros:
             return macros
         # typedef enum { X_READ = 1 } x_mode;
         if code.startswith("typedef"):
             last_line = code.rstrip().splitlines()[-1]
-            type_name = _NAME.findall(last_line)[-1:]
-            constants = _MEMBER.findall(code) if code.startswith("typedef enum") else []
+            type_name = _C_IDENTIFIER.findall(last_line)[-1:]
+            constants = _ENUMERATION_CONSTANT.findall(code) if code.startswith("typedef enum") else []
             return (*type_name, *constants)
         # static inline uint8_t x_crc(uint32_t bits) {
         head = code.partition("{")[0].partition("=")[0]
-        function = _FUNCTION.search(head)
+        function = _FUNCTION_NAME.search(head)
         if function is not None and "static inline" in head:
             return (function[1],)
         # static const uint8_t x_table[2] = {0x00U, 0x13U};
-        words_before_length = _NAME.findall(head.partition("[")[0])
+        words_before_length = _C_IDENTIFIER.findall(head.partition("[")[0])
         constant_name = words_before_length[-1:]
         return tuple(constant_name)
 
     @property
     def used_names(self) -> frozenset[str]:
         """All names in its code."""
-        return frozenset(_NAME.findall(self.plain_code))
+        return frozenset(_C_IDENTIFIER.findall(self.plain_code))
 
     @property
     def is_function(self) -> bool:
@@ -140,7 +142,7 @@ def _end_of_code(lines: Sequence[str], start: int) -> int:
     end = start
     open_braces = 0
     while True:
-        code = _COMMENT.sub("", lines[end]).rstrip()
+        code = _C_COMMENT.sub("", lines[end]).rstrip()
         open_braces += code.count("{") - code.count("}")
         end += 1
         if open_braces == 0 and (code.endswith(";") or code == "}"):

@@ -35,7 +35,7 @@ from .names import (
 from .structs import LayoutStruct
 
 #: Names of arguments and locals in the generated functions. The locals of fields have different names.
-_LOCALS = frozenset("variant word received plain bytes length out in crc index v wide value flags".split())
+_NAMES_OF_LOCALS = frozenset("variant word received plain bytes length out in crc index v wide value flags".split())
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +101,7 @@ class CDecoder:
 
     def local(self, field: Field) -> CExpression:
         """Return the local that holds the bits of a field."""
-        return CName(c_name(field.name, _LOCALS))
+        return CName(c_name(field.name, _NAMES_OF_LOCALS))
 
     @property
     def fields_with_local(self) -> tuple[Field, ...]:

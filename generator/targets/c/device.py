@@ -363,16 +363,16 @@ def views_of(device: Device, passing: StructPassing = BY_VALUE) -> Sequence[Devi
     Raises:
         TargetError: C cannot express an interface.
     """
-    for known_device, known_passing, known_views in _LATEST:
+    for known_device, known_passing, known_views in _LATEST_VIEW:
         if known_device is device and known_passing == passing:
             return known_views
     views = tuple(_views_of(device, passing))
-    _LATEST.append((device, passing, views))
+    _LATEST_VIEW.append((device, passing, views))
     return views
 
 
 #: Families are compared by identity, because comparing their members takes longer than making their views.
-_LATEST: deque[tuple[Device, StructPassing, Sequence[DeviceView]]] = deque(maxlen=8)
+_LATEST_VIEW: deque[tuple[Device, StructPassing, Sequence[DeviceView]]] = deque(maxlen=8)
 
 
 def _views_of(device: Device, passing: StructPassing) -> Iterator[DeviceView]:

@@ -163,7 +163,7 @@ def _describe_constant(value: Value) -> str:
 
 
 #: Names of the other arguments and locals in the functions of a frame.
-_TAKEN = frozenset(
+_NAMES_OF_LOCALS = frozenset(
     "bits bytes code crc flags frame in length out plain position received rx unused value variant verdict word".split()
 )
 
@@ -183,7 +183,7 @@ class AlternativeCode:
     def __init__(self, device: Device, prefix: str, alternative: Alternative) -> None:
         self.alternative = alternative
         self.type = f"{prefix}_{alternative.name}"
-        self.argument = c_name(alternative.name, _TAKEN)
+        self.argument = c_name(alternative.name, _NAMES_OF_LOCALS)
         #: Name of the chosen answer in the programs.
         self.constant = f"my_{alternative.name}"
         about = [
@@ -240,7 +240,7 @@ def alternatives_in(alternatives: tuple[AlternativeCode, ...], *expressions: Exp
     )
 
 
-_UNUSED = CName("frame->unused")
+_UNUSED_MEMBER = CName("frame->unused")
 
 
 class FrameReports:
@@ -362,7 +362,7 @@ class FrameReports:
         """Return the condition that some of these bits differ from the manual, ``frame->unused != 0U`` if it is all."""
         # The masks have no common bits. The member is the mask of the bits in which the decoder found a difference.
         mask = sum(bits.mask for bits in reserved)
-        differing_bits = _UNUSED if mask == self._mask_of_all_unused else masked(_UNUSED, mask)
+        differing_bits = _UNUSED_MEMBER if mask == self._mask_of_all_unused else masked(_UNUSED_MEMBER, mask)
         return COperation("!=", (differing_bits, CNumber(0)))
 
 

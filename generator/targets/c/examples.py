@@ -51,7 +51,7 @@ from .structs import LayoutStruct
 from .variants import CodeRow
 
 #: Names of the program and the README that a register must not take: the function show_frame, and variables.
-_TAKEN = frozenset(("bus", "encoder", "failure", "frame", "result"))
+_NAMES_OF_LOCALS = frozenset(("bus", "encoder", "failure", "frame", "result"))
 #: Maximum number of characters of explanation after a number.
 _LONGEST_EXPLANATION = 40
 #: Smallest size of the simulated registers in bytes: the addresses 0 to 127, which BiSS can access.
@@ -390,7 +390,7 @@ class ExampleCode:
         code = first_or_raise(candidates, f"code for the register '{register.name}'")
         return ShownRegister(
             title=f"{ascii_text(title_of(register))} {register.address:02X}h",
-            name=c_name(register.name, _TAKEN),
+            name=c_name(register.name, _NAMES_OF_LOCALS),
             about=f"a worked example [{cite(example.source)}]",
             access=code.access,
             struct=code.struct,

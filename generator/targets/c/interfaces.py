@@ -45,10 +45,10 @@ from .context import CMacro, HeaderContext, timing_macros
 from .names import CExpression, DeclaredName, c_name, c_number
 from .structs import LayoutStruct
 
-_PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}
+_PARITY_CHARACTERS = {"none": "'N'", "even": "'E'", "odd": "'O'"}
 #: Time allowed for an encoder to answer a request, in microseconds, in examples.
 ANSWER_US = 10_000
-_KINDS = {"encoder": "reply", "master": "request"}
+_FRAME_KIND_BY_SENDER = {"encoder": "reply", "master": "request"}
 
 
 class FrameTeller:
@@ -56,8 +56,8 @@ class FrameTeller:
 
     def __init__(self, context: HeaderContext, prefix: str, dispatch: FrameDispatch) -> None:
         self.dispatch = dispatch
-        self.by_bytes = f"{prefix}_{_KINDS[dispatch.sender]}_frame"
-        self.by_value = f"{prefix}_{_KINDS[dispatch.sender]}_for"
+        self.by_bytes = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_frame"
+        self.by_value = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_for"
         choice = context.choices.get((dispatch.branches[0].layout.name, dispatch.selector.name))
         self._names = choice.names if choice is not None else {}
 
@@ -304,7 +304,7 @@ class InterfaceCode:
         """Yield the settings of a serial port. The first macro carries the comment on all of them."""
         yield self._define_macro("BAUD", port.baud, about=statement)
         yield self._define_macro("DATA_BITS", port.data_bits, about="number of data bits")
-        yield CMacro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
+        yield CMacro(f"{self.upper}_PARITY", _PARITY_CHARACTERS[port.parity], f"parity: {port.parity}")
         yield self._define_macro("STOP_BITS", port.stop_bits, about="number of stop bits")
 
     def _control_data(self, interface: Biss) -> Iterator[CMacro]:

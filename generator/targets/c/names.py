@@ -31,7 +31,7 @@ def c_name(name: str, taken_names: Iterable[str] = ()) -> str:
     return f"{name}_" if is_reserved else name
 
 
-_WORDS = {
+_SECTION_IN_WORDS = {
     "alarms": "the alarm",
     "alternatives": "the alternative",
     "crcs": "the CRC",
@@ -71,8 +71,8 @@ def describe_path(path: Path) -> str:
 
     Its kind is the last step of the path that has a word here, or else the first step.
     """
-    kind = next((step for step in reversed(path) if step in _WORDS), path[0])
-    kind_in_words = _WORDS.get(str(kind), str(kind))
+    kind = next((step for step in reversed(path) if step in _SECTION_IN_WORDS), path[0])
+    kind_in_words = _SECTION_IN_WORDS.get(str(kind), str(kind))
     name = path[-1]
     # A path such as ("order_code",) has no name.
     return f"{kind_in_words} '{name}'" if name != kind else kind_in_words
@@ -138,7 +138,7 @@ def clashes(headers: Iterable[tuple[Device, HeaderNames]]) -> Iterator[tuple[Dev
                 yield device, NameClash(name, path, ())
 
 
-_PLAIN = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter not in '"\\?')
+_PLAIN_CHARACTERS = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter not in '"\\?')
 
 
 def string(text: object) -> str:
@@ -148,7 +148,7 @@ def string(text: object) -> str:
 
 def _escape_character(byte: int) -> str:
     """Return a byte as a character of a string literal, in octal if it has another meaning in C or in a trigraph."""
-    return chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}"
+    return chr(byte) if chr(byte) in _PLAIN_CHARACTERS else f"\\{byte:03o}"
 
 
 def c_number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
@@ -245,7 +245,7 @@ class CCast(CExpression):
         return f"({self.type}){self.value.operand}"
 
 
-_SUMS = frozenset("+-")
+_SUM_OPERATORS = frozenset("+-")
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,7 +258,7 @@ class COperation(CExpression):
     def __str__(self) -> str:
         leftmost, *others = self.operands
         # A sum continues without parentheses, from the left: ``a + b - c``.
-        continues_sum = isinstance(leftmost, COperation) and {leftmost.operator, self.operator} <= _SUMS
+        continues_sum = isinstance(leftmost, COperation) and {leftmost.operator, self.operator} <= _SUM_OPERATORS
         operand_texts = [str(leftmost) if continues_sum else leftmost.operand]
         operand_texts += [operand.operand for operand in others]
         return f" {self.operator} ".join(operand_texts)

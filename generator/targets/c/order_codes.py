@@ -19,8 +19,10 @@ from ...model.record import dataclass
 from ...order_codes.labels import fill_pattern, values_by_spelling, without_blanks
 from .. import TargetError
 
-_ATOM = re.compile(r"(?P<unit>\[[^\]]+\]|\\d|\\.|[A-Za-z0-9-])(?:\{(?P<least>\d+)(?:,(?P<most>\d+))?\}|(?P<maybe>\?))?")
-_CLASSES = {
+_PATTERN_ATOM = re.compile(
+    r"(?P<unit>\[[^\]]+\]|\\d|\\.|[A-Za-z0-9-])(?:\{(?P<least>\d+)(?:,(?P<most>\d+))?\}|(?P<maybe>\?))?"
+)
+_MARK_BY_CLASS = {
     "[0-9]": "#",
     r"\d": "#",
     "[A-Z]": "@",
@@ -29,7 +31,7 @@ _CLASSES = {
     "[0-9A-Z]": "%",
     "[A-Za-z0-9]": "%",
 }
-_FITS = {"#": "[0-9]", "@": "[A-Z]", "%": "[A-Z0-9]", "~": "[0-9]?"}
+_CLASS_BY_MARK = {"#": "[0-9]", "@": "[A-Z]", "%": "[A-Z0-9]", "~": "[0-9]?"}
 #: Characters of a pattern for which a label can show a digit.
 _MAY_BE_DIGIT = frozenset("0123456789#%~")
 #: An open part with more patterns than this is omitted.
@@ -74,7 +76,7 @@ def written_out(expression: str) -> tuple[str, ...]:
         atoms = []
         start = 0
         while start < len(alternative):
-            match = _ATOM.match(alternative, start)
+            match = _PATTERN_ATOM.match(alternative, start)
             if match is None:
                 return ()
             atoms.append(_repeat_unit(match, is_last=match.end() == len(alternative)))
@@ -114,7 +116,7 @@ def _mark_of_characters(unit: str) -> str:
     is_escaped_sign = unit[0] == "\\" and not unit[1:].isalnum()
     stands_for_itself = len(unit) == 1 or is_escaped_sign
     own_character = unit[-1] if stands_for_itself else ""
-    return _CLASSES.get(unit, own_character)
+    return _MARK_BY_CLASS.get(unit, own_character)
 
 
 def unknown_parts(device: Device) -> tuple[str, ...]:
@@ -326,5 +328,5 @@ def _wider_choices(choice: _Choice, patterns: Sequence[_Choice]) -> list[_Choice
 @functools.cache
 def _compile_pattern(pattern: str) -> re.Pattern[str]:
     """Return a pattern as a regular expression: ``[0-9][0-9]?`` for ``#~``."""
-    expression = "".join(_FITS.get(letter, re.escape(letter)) for letter in pattern)
+    expression = "".join(_CLASS_BY_MARK.get(letter, re.escape(letter)) for letter in pattern)
     return re.compile(expression, re.IGNORECASE)

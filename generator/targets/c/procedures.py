@@ -47,7 +47,7 @@ from .names import (
 from .registers import RegisterCode
 
 #: Names of arguments and locals in the generated functions.
-_TAKEN = frozenset(
+_NAMES_OF_LOCALS = frozenset(
     ("variant", "steps", "capacity", "count", "index", "result", "address", "transport", "out", "failure", "bytes")
 )
 
@@ -141,7 +141,9 @@ class ProcedureCode:
         self.function = f"{context.prefix}_{procedure.name}"
         self.steps = f"{self.function}_steps"
         self.count_macro = f"{self.steps}_count".upper()
-        self._names = {parameter.argument.name: c_name(parameter.argument.name, _TAKEN) for parameter in run.arguments}
+        self._names = {
+            parameter.argument.name: c_name(parameter.argument.name, _NAMES_OF_LOCALS) for parameter in run.arguments
+        }
         #: Both by argument and register.
         self._filled = dict(self._structs_to_fill())
         self._wholes = dict(self._whole_numbers())

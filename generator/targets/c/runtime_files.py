@@ -12,7 +12,7 @@ from .runtime_texts import runtime_headers, runtime_tests
 
 #: Headers for every encoder: order codes, results, and the use of positions.
 _FOR_ALL = ("bits.h", "result.h", "result.hpp", "encoder.h", "angle.h", "tracker.h")
-_INCLUDE = re.compile(rf'^#include "(?:{FOLDER}/)?(\w+\.hp*)"', re.MULTILINE)
+_RUNTIME_INCLUDE = re.compile(rf'^#include "(?:{FOLDER}/)?(\w+\.hp*)"', re.MULTILINE)
 
 
 def needed_runtime(views: Iterable[DeviceView]) -> dict[str, str]:
@@ -26,13 +26,13 @@ def needed_runtime(views: Iterable[DeviceView]) -> dict[str, str]:
     for view in views:
         unvisited_headers += _for_interface(view)
     for test_text in runtime_tests().values():
-        unvisited_headers += _INCLUDE.findall(test_text)
+        unvisited_headers += _RUNTIME_INCLUDE.findall(test_text)
     needed_headers: set[str] = set()
     while unvisited_headers:
         header = unvisited_headers.pop()
         if header not in needed_headers:
             needed_headers.add(header)
-            unvisited_headers += _INCLUDE.findall(texts_by_header[header])
+            unvisited_headers += _RUNTIME_INCLUDE.findall(texts_by_header[header])
     return {header: text for header, text in texts_by_header.items() if header in needed_headers}
 
 

@@ -26,15 +26,15 @@ from .runtime_texts import runtime_headers, runtime_version
 
 TEMPLATE = "single.h.jinja"
 #: The headers of the runtime that receive frames, in the order in which they include each other.
-_RECEIVING = ("bits.h", "receive.h", "receive_frame.h", "channels.h", "spi.h")
+_RECEIVING_HEADERS = ("bits.h", "receive.h", "receive_frame.h", "channels.h", "spi.h")
 #: The part of the runtime that all headers share.
-_SHARED = "result.h"
+_SHARED_HEADER = "result.h"
 #: Macros of the runtime that mark functions and constants. Every header defines them alike.
 _MARKS = ("CW_CONSTEXPR", "CW_CONST")
 #: The macros of an interface that only accesses to registers need.
 _FOR_REGISTERS = "_CONTROL_"
 #: Suffixes of the functions of a frame that are needed to read its position.
-_READING = ("bits", "decode", "verdict", "position", "read")
+_READING_SUFFIXES = ("bits", "decode", "verdict", "position", "read")
 #: Suffixes of the functions that collect the bytes of a reply over RS-485.
 _BYTE_BY_BYTE = ("ask", "take", "take_any", "resume", "late", "reason")
 #: Paragraphs that reading a position does not need, by what they begin with.
@@ -46,10 +46,12 @@ _OTHER_PARAGRAPHS = (
 _OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC")
 #: Width of a line of a comment after its `` * ``.
 _COMMENT_WIDTH = COLUMNS - 3
-_WORD = re.compile(r"\b[A-Za-z_]\w*\b")
+_C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
 _SENTENCE_END = re.compile(r"(?<=[.:])\s(?=[A-Z])")
 #: A condition on one line, after which the function only returns a result.
-_GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
+_GUARD_LINE = re.compile(
+    r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE
+)
 
 
 class SingleHeader(TypedDict):
@@ -70,7 +72,7 @@ class SingleCode:
         self.STEM = self.stem.upper()
         settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
         # The mark of functions to be inlined needs more lines than it saves here.
-        headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING]
+        headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING_HEADERS]
         runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
         declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]
         needed = declarations_needed_by(self._yield_roots(names_of(declarations)), declarations)
@@ -78,12 +80,12 @@ class SingleCode:
         kept_names = names_of(self.declarations)
         self._runtime_names = names_of(runtime_declarations) & kept_names
         self._renamed = self._new_names(kept_names)
-        self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED]))
+        self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED_HEADER]))
 
     @property
     def shared(self) -> str:
         """The declarations of the results and verdicts, which other headers share."""
-        declarations = declarations_in(runtime_headers()[_SHARED])
+        declarations = declarations_in(runtime_headers()[_SHARED_HEADER])
         return "\n".join(_first_paragraph(declaration.comment) + declaration.code for declaration in declarations)
 
     @property
@@ -144,7 +146,7 @@ class SingleCode:
 
     def named(self, text: str) -> str:
         """Return text with the names of this header instead of the names in the tree."""
-        return _WORD.sub(lambda word: self._renamed.get(word[0], word[0]), text)
+        return _C_IDENTIFIER.sub(lambda word: self._renamed.get(word[0], word[0]), text)
 
     def _is_helper(self, declaration: Declaration) -> bool:
         """Return True if a declaration is one of the runtime."""
@@ -168,7 +170,7 @@ class SingleCode:
         yield view.row.macro
         yield f"{view.prefix}_counts_per_turn"
         for codec in self._position_codecs():
-            yield from (f"{codec.name}_{suffix}" for suffix in _READING)
+            yield from (f"{codec.name}_{suffix}" for suffix in _READING_SUFFIXES)
             if view.reading.frame is None:
                 yield f"{codec.name}_receive"
         starts = (view.reading.macro, f"{view.row.macro}_")
@@ -300,7 +302,7 @@ class SingleCode:
         if sentence.startswith(_OTHER_SENTENCES):
             return True
         is_elsewhere = re.search(r"\b\w+\.h\b|_reports\(\)|order code is named once|[Cc]ode can be ", sentence)
-        return is_elsewhere is not None or any(map(self._is_absent, _WORD.findall(sentence)))
+        return is_elsewhere is not None or any(map(self._is_absent, _C_IDENTIFIER.findall(sentence)))
 
     def _is_absent(self, name: str) -> bool:
         """Return True if a name occurs in the tree but not in this header."""
@@ -347,7 +349,7 @@ def _with_head_in_line(c_code: str) -> str:
 
 def _with_guards_in_line(c_code: str) -> str:
     """Return a function in which each condition that only returns a result is one line, if it fits."""
-    return _GUARD.sub(_guard_in_line, c_code)
+    return _GUARD_LINE.sub(_guard_in_line, c_code)
 
 
 def _guard_in_line(guard: re.Match[str]) -> str:

@@ -36,7 +36,7 @@ from .order_codes import OpenCode, open_codes, unknown_parts
 from .registers import RegisterFunctions
 
 #: Names of arguments and locals in the function that reads the registers.
-_TAKEN = frozenset(("failure", "result", "taken", "transport", "variant"))
+_NAMES_OF_LOCALS = frozenset(("failure", "result", "taken", "transport", "variant"))
 
 
 class HeldValue:
@@ -145,7 +145,7 @@ class VariantUpdater:
         self.switches = tuple(_yield_switches(self.values))
         #: Locals that the bits are read into: type, name and initial value.
         self.locals = tuple(self._yield_locals())
-        self.bytes = c_name(register.name, _TAKEN)
+        self.bytes = c_name(register.name, _NAMES_OF_LOCALS)
         self.access = access
 
     def declared(self) -> Iterator[DeclaredName]:

@@ -115,10 +115,10 @@ class ErrataLinks:
         if len(linked_errata) == 1:
             (erratum,) = linked_errata
             title_link = markdown_link(escape(erratum.title), f"#erratum-{erratum.name}")
-            return f"{_MARKS[erratum.status]} {erratum.status}: {title_link}"
+            return f"{_MARK_BY_STATUS[erratum.status]} {erratum.status}: {title_link}"
         counts = []
         links = []
-        for status, mark in _MARKS.items():
+        for status, mark in _MARK_BY_STATUS.items():
             with_status = [erratum for erratum in linked_errata if erratum.status == status]
             if with_status:
                 counts.append(f"{mark} {len(with_status)} {status}")
@@ -130,7 +130,7 @@ class ErrataLinks:
     def count_by_status(self) -> str:
         """Return the number of errata on the page so far, such as ``1 open, 3 settled``, or that there are none."""
         counts = Counter(erratum.status for erratum in self._errata.values())
-        texts_of_counts = [f"{counts[status]} {status}" for status in _MARKS if counts[status]]
+        texts_of_counts = [f"{counts[status]} {status}" for status in _MARK_BY_STATUS if counts[status]]
         if texts_of_counts:
             return ", ".join(texts_of_counts)
         return "none that change these facts" if self._device.errata else "none known"
@@ -167,7 +167,7 @@ def _numbered_links(label: str, pages: Sequence[str]) -> str:
 
 
 #: Marks of the links, by status.
-_MARKS = {"open": "⚠", "settled": "✓"}
+_MARK_BY_STATUS = {"open": "⚠", "settled": "✓"}
 
 
 def _errata_by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[list[Erratum], list[Erratum]]:

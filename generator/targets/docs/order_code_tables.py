@@ -215,7 +215,7 @@ def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[s
 #: Lowest number of order codes that are shown as patterns. Fewer codes are listed one by one.
 _FEWEST_FOR_PATTERNS = 12
 #: Letters that represent parts of an order code, preferred letters of manuals first.
-_LETTERS = "xyzuvwabcdefghijklmnopqrst"
+_LETTERS_FOR_PARTS = "xyzuvwabcdefghijklmnopqrst"
 #: Texts of the parts of an order code, in order.
 PartTexts = tuple[str, ...]
 
@@ -261,7 +261,7 @@ def _code_pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_par
 
 def _unused_letters(fixed_letters: Collection[str]) -> Iterator[str]:
     """Yield letters that are not in an order code, and numbered letters when these are used up."""
-    yield from (letter for letter in _LETTERS if letter not in fixed_letters)
+    yield from (letter for letter in _LETTERS_FOR_PARTS if letter not in fixed_letters)
     yield from (f"x{number}" for number in count(1))
 
 
@@ -295,8 +295,8 @@ def _divided_by_part(combinations: Sequence[PartTexts], index: int) -> list[list
     return list(groups.values())
 
 
-_SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-_EXPONENT = re.compile(r"\^([0-9]*)")
+_SUPERSCRIPT_DIGITS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+_EXPONENT_IN_TEXT = re.compile(r"\^([0-9]*)")
 
 
 def position_frame(family_device: Device, interface: Interface) -> Layout | None:
@@ -412,7 +412,7 @@ def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
 
 def crc_line(family_device: Device, crc: Crc) -> str:
     """Return the parameters of a CRC in one line, with the polynomial including its top bit."""
-    polynomial = _EXPONENT.sub(_in_superscript, crc.polynomial)
+    polynomial = _EXPONENT_IN_TEXT.sub(_in_superscript, crc.polynomial)
     crc_properties = [
         f"poly `0x{crc.poly_with_top_bit:X}` ({escape(polynomial)})",
         f"init {crc.init:#x}" if crc.init else "init 0",
@@ -426,4 +426,4 @@ def crc_line(family_device: Device, crc: Crc) -> str:
 
 
 def _in_superscript(exponent: re.Match[str]) -> str:
-    return exponent[1].translate(_SUPERSCRIPT)
+    return exponent[1].translate(_SUPERSCRIPT_DIGITS)

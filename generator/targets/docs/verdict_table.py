@@ -23,7 +23,7 @@ EFFECTS = {
 }
 #: Largest number of flags that "or" joins.
 _MOST_ALTERNATIVES = 3
-_HEAD = ("Bit", "Flag", "Active at", "Position", "What to do")
+_COLUMN_HEADINGS = ("Bit", "Flag", "Active at", "Position", "What to do")
 
 
 def verdict_table(family_device: Device, device: Device, layout: Layout, variant: Variant) -> tuple[Row, list[Row]]:
@@ -44,7 +44,7 @@ def verdict_table(family_device: Device, device: Device, layout: Layout, variant
         with_crc = "" if placed.crc_field is None else ", and the CRC is correct"
         rows.append(("", f"none of these{with_crc}", "", EFFECTS[verdict_rules.otherwise], ""))
     columns_with_content = _indices_with_content(rows)
-    return _cells_at(_HEAD, columns_with_content), [_cells_at(row, columns_with_content) for row in rows]
+    return _cells_at(_COLUMN_HEADINGS, columns_with_content), [_cells_at(row, columns_with_content) for row in rows]
 
 
 def _cells_at(row: Row, indexes: Iterable[int]) -> Row:

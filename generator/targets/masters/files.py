@@ -27,7 +27,7 @@ from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
 from .entries import Channel, Content, Raw, content_of_file
 
-_WIDTH = 120
+_TEXT_WIDTH = 120
 _ONE_FILE_EACH = "each"
 _ORDER_CODES_OPTION = Option(
     "order-codes", "each: a file that the tool loads for each order code", "bulk", ("bulk", _ONE_FILE_EACH)
@@ -149,13 +149,13 @@ def comment(paragraphs: Sequence[str], prefix: str) -> str:
     """Return paragraphs as a comment whose lines begin with ``prefix``, which is ``<!--`` in XML."""
     if prefix == "<!--":
         lines = [
-            wrap_text(comment_text(paragraph), _WIDTH, prefix="       ", first="     ") for paragraph in paragraphs
+            wrap_text(comment_text(paragraph), _TEXT_WIDTH, prefix="       ", first="     ") for paragraph in paragraphs
         ]
         return "\n".join(["<!--", *lines, "-->"])
     if prefix == "//":
         # A backslash at the end of a line would continue it.
         paragraphs = [paragraph.replace("\\", "/") for paragraph in paragraphs]
-    lines = [wrap_text(paragraph, _WIDTH, prefix=f"{prefix}   ", first=f"{prefix} ") for paragraph in paragraphs]
+    lines = [wrap_text(paragraph, _TEXT_WIDTH, prefix=f"{prefix}   ", first=f"{prefix} ") for paragraph in paragraphs]
     return "\n".join(lines)
 
 

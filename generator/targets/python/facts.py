@@ -49,7 +49,7 @@ class FactTable:
 
 
 #: Tables at the end of a module, without their rows.
-_TABLES = (
+_TABLES_AT_END = (
     FactTable(
         comment="Errors and warnings: their meaning, whether they are latched, and the procedures that clear them.",
         name="ALARMS",
@@ -74,7 +74,7 @@ _TABLES = (
     FactTable(comment="Documents that sources cite by key.", name="DOCUMENTS", kind="Document"),
 )
 #: Tables that every module has, even empty.
-_ALWAYS = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
+_TABLES_ALWAYS_PRINTED = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
 
 
 # -- the device
@@ -117,8 +117,8 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> CallLiteral
 
 def tables(device: Device) -> list[FactTable]:
     """Return the tables at the end of a module: tables with rows, and tables that every module has."""
-    filled_tables = [_with_register_rows(table, device) for table in _TABLES]
-    return [table for table in filled_tables if table.rows or table.name in _ALWAYS]
+    filled_tables = [_with_register_rows(table, device) for table in _TABLES_AT_END]
+    return [table for table in filled_tables if table.rows or table.name in _TABLES_ALWAYS_PRINTED]
 
 
 def _with_register_rows(table: FactTable, device: Device) -> FactTable:

@@ -90,15 +90,15 @@ _PROJECT_FILES = ("README.md", "pyproject.toml")
 #: Guides next to the README. A package has the guide of the live line only if one of its interfaces has a section in
 #: it.
 _LIVE_LINE = "live-line"
-_GUIDES = (_LIVE_LINE, "files-and-captures", "test-without-an-encoder")
+_GUIDE_NAMES = (_LIVE_LINE, "files-and-captures", "test-without-an-encoder")
 _PACKAGE_FILES = ("__init__", "_codes")
 #: Source files that are copied: the runtime with its package, and files that every manufacturer's package needs.
 RUNTIME = our_runtime("python")
-_PROJECT = RUNTIME / "project"
+_PROJECT_FOLDER = RUNTIME / "project"
 #: Characters that Markdown interprets.
-_MARKUP = "\\`*_{}[]<>#|!&"
+_MARKDOWN_CHARACTERS = "\\`*_{}[]<>#|!&"
 #: The folder of the runtime in the output.
-_RUNTIME = "python/runtime"
+_RUNTIME_FOLDER = "python/runtime"
 
 
 class Package(TypedDict):
@@ -142,7 +142,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
     The package of the main manufacturer is at the top, and each other package has a folder.
     """
-    files = _runtime_files(_RUNTIME)
+    files = _runtime_files(_RUNTIME_FOLDER)
     makers = library.by_manufacturer()
     main = main_manufacturer([maker for maker, _ in makers])
     folders = {maker.name: _folder_of_package(maker, is_main=maker is main) for maker, _ in makers}
@@ -181,8 +181,8 @@ def _package_files(
     files = {name: TEMPLATES.render(f"{name}.jinja", values, user_templates) for name in project_files}
     for name in _PACKAGE_FILES:
         files[f"{package}/{name}.py"] = TEMPLATES.render(f"{name}.py.jinja", values, user_templates)
-    files["setup.py"] = (_PROJECT / "setup.py").read_text(encoding="utf-8")
-    files |= copied_files(_PROJECT / "package", package)
+    files["setup.py"] = (_PROJECT_FOLDER / "setup.py").read_text(encoding="utf-8")
+    files |= copied_files(_PROJECT_FOLDER / "package", package)
     # The copied folder contains the module for BiSS.
     if not biss:
         del files[f"{package}/{BISS}.py"]
@@ -218,7 +218,7 @@ def _package_values(
         "start": shown_example,
         "shown_family": shown_family,
         "questions": _open_questions(modules),
-        "guides": [guide for guide in _GUIDES if guide != _LIVE_LINE or rs485 or biss or has_spi],
+        "guides": [guide for guide in _GUIDE_NAMES if guide != _LIVE_LINE or rs485 or biss or has_spi],
         "virtual": examples_by_interface,
         "biss_procedure": _biss_procedure(shown_family_first),
         "spi": _spi_example(modules),
@@ -228,7 +228,7 @@ def _package_values(
         "rs485": rs485,
         "has_spi": has_spi,
         "runtime": runtime_version(),
-        "shared": relpath(_RUNTIME, folder),
+        "shared": relpath(_RUNTIME_FOLDER, folder),
         "neighbours": [f"{path_prefix}{relpath(other_folder, folder)}" for other_folder in other_folders],
         "public": sorted([*(module.name for module in modules), *biss]),
         "identified": [module.name for module in modules if module.identities and not module.device.base],
@@ -319,10 +319,10 @@ def _toml_string(text: str) -> str:
 
 def _escape_markdown(text: str) -> str:
     """Return text of a spec, escaped for Markdown."""
-    return text_on_one_line(text).translate({ord(character): f"\\{character}" for character in _MARKUP})
+    return text_on_one_line(text).translate({ord(character): f"\\{character}" for character in _MARKDOWN_CHARACTERS})
 
 
-_GUIDE_FILES = tuple(f"{guide}.md" for guide in _GUIDES)
+_GUIDE_FILES = tuple(f"{guide}.md" for guide in _GUIDE_NAMES)
 _PACKAGE_TEMPLATES = (*_PROJECT_FILES, *_GUIDE_FILES, *(f"{name}.py" for name in _PACKAGE_FILES))
 TEMPLATES = Templates(
     our_templates("python"),

@@ -8,11 +8,11 @@ from collections.abc import Iterator, Sequence
 WIDTH = 120
 
 # A quoted text, a bracket or a comma, or any text up to the next of the three.
-_TOKEN = re.compile(r'"(?:\\.|[^"\\])*"|[][(){},]|[^][(){},"]+')
+_LINE_TOKEN = re.compile(r'"(?:\\.|[^"\\])*"|[][(){},]|[^][(){},"]+')
 # The space before each binary operator, the loosest operators first.
 _LOOSEST_FIRST = tuple(re.compile(rf" (?=(?:{words}) )") for words in (r"or", r"and", r"\||\^|&", r"<<|>>", r"\+|-"))
 # A line with only a quoted text and a comma, perhaps after its argument name or key.
-_TEXT = re.compile(r'(\s*)(\w+=|"(?:\\.|[^"\\])*": )?("(?:\\.|[^"\\])*"),')
+_TEXT_LINE = re.compile(r'(\s*)(\w+=|"(?:\\.|[^"\\])*": )?("(?:\\.|[^"\\])*"),')
 
 
 def break_lines(text: str) -> str:
@@ -28,7 +28,7 @@ def _broken_lines(line: str) -> Iterator[str]:
     if len(line) <= WIDTH:
         yield line
         return
-    text_item = _TEXT.fullmatch(line)
+    text_item = _TEXT_LINE.fullmatch(line)
     if text_item is not None:
         indent, name, quoted_text = text_item[1], text_item[2] or "", text_item[3]
         yield f"{indent}{name}{_split_literal(quoted_text, len(indent))},"
@@ -99,7 +99,7 @@ def _tokens_with_depth(line: str) -> Iterator[tuple[str, int]]:
     ``f(a)`` is split into ``("f", 0)``, ``("(", 1)``, ``("a", 1)`` and ``(")", 1)``.
     """
     depth = 0
-    for token in _TOKEN.findall(line):
+    for token in _LINE_TOKEN.findall(line):
         if token in "([{":
             depth += 1
         yield token, depth

@@ -13,8 +13,8 @@ from .line_breaks import break_lines
 
 #: Operators by precedence, lowest first. Arithmetic gets parentheses next to bit operators.
 _LOOSEST_FIRST = (("or",), ("and",), ("not",), ("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "//", "%"))
-_LEVELS = {operator: level for level, operators in enumerate(_LOOSEST_FIRST) for operator in operators}
-_ARITHMETIC, _ATOM = _LEVELS["+"], len(_LOOSEST_FIRST)
+_PRECEDENCE_LEVELS = {operator: level for level, operators in enumerate(_LOOSEST_FIRST) for operator in operators}
+_ARITHMETIC_LEVEL, _ATOM_LEVEL = _PRECEDENCE_LEVELS["+"], len(_LOOSEST_FIRST)
 
 
 class PythonExpression:
@@ -24,12 +24,12 @@ class PythonExpression:
 
     @property
     def level(self) -> int:
-        return _ATOM
+        return _ATOM_LEVEL
 
     @property
     def operand(self) -> str:
         """Text next to any operator."""
-        return str(self) if self.level == _ATOM else f"({self})"
+        return str(self) if self.level == _ATOM_LEVEL else f"({self})"
 
     def as_operand_of(self, operator: str, after: bool = False) -> str:
         """Return the text as an operand of ``operator``, in parentheses if they are needed.
@@ -37,10 +37,10 @@ class PythonExpression:
         They are also written around arithmetic next to a bit operator. ``after`` is true for the right operand, which
         needs them at an equal level.
         """
-        operator_level = _LEVELS[operator]
+        operator_level = _PRECEDENCE_LEVELS[operator]
         binds_looser = self.level <= operator_level if after else self.level < operator_level
         # The level of a higher number binds more tightly. ``operand`` includes the parentheses, except for an atom.
-        is_arithmetic_next_to_bit_operator = operator_level < _ARITHMETIC <= self.level
+        is_arithmetic_next_to_bit_operator = operator_level < _ARITHMETIC_LEVEL <= self.level
         return self.operand if binds_looser or is_arithmetic_next_to_bit_operator else str(self)
 
 
@@ -60,7 +60,7 @@ class Negative(PythonExpression):
 
     @property
     def level(self) -> int:
-        return _LEVELS["*"]
+        return _PRECEDENCE_LEVELS["*"]
 
     def __str__(self) -> str:
         return f"-{self.value.as_operand_of('*')}"
@@ -72,7 +72,7 @@ class Not(PythonExpression):
 
     @property
     def level(self) -> int:
-        return _LEVELS["not"]
+        return _PRECEDENCE_LEVELS["not"]
 
     def __str__(self) -> str:
         return f"not {self.value.as_operand_of('not')}"
@@ -88,7 +88,7 @@ class PythonOperation(PythonExpression):
 
     @property
     def level(self) -> int:
-        return _LEVELS[self.operator]
+        return _PRECEDENCE_LEVELS[self.operator]
 
     def __str__(self) -> str:
         left = self.left.as_operand_of(self.operator)

@@ -31,7 +31,7 @@ from .names import ModuleContext, OpenQuestion
 from .procedures import ProcedureFunction
 
 #: Number of registers and number of procedures that are shown.
-_REGISTERS, _PROCEDURES = 2, 2
+_SHOWN_REGISTERS, _SHOWN_PROCEDURES = 2, 2
 
 
 @dataclass(frozen=True)
@@ -234,22 +234,22 @@ class Readme:
 
     @property
     def registers(self) -> list[ReadmeExample]:
-        """One worked example with values of each register class, for the first ``_REGISTERS`` of them."""
+        """One worked example with values of each register class, for the first ``_SHOWN_REGISTERS`` of them."""
         example_by_class: dict[str, ReadmeExample] = {}
         for example in self.device.examples:
             if isinstance(example, RegisterExample) and example.values and example.register in self._coders:
                 layout_class = self._coders[example.register]
                 example_by_class.setdefault(layout_class.name, _register_example(example, layout_class))
-        return list(example_by_class.values())[:_REGISTERS]
+        return list(example_by_class.values())[:_SHOWN_REGISTERS]
 
     @property
     def procedures(self) -> list[ReadmeExample]:
-        """The first ``_PROCEDURES`` worked examples of procedures that only write bytes."""
+        """The first ``_SHOWN_PROCEDURES`` worked examples of procedures that only write bytes."""
         procedure_examples = [example for example in self.device.examples if isinstance(example, ProcedureExample)]
         only_writing = [
             example for example in procedure_examples if self._only_writes_bytes(self._procedures[example.procedure])
         ]
-        return [self._procedure_example(example) for example in only_writing[:_PROCEDURES]]
+        return [self._procedure_example(example) for example in only_writing[:_SHOWN_PROCEDURES]]
 
     def _only_writes_bytes(self, steps: ProcedureFunction) -> bool:
         """Return whether a procedure writes single bytes.

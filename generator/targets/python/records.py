@@ -19,10 +19,10 @@ from ..registry import our_runtime
 from .literals import CallLiteral, EnumMember, Hex, Literal, is_empty
 
 #: Sources with classes of records and enumerations.
-_RUNTIME = our_runtime("python") / "codewheel_runtime"
-_SOURCES = (_RUNTIME / "facts.py", _RUNTIME / "order_codes.py", _RUNTIME / "reports.py")
+_RUNTIME_PACKAGE = our_runtime("python") / "codewheel_runtime"
+_RECORD_SOURCES = (_RUNTIME_PACKAGE / "facts.py", _RUNTIME_PACKAGE / "order_codes.py", _RUNTIME_PACKAGE / "reports.py")
 #: Records whose required members are printed without their names.
-_POSITIONAL = frozenset(
+_POSITIONAL_RECORDS = frozenset(
     "Contact Document Edition Family LedState LostFigure NamedValue PrintedTimeout RegisterMeaning Revision"
     " SpelledValue".split()
 )
@@ -62,7 +62,7 @@ def runtime_records() -> RuntimeRecords:
     """Return all records and enumerations of the runtime."""
     members: dict[str, tuple[RecordMember, ...]] = {}
     enumerations = {"Interface"}
-    for path in _SOURCES:
+    for path in _RECORD_SOURCES:
         for class_def in _record_classes(path.read_text(encoding="utf-8")):
             base_names = {ast.unparse(base) for base in class_def.bases}
             if "NamedTuple" in base_names:
@@ -109,7 +109,7 @@ def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call
         value = overrides[member.name] if member.name in overrides else _member_literal(model_part, member)
         if member.is_required:
             # An argument with an empty name is positional.
-            is_positional = class_name in _POSITIONAL
+            is_positional = class_name in _POSITIONAL_RECORDS
             arguments.append(("" if is_positional else member.name, value))
         elif value != member.default and not is_empty(value):
             arguments.append((member.name, value))

@@ -45,7 +45,7 @@ _RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
 #: Members of the plan with several items, except the columns.
 _PLANNED_ROWS = ("joins", "unused", "checks", "parities", "verdict_causes", "report_causes", "fields")
 #: Members that state for which encoders a cause applies.
-_CONDITIONS = ("only", "chosen")
+_CONDITION_MEMBERS = ("only", "chosen")
 
 
 class ShapeLiteral:
@@ -238,7 +238,7 @@ class ShapeLiteral:
         """
         conditions = []
         # Many parts lack these members.
-        for name in _CONDITIONS:
+        for name in _CONDITION_MEMBERS:
             only: CodeCondition | None = getattr(description_part, name, None)
             if only is not None:
                 conditions.append(condition_on_parameter(only, self._read_parameter(only.parameter)))
@@ -255,7 +255,7 @@ class ShapeLiteral:
         """
         planned_class_name = type(description_part).__name__
         class_name = _RUNTIME_NAMES.get(planned_class_name, planned_class_name)
-        omitted = set(_CONDITIONS)
+        omitted = set(_CONDITION_MEMBERS)
         is_mask_or_combination = getattr(description_part, "mask", 0) or getattr(description_part, "when", ())
         if is_mask_or_combination:
             omitted.add("flag")

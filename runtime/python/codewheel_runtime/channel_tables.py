@@ -17,10 +17,10 @@ from .reports import Verdict
 
 np: Any = load("numpy")
 #: A layout is a ``ChannelLayout`` of ``channels.py``, which imports this module on first use.
-_VERDICTS: Final = [*Verdict]
-_NOT_USABLE: Final = _VERDICTS.index(Verdict.NOT_USABLE)
-_UNKNOWN: Final = _VERDICTS.index(Verdict.UNKNOWN)
-_USABLE: Final = _VERDICTS.index(Verdict.USABLE)
+_VERDICTS_BY_NUMBER: Final = [*Verdict]
+_NOT_USABLE: Final = _VERDICTS_BY_NUMBER.index(Verdict.NOT_USABLE)
+_UNKNOWN_NUMBER: Final = _VERDICTS_BY_NUMBER.index(Verdict.UNKNOWN)
+_USABLE_NUMBER: Final = _VERDICTS_BY_NUMBER.index(Verdict.USABLE)
 
 
 class ChannelTable:
@@ -51,14 +51,14 @@ class ChannelTable:
 
         A frame with an error, or whose positions do not agree, is not usable.
         """
-        worst = np.full(len(self.fault), _USABLE, np.uint8)
+        worst = np.full(len(self.fault), _USABLE_NUMBER, np.uint8)
         for index, table in enumerate(self.channels):
             if "verdict" not in table:
                 continue
             verdict = table.verdict
             if index != self._layout.position:
                 # A channel without the position has nothing to say about it if its verdict is unknown.
-                verdict = np.where(verdict == _UNKNOWN, np.uint8(_USABLE), verdict)
+                verdict = np.where(verdict == _UNKNOWN_NUMBER, np.uint8(_USABLE_NUMBER), verdict)
             worst = np.minimum(worst, verdict)
         if self.agree is not None:
             worst = np.where(self.agree, worst, np.uint8(_NOT_USABLE))

@@ -15,9 +15,9 @@ LONGEST = 100
 _PRINTED_CHARACTERS = 20
 
 #: Name of a part in a pattern, such as ``{bits}``.
-_BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
+_PART_IN_BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
 #: Text that may follow a code: a tail after ``-``, and a suffix ``/Sxxx``.
-_AFTER = "(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
+_TEXT_AFTER_CODE = "(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 _ALL_GO_WITH_IT: ReadOnly[tuple[str, ...]] = ReadOnly({})
 
 
@@ -160,12 +160,12 @@ class OrderCode(NamedTuple):
         """
         text = check_label(label)
         # A part of the code itself may look like /Sxxx, so only text after the code is treated as this suffix.
-        match = re.fullmatch(f"{self._make_expression()}{_AFTER}", text, re.IGNORECASE)
+        match = re.fullmatch(f"{self._make_expression()}{_TEXT_AFTER_CODE}", text, re.IGNORECASE)
         if match is not None:
             texts = {part.name: match[part.name] for part in self.parts}
             return self._make_label(text, match, texts, codes)
         for spelling in self.also_written:
-            match = re.fullmatch(f"{self._make_spelling_expression(spelling)}{_AFTER}", text, re.IGNORECASE)
+            match = re.fullmatch(f"{self._make_spelling_expression(spelling)}{_TEXT_AFTER_CODE}", text, re.IGNORECASE)
             if match is not None:
                 texts = {part.name: spelling.listed_text(part.name, match[part.name]) for part in self.parts}
                 split_label = self._make_label(text, match, texts, codes)
@@ -195,7 +195,7 @@ class OrderCode(NamedTuple):
             raise self._clash_error(text, part_texts, listed_values, codes)
         return Label(
             # Each part name in braces is replaced by the text of that part.
-            code=_BRACES.sub(lambda brace: part_texts[brace[1]], self.pattern),
+            code=_PART_IN_BRACES.sub(lambda brace: part_texts[brace[1]], self.pattern),
             parts=tuple(part_texts.values()),
             listed=fitting_code,
             unlisted=unlisted,
@@ -272,7 +272,7 @@ class OrderCode(NamedTuple):
         nearest_codes = find_nearest(codes, text)
         candidates: list[_WrongPart] = []
         for part in self.parts:
-            match = re.fullmatch(f"{self._make_expression(any_for=part.name)}{_AFTER}", text, re.IGNORECASE)
+            match = re.fullmatch(f"{self._make_expression(any_for=part.name)}{_TEXT_AFTER_CODE}", text, re.IGNORECASE)
             if match:
                 other_parts = [other_part for other_part in self.parts if other_part is not part]
                 unlisted_count = sum(_find_listed(other, match[other.name]) is None for other in other_parts)
@@ -366,7 +366,7 @@ def _match_any(texts: Iterable[str]) -> str:
 def _join_pattern(pattern: str, expressions: Mapping[str, str]) -> str:
     """Return the pattern as a regular expression, with a named group for each part: ``X\\-(?P<bits>12|16)``."""
     # Every second piece is the name of a part: ["X-", "bits", ""] for X-{bits}. The others are text.
-    pieces = _BRACES.split(pattern)
+    pieces = _PART_IN_BRACES.split(pattern)
     pieces[::2] = [re.escape(_remove_blanks(text)) for text in pieces[::2]]
     pieces[1::2] = [f"(?P<{name}>{expressions[name]})" for name in pieces[1::2]]
     return "".join(pieces)

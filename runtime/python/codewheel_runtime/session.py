@@ -80,13 +80,13 @@ _MOST_BYTES = 1024
 #: Seconds that a memory may be busy, and seconds between two attempts.
 _BUSY_S, _BUSY_PAUSE_S = 1.0, 0.001
 #: Number of time-outs after which no late reply is expected any more.
-_LATE = 4
+_TIMEOUTS_OF_LATE_REPLIES = 4
 #: Seconds to wait for more bytes after a reply that follows other bytes.
 _QUIET_S = 0.002
 #: Seconds in which an encoder begins to reply, for the default of ``settle_s``. The manuals state no reply time.
 _TURNAROUND_S = 0.00025
 #: Number of kinds of requests that ``settle_s=0`` needs.
-_KINDS = 3
+_KINDS_OF_REQUESTS_NEEDED = 3
 #: Number of replies with which extra replies are compared.
 _RECENT_REPLIES = 32
 #: Number of replies whose times are kept.
@@ -179,7 +179,7 @@ class Session:
         self.kinds = {} if self.exchanges else _find_request_kinds(encoder)
         captures = [kind for kind in self.kinds.values() if kind.purpose == "capture"]
         self._capture_controls = [kind.control for kind in captures]
-        if settle_s == 0 and len(self._capture_controls) < _KINDS:
+        if settle_s == 0 and len(self._capture_controls) < _KINDS_OF_REQUESTS_NEEDED:
             raise ValueError(f"settle_s must be more than 0, because {encoder.code} has too few kinds of requests")
         port = load_rs485_facts(encoder).port
         # A byte has one start bit.
@@ -395,7 +395,7 @@ class Session:
                 continue
             return
         # No other kind exists, or none was answered. Wait for late replies.
-        yield from self.pause(_LATE * self.timeout_s)
+        yield from self.pause(_TIMEOUTS_OF_LATE_REPLIES * self.timeout_s)
 
     def _send_once(self, pending: PendingRequest) -> Work[bytes]:
         """Send a request once, and return the valid reply."""

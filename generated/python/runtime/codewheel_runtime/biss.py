@@ -80,8 +80,8 @@ IDS: Final = 8
 REGISTERS: Final = 64
 
 #: The bits R W S of a request as a word, in bits 16 to 14: 101 to read, 011 to write.
-_READS: Final = 0x00014000
-_WRITES: Final = 0x0000C000
+_READ_REQUEST_BITS: Final = 0x00014000
+_WRITE_REQUEST_BITS: Final = 0x0000C000
 
 
 #: Numbers of bits: of CTS, ID and ADR, of a CRC, of an answer up to W, and of a request or an answer as a word.
@@ -244,7 +244,7 @@ class Request:
         address = check_width("address", self.address, 7)
         # The comment in decode() shows the places of these bits. CTS is 1.
         head_bits = (1 << 10) | (slave_id << 7) | address
-        access_bits = _READS if self.value is None else _WRITES | (encode_byte(self.value) << 2)
+        access_bits = _READ_REQUEST_BITS if self.value is None else _WRITE_REQUEST_BITS | (encode_byte(self.value) << 2)
         return (head_bits << 21) | (crc(head_bits, HEAD_BITS) << 17) | access_bits
 
     @classmethod
@@ -275,13 +275,13 @@ class Request:
         computed_crc = crc(head_bits, HEAD_BITS)
         if received_crc != computed_crc:
             raise CrcError(received_crc, computed_crc)
-        access_bits = word & (_READS | _WRITES)
-        is_write = access_bits == _WRITES
+        access_bits = word & (_READ_REQUEST_BITS | _WRITE_REQUEST_BITS)
+        is_write = access_bits == _WRITE_REQUEST_BITS
         value = decode_byte((word >> 2) & 0xFFF) if is_write else None
         if not head.is_register_access:
             raise ConstantError("CTS", 0, 1)
-        if access_bits not in (_READS, _WRITES):
-            raise ConstantError("R W S", access_bits >> 14, _READS >> 14)
+        if access_bits not in (_READ_REQUEST_BITS, _WRITE_REQUEST_BITS):
+            raise ConstantError("R W S", access_bits >> 14, _READ_REQUEST_BITS >> 14)
         # To write, the two bits after the byte and its CRC. To read, all 14 bits after R W S.
         trailing_mask = 0x3 if is_write else 0x3FFF
         trailing_zeros = word & trailing_mask

@@ -9,11 +9,11 @@ from typing import Final
 from .shape import Shape
 from .words import DigitKind, short
 
-_PREFIXED: Final = re.compile(r"0([xX][0-9a-fA-F]+|[bB][01]+)")
-_HEX: Final = re.compile(r"[0-9a-fA-F]+")
-_DECIMAL: Final = re.compile(r"[0-9]+")
+_PREFIXED_NUMBER: Final = re.compile(r"0([xX][0-9a-fA-F]+|[bB][01]+)")
+_HEX_DIGITS: Final = re.compile(r"[0-9a-fA-F]+")
+_DECIMAL_DIGITS: Final = re.compile(r"[0-9]+")
 #: Words for a missing value, in lower case.
-_MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
+_WORDS_FOR_MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
 
 
 def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
@@ -26,14 +26,14 @@ def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
     packed = text.replace(" ", "").replace("_", "")
     if shape.length:
         return _read_bytes(packed, text)
-    if _PREFIXED.fullmatch(packed):
+    if _PREFIXED_NUMBER.fullmatch(packed):
         return int(packed, 0)
-    is_decimal = _DECIMAL.fullmatch(packed) is not None
+    is_decimal = _DECIMAL_DIGITS.fullmatch(packed) is not None
     if digits == "decimal":
         if not is_decimal:
             raise ValueError(f"{short(text)} is not a decimal number")
         return int(packed, 10)
-    if not _HEX.fullmatch(packed):
+    if not _HEX_DIGITS.fullmatch(packed):
         raise ValueError(f"{short(text)} is not a hexadecimal number")
     if digits is None and is_decimal:
         choice = "choose --digits decimal or --digits hex, or put 0x in front"
@@ -47,7 +47,7 @@ def _read_bytes(packed: str, text: str) -> bytes:
     """Return the hexadecimal bytes in ``packed``. ``text`` is the cell, for the error."""
     has_prefix = packed[:2] in ("0x", "0X")
     hex_digits = packed[2:] if has_prefix else packed
-    if not _HEX.fullmatch(hex_digits) or len(hex_digits) % 2:
+    if not _HEX_DIGITS.fullmatch(hex_digits) or len(hex_digits) % 2:
         raise ValueError(f"{short(text)} is not a row of hexadecimal bytes")
     return bytes.fromhex(hex_digits)
 
@@ -80,7 +80,7 @@ class TextCells:
         try:
             frame = read_text(text, self._shape, self._digits)
         except ValueError as error:
-            if text.strip().lower() in _MISSING:
+            if text.strip().lower() in _WORDS_FOR_MISSING:
                 return None
             if not self.unread:
                 self.place = place

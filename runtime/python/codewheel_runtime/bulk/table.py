@@ -29,7 +29,7 @@ SpeedUnit = Unit | Literal["rpm"]
 #: Size of one turn in each angular unit, and size of each unit of length in micrometres.
 _OF_A_TURN: Final[Mapping[str, float]] = {"turns": 1, "degrees": 360, "radians": tau}
 _OF_A_LENGTH: Final[Mapping[str, int]] = {"micrometres": 1, "millimetres": 1_000, "metres": 1_000_000}
-_UNITS: Final = ("counts", *_OF_A_TURN, *_OF_A_LENGTH)
+_POSITION_UNITS: Final = ("counts", *_OF_A_TURN, *_OF_A_LENGTH)
 
 
 def all_match(columns: Any, when: Iterable[tuple[str, int]]) -> Any:
@@ -41,9 +41,9 @@ def all_match(columns: Any, when: Iterable[tuple[str, int]]) -> Any:
 
 
 #: Number of rows that are converted to Python objects at once.
-_ROWS: Final = 1 << 14
+_ROWS_AT_ONCE: Final = 1 << 14
 #: No other columns.
-_NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
+_NO_COLUMNS: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
 class UnitError(ValueError, AttributeError):
@@ -111,8 +111,8 @@ class Table(_TableOf[_Name, _Unit]):
         parts: Mapping[str, tuple[str, int, int]],
         report_causes: tuple[ReportCause, ...] = (),
         position_columns: frozenset[str] = frozenset(),
-        scales: Mapping[str, tuple[str, Scale]] = _NOTHING,
-        other_columns: Mapping[str, Any] = _NOTHING,
+        scales: Mapping[str, tuple[str, Scale]] = _NO_COLUMNS,
+        other_columns: Mapping[str, Any] = _NO_COLUMNS,
         frame: str = "",
     ) -> None:
         # _parts: for each column that is a part of a joined number, this number, the lowest bit in it, and the width.
@@ -301,8 +301,8 @@ class Table(_TableOf[_Name, _Unit]):
         ``fault`` is an :class:`ErrorKind` and ``verdict`` a :class:`Verdict`. A position that is not usable is None.
         """
         # Cells as objects take much memory, so only some rows are converted at once.
-        for start in range(0, self.count, _ROWS):
-            rows = slice(start, start + _ROWS)
+        for start in range(0, self.count, _ROWS_AT_ONCE):
+            rows = slice(start, start + _ROWS_AT_ONCE)
             columns = [self._read_cells(name, rows) for name in self.names]
             for row in zip(*columns, strict=True):
                 yield dict(zip(self.names, row, strict=True))
@@ -477,8 +477,8 @@ class Table(_TableOf[_Name, _Unit]):
         """
         np: Any = load("numpy")
         times = self._check_times(seconds)
-        if unit not in (*_UNITS, "rpm"):
-            raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*_UNITS, 'rpm'))}")
+        if unit not in (*_POSITION_UNITS, "rpm"):
+            raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*_POSITION_UNITS, 'rpm'))}")
         usable_rows = np.flatnonzero(self.usable)
         times = times[usable_rows]
         if previous is None:
@@ -574,7 +574,7 @@ class Table(_TableOf[_Name, _Unit]):
             micrometres_per_unit = _OF_A_LENGTH[unit]
             return micrometres_per_count.numerator, micrometres_per_count.denominator * micrometres_per_unit
         explanation = "; it is a unit of speed" if unit == "rpm" else ""
-        raise ValueError(f"'{unit[:40]}' is not a unit of positions{explanation}: use {', '.join(_UNITS)}")
+        raise ValueError(f"'{unit[:40]}' is not a unit of positions{explanation}: use {', '.join(_POSITION_UNITS)}")
 
     def _wrong_unit_error(self, unit: str, kind_of_unit: Mapping[str, float]) -> str:
         """Return the message for a unit that the encoder does not measure in.

@@ -23,8 +23,8 @@ from ..packages import load
 
 np: Any = load("numpy")
 
-_LOST = "a cycle of the access was lost"
-_ENDED = "the capture ends within the access"
+_LOST_CYCLE = "a cycle of the access was lost"
+_ENDED_WITHIN_ACCESS = "the capture ends within the access"
 
 
 class ControlBits(NamedTuple):
@@ -114,7 +114,7 @@ class Accesses:
     def finish(self) -> Iterator[Access]:
         """Yield the access that the end of the capture cuts off."""
         if not self._is_free and self._is_known():
-            yield self._make_access(None, _ENDED)
+            yield self._make_access(None, _ENDED_WITHIN_ACCESS)
 
     def _follow_idle(self, cds: int, cdm: int) -> Iterator[Access]:
         """Ignore a cycle outside a control frame."""
@@ -142,7 +142,7 @@ class Accesses:
         self._zeros = 0 if cdm else self._zeros + 1
         if cds < 0:
             if self._is_known():
-                yield self._make_access(None, _LOST)
+                yield self._make_access(None, _LOST_CYCLE)
             self._end_access()
         elif self._zeros >= ZEROS:
             if self._is_known():

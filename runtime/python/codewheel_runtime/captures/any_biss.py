@@ -13,14 +13,14 @@ from ..codec import PositionRange, crc_of_bits
 from ..errors import ErrorKind, UsageError
 from ..reports import Verdict
 
-_HELP: Final = "expected fields in the order of transmission, such as position=32,error,warning,crc=6:0x43"
+_FIELDS_HELP: Final = "expected fields in the order of transmission, such as position=32,error,warning,crc=6:0x43"
 #: Flags of BiSS frames, which are active at level 0, and the resulting verdict on the position.
-_FLAGS: Final = {"error": Verdict.NOT_USABLE, "warning": Verdict.USABLE_WITH_WARNING}
+_VERDICT_BY_FLAG: Final = {"error": Verdict.NOT_USABLE, "warning": Verdict.USABLE_WITH_WARNING}
 
 #: Most characters of a number, which is enough for 64 bits.
 _LONGEST_NUMBER: Final = 20
 #: Names of bits that are in no column.
-_FILLERS: Final = ("zero", "unused")
+_FILLER_NAMES: Final = ("zero", "unused")
 
 
 class _Field(NamedTuple):
@@ -118,7 +118,7 @@ def biss_layout(text: str) -> BissLayout:
     _check_fields(fields)
     # Widths of the columns by name: ``{"singleturn": 24, "position": 24}``. The number joined from multiturn and
     # singleturn is one of them.
-    widths = {field.name: field.width for field in fields if field.name not in ("crc", *_FILLERS)}
+    widths = {field.name: field.width for field in fields if field.name not in ("crc", *_FILLER_NAMES)}
     joins: tuple[Join, ...] = ()
     if "singleturn" in widths and "position" not in widths:
         # The multiturn is above the singleturn in the position. Each part has its lowest bit in it.
@@ -139,11 +139,11 @@ def _check_fields(fields: Sequence[_Field]) -> None:
     This is for a wrong length, names that are used twice or reserved, and a misplaced CRC.
     """
     bits = sum(field.width for field in fields)
-    names = [field.name for field in fields if field.name not in _FILLERS]
+    names = [field.name for field in fields if field.name not in _FILLER_NAMES]
     if not 0 < bits <= 64:
         raise UsageError(f"frames of {bits} bits are not supported: expected 1 to 64")
     if len({*names}) < len(names):
-        raise UsageError(f"two fields have the same name; {_HELP}")
+        raise UsageError(f"two fields have the same name; {_FIELDS_HELP}")
     if {"verdict", "fault", "time"} & {*names}:
         raise UsageError("verdict, fault and time are names of columns that every table has")
     if "crc" in names and fields[-1].name != "crc":
@@ -174,9 +174,9 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
             unused_width += width
         else:
             # The flags of BiSS are active low.
-            columns.append(Column(name, low, width, kind="not_flag" if name in _FLAGS else "number"))
+            columns.append(Column(name, low, width, kind="not_flag" if name in _VERDICT_BY_FLAG else "number"))
     # Without a flag, nothing says whether the position is usable.
-    has_flag = any(name in widths for name in _FLAGS)
+    has_flag = any(name in widths for name in _VERDICT_BY_FLAG)
     return Shape(
         bits,
         columns=tuple(columns),
@@ -186,7 +186,9 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
         crc=crc,
         position="position" if "position" in widths else "",
         default_verdict=Verdict.USABLE if has_flag else Verdict.UNKNOWN,
-        verdict_causes=tuple(VerdictCause(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths),
+        verdict_causes=tuple(
+            VerdictCause(verdict, flag) for flag, verdict in _VERDICT_BY_FLAG.items() if flag in widths
+        ),
     )
 
 
@@ -196,7 +198,7 @@ def _parse_field(text: str) -> _Field:
     Raises:
         UsageError: The text is not a field.
     """
-    not_a_field = UsageError(f"{short(text)} is not a field; {_HELP}")
+    not_a_field = UsageError(f"{short(text)} is not a field; {_FIELDS_HELP}")
     name, equals, numbers_text = text.strip().partition("=")
     try:
         # The first number is the width. A flag without a width has 1 bit.
@@ -206,10 +208,10 @@ def _parse_field(text: str) -> _Field:
     width, *crc_numbers = numbers
     is_name = name.isidentifier() and name.isascii()
     # Only a flag needs no width.
-    has_width = bool(equals) or name in _FLAGS
+    has_width = bool(equals) or name in _VERDICT_BY_FLAG
     if not is_name or not has_width or not 0 < width <= 64:
         raise not_a_field
-    if name in _FLAGS and width != 1:
+    if name in _VERDICT_BY_FLAG and width != 1:
         raise UsageError(f"{name} is one bit, not {width}")
     if name == "crc":
         return _parse_crc_field(text, width, crc_numbers)

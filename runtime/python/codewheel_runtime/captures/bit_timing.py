@@ -12,7 +12,7 @@ np: Any = load("numpy")
 #: Longest distance of an edge from the line through all edges, in samples. Sampling alone moves it by less.
 _LONGEST_DISTANCE: Final = 1.5
 #: Smallest divisor, for cycles with fewer than two edges.
-_SMALLEST: Final = 1e-9
+_SMALLEST_DIVISOR: Final = 1e-9
 
 
 class BitTiming(NamedTuple):
@@ -76,7 +76,7 @@ def _fit_lines(times: Any, has_edge: Any) -> _EdgeLines:
     time_offsets = times - mean_time
     covariance = (number_offsets * time_offsets).sum(axis=1, keepdims=True)
     variance = (number_offsets * number_offsets).sum(axis=1, keepdims=True)
-    periods = covariance / np.maximum(variance, _SMALLEST)
+    periods = covariance / np.maximum(variance, _SMALLEST_DIVISOR)
     line_times = mean_time + periods * (numbers - mean_number)
     distances = np.abs(line_times - times) * weights
     return _EdgeLines(line_times, periods, are_even=distances.max(axis=1) < _LONGEST_DISTANCE)

@@ -292,8 +292,8 @@ def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) 
 # VCD
 
 
-_VAR: Final = re.compile(r"\$var\s+\S+\s+(\d+)\s+(\S+)\s+(.*?)\s*\$end", re.DOTALL)
-_SCALE: Final = re.compile(r"\$timescale\s+(1|10|100)\s*(s|ms|us|ns|ps|fs)\s+\$end")
+_VAR_DECLARATION: Final = re.compile(r"\$var\s+\S+\s+(\d+)\s+(\S+)\s+(.*?)\s*\$end", re.DOTALL)
+_TIMESCALE: Final = re.compile(r"\$timescale\s+(1|10|100)\s*(s|ms|us|ns|ps|fs)\s+\$end")
 
 
 def read_vcd_signals(file: BinaryIO, path: str, names: SignalNames) -> Signals:
@@ -302,14 +302,14 @@ def read_vcd_signals(file: BinaryIO, path: str, names: SignalNames) -> Signals:
     head = file.read(_BLOCK)
     header_end = re.search(rb"\$enddefinitions\s+\$end", head)
     header = head[: header_end.start()].decode("ascii", "replace") if header_end is not None else ""
-    scale = _SCALE.search(header)
+    scale = _TIMESCALE.search(header)
     if header_end is None or scale is None:
         raise InputError(path, "", "this is not a valid VCD file: the header has no time scale or no end")
     time_unit = int(scale[1]) * UNITS[scale[2]]
     file.seek(header_end.end())
     codes: list[bytes] = []
     signal_names: list[str] = []
-    for bits, code, name in _VAR.findall(header):
+    for bits, code, name in _VAR_DECLARATION.findall(header):
         if bits == "1":
             codes.append(code.encode())
             signal_names.append(name)

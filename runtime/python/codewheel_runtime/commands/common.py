@@ -126,7 +126,7 @@ def show_progress(package: str, source: str) -> Generator[Callable[[int, int | N
 
 
 #: Names of packages by the name of their module, if they differ.
-_PACKAGES: Final = {"serial": "pyserial"}
+_PACKAGE_BY_MODULE: Final = {"serial": "pyserial"}
 
 
 def missing_package_error(error: ImportError) -> CommandFailed:
@@ -134,7 +134,7 @@ def missing_package_error(error: ImportError) -> CommandFailed:
     if not isinstance(error, ModuleNotFoundError) or not error.name:
         return CommandFailed(error)
     module = error.name.partition(".")[0]
-    return CommandFailed(f"this needs {module}: pip install {_PACKAGES.get(module, module)}")
+    return CommandFailed(f"this needs {module}: pip install {_PACKAGE_BY_MODULE.get(module, module)}")
 
 
 class _Stoppable:

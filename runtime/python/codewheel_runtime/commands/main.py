@@ -67,7 +67,7 @@ other nonzero exit code, no file is written and an existing file is unchanged.
 """
 
 
-_BENCH: Final = """\
+_BENCH_EPILOG: Final = """\
 captures: sigrok sessions (.sr) and CSV, Saleae CSV and binary files (the clock
 and the data line, in this order), the bytes that Saleae's serial analyser
 exports, VCD, NumPy files (.npy, .npz), and tables of 0 and 1 or of voltages.
@@ -94,7 +94,7 @@ exit codes:
 """
 
 
-_RECORD: Final = """\
+_RECORD_EPILOG: Final = """\
 The table has one row per reading: 'time' in seconds, 'position' in counts
 (empty if it is not usable), 'verdict', 'reports' (active alarms), and 'error',
 such as 'no reply'. Requests are not repeated, so every error is a row. Without
@@ -207,7 +207,7 @@ def _add_monitor(add_command: Callable[..., Any]) -> None:
         _monitor,
         "show an encoder live, over RS-485, and record it",
         description="Read an encoder over RS-485, and show its position, speed and state live, or write a table.",
-        epilog=_RECORD,
+        epilog=_RECORD_EPILOG,
     )
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     parser.add_argument("port", metavar="PORT", help="serial port, such as /dev/ttyUSB0, COM3 or socket://HOST:PORT")
@@ -219,7 +219,7 @@ def _add_monitor(add_command: Callable[..., Any]) -> None:
 
 def _add_capture_command(add_command: Callable[..., Any], name: str, summary: str) -> None:
     """Add the command ``capture`` or ``plot``, which have the same arguments."""
-    parser = add_command(name, partial(_run_bench_command, name), summary, epilog=_BENCH)
+    parser = add_command(name, partial(_run_bench_command, name), summary, epilog=_BENCH_EPILOG)
     parser.add_argument(
         "files",
         metavar="[ORDER-CODE] FILE",

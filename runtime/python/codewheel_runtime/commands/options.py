@@ -171,14 +171,14 @@ def seconds(text: str) -> float:
 
 def _parse_rate(text: str) -> float:
     """Return a sample rate in Hz."""
-    match = _RATE.fullmatch(text.strip())
+    match = _RATE_TEXT.fullmatch(text.strip())
     if match is None or not float(match[1]):
         raise ValueError
     # The index of the prefix is the power of 1000: none, k, M, G.
     return float(match[1]) * 1000.0 ** " kMG".index(match[2] or " ")
 
 
-_RATE: Final = re.compile(r"([0-9]{1,12}(?:\.[0-9]{1,9})?) ?([kMG]?)(?:Hz|S/s|Bd)?")
+_RATE_TEXT: Final = re.compile(r"([0-9]{1,12}(?:\.[0-9]{1,9})?) ?([kMG]?)(?:Hz|S/s|Bd)?")
 
 # argparse prints these names in its messages.
 for _kind, _name in (

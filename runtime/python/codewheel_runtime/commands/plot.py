@@ -19,7 +19,7 @@ np: Any = import_module("numpy")
 _FIGURE: Any = import_module("matplotlib.figure")
 _COLLECTIONS: Any = import_module("matplotlib.collections")
 
-_KINDS: Final = ("png", "svg", "pdf")
+_PICTURE_FORMATS: Final = ("png", "svg", "pdf")
 _ERROR_COLOURS: Final = {
     ErrorKind.LENGTH: "tab:purple",
     ErrorKind.CRC: "tab:red",
@@ -38,13 +38,13 @@ class _Units(NamedTuple):
 
 
 #: Units to try, in this order.
-_UNITS: Final = (
+_UNITS_TO_TRY: Final = (
     _Units("millimetres", "position in mm", "millimetres", "speed in mm/s"),
     _Units("degrees", "angle in degrees", "rpm", "speed in rpm"),
     _Units("counts", "position in counts", "counts", "speed in counts/s"),
 )
 #: Number of points above which only the lowest and highest of each column of pixels are drawn.
-_POINTS: Final = 20_000
+_MOST_POINTS: Final = 20_000
 #: Number of points below which each of them is marked.
 _FEW_POINTS: Final = 200
 
@@ -133,7 +133,7 @@ def save(
         OSError: The file cannot be written.
     """
     kind = PurePath(target).suffix.lower().removeprefix(".")
-    if kind not in _KINDS:
+    if kind not in _PICTURE_FORMATS:
         raise UsageError(f"{os.fspath(target)}: the name of a picture ends in .png, .svg or .pdf")
     try:
         drawn = figure(table, lost, title)
@@ -145,7 +145,7 @@ def save(
 
 def _choose_units(table: Table) -> _Units:
     """Return the first units that the encoder supports. Raises ValueError if the frames have no position."""
-    for units in _UNITS:
+    for units in _UNITS_TO_TRY:
         try:
             # The result does not matter. It raises an error if the unit does not apply.
             table[:0].in_units(units.position)
@@ -183,10 +183,10 @@ def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
     is_finite = np.isfinite(values)
     times = times[is_finite]
     values = values[is_finite]
-    if len(values) <= _POINTS:
+    if len(values) <= _MOST_POINTS:
         return times, values
     # Two points of each stretch are kept.
-    stretch_size = ceil(len(values) / (_POINTS // 2))
+    stretch_size = ceil(len(values) / (_MOST_POINTS // 2))
     whole_size = len(values) // stretch_size * stretch_size
     stretches = values[:whole_size].reshape(-1, stretch_size)
     starts = np.arange(len(stretches)) * stretch_size
@@ -198,7 +198,7 @@ def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
 def _draw_marks(axes: Sequence[Any], times: Any, label: str, colour: str) -> None:
     """Mark times with thin vertical lines."""
     # Where lines are too close to be distinguished, only some are drawn.
-    most_lines = _POINTS // 10
+    most_lines = _MOST_POINTS // 10
     step = max(ceil(len(times) / most_lines), 1)
     # The ends of each line: 0 is the bottom of the axes, and 1 their top.
     lines_at = [[(time, 0), (time, 1)] for time in times[::step]]

@@ -19,14 +19,14 @@ from ..files.targets import open_for_writing
 RecordKind = Literal["csv", "jsonl", "parquet"]
 #: Formats by name, for the option.
 RECORD_KINDS: Final[tuple[RecordKind, ...]] = ("csv", "jsonl", "parquet")
-_SUFFIXES: Final[dict[str, RecordKind]] = {
+_FORMAT_BY_SUFFIX: Final[dict[str, RecordKind]] = {
     ".jsonl": "jsonl",
     ".ndjson": "jsonl",
     ".parquet": "parquet",
     ".pq": "parquet",
 }
 #: Number of rows of a Parquet file that are written at once.
-_ROWS: Final = 4096
+_ROWS_AT_ONCE: Final = 4096
 
 
 class RecordedReading(NamedTuple):
@@ -116,7 +116,7 @@ class _Parquet:
 
     def write(self, reading: RecordedReading) -> None:
         self._rows.append(reading._asdict())
-        if len(self._rows) == _ROWS:
+        if len(self._rows) == _ROWS_AT_ONCE:
             self._write_rows()
 
     def close(self) -> None:
@@ -141,7 +141,7 @@ def record_kind(target: str, kind: RecordKind | None) -> RecordKind:
     Raises:
         UsageError: Parquet cannot be written to standard output.
     """
-    chosen = kind or _SUFFIXES.get(PurePath(target).suffix.lower(), "csv")
+    chosen = kind or _FORMAT_BY_SUFFIX.get(PurePath(target).suffix.lower(), "csv")
     if target == "-" and chosen == "parquet":
         raise UsageError("Parquet cannot be written to standard output; give a file with -o")
     return chosen

@@ -18,7 +18,7 @@ from ..packages import load
 from .inputs import find_column
 
 #: Name of a partition in messages.
-_NAME = "the partition"
+_PARTITION_NAME = "the partition"
 
 
 class PartitionDecoder(NamedTuple):
@@ -59,33 +59,33 @@ class PartitionDecoder(NamedTuple):
     def _decode_arrow(self, partition: Any) -> Any:
         """Return a table of Arrow: the columns without the column of frames, then the decoded columns."""
         names = list(partition.schema.names)
-        column = find_column(names, self.column, _NAME)
+        column = find_column(names, self.column, _PARTITION_NAME)
         try:
             frames = read_arrow(partition.column(names.index(column)), self.shape, self.digits)
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
-            raise InputError(_NAME, f"column {column!r}", str(error)) from None
+            raise InputError(_PARTITION_NAME, f"column {column!r}", str(error)) from None
         decoded_columns = arrow_columns(table, table.names, self.raw)
         kept_columns = {name: partition.column(index) for index, name in enumerate(names) if name != column}
-        check_apart(kept_columns, decoded_columns, _NAME)
+        check_apart(kept_columns, decoded_columns, _PARTITION_NAME)
         columns = {**kept_columns, **decoded_columns}
         return partition.__class__.from_arrays([*columns.values()], names=[*columns])
 
     def _decode_pandas(self, partition: Any) -> Any:
         """Return a table of pandas: the columns without the column of frames, then the decoded columns."""
         names = list(map(str, partition.columns))
-        column = find_column(names, self.column, _NAME)
+        column = find_column(names, self.column, _PARTITION_NAME)
         column_index = names.index(column)
         try:
             frames = _read_series(partition.iloc[:, column_index], self.shape, self.digits)
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
-            raise InputError(_NAME, f"column {column!r}", str(error)) from None
+            raise InputError(_PARTITION_NAME, f"column {column!r}", str(error)) from None
         decoded_columns = pandas_columns(table, table.names, self.raw)
         # The label of a column in pandas can be another type than text.
         label = partition.columns[column_index]
         kept_part = partition.drop(columns=[label])
-        check_apart(list(map(str, kept_part.columns)), decoded_columns, _NAME)
+        check_apart(list(map(str, kept_part.columns)), decoded_columns, _PARTITION_NAME)
         return kept_part.assign(**decoded_columns)
 
 

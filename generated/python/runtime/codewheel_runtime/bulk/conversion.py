@@ -17,7 +17,7 @@ WORDS: Final[Mapping[str, tuple[str, ...]]] = {
     "verdict": tuple(verdict.value for verdict in Verdict),
 }
 #: Number of digits of quantities in Arrow, which is enough for every scale.
-_DIGITS: Final = 38
+_DECIMAL_PRECISION: Final = 38
 
 
 class Columns(Protocol):
@@ -58,7 +58,7 @@ def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> di
             # The numbers of the column are indices of its words. They are small, so int8 is enough.
             arrays[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(WORDS[name]))
         elif (scale := table.scale(name)) is not None:
-            arrays[name] = pa.array(column, pa.decimal128(_DIGITS, scale.places), mask=hidden)
+            arrays[name] = pa.array(column, pa.decimal128(_DECIMAL_PRECISION, scale.places), mask=hidden)
         else:
             arrays[name] = _arrow_array(pa, column, hidden)
     return arrays

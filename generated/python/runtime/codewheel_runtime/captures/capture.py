@@ -49,7 +49,7 @@ _TIME_DIGITS: Final = 12
 
 _NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
 #: Maximum number of lost cycles and of accesses that a summary lists.
-_SHOWN: Final = 1000
+_MOST_LISTED: Final = 1000
 #: Files, or an array of samples.
 Captured = Any
 
@@ -505,7 +505,7 @@ def _report_exchanged_lines(
             valid_count += int(decode_many(stretch.frames, opened.shape, encoder).ok.sum())
             frame_count += len(stretch.frames)
             lost_count += len(stretch.lost)
-            if frame_count > _SHOWN:
+            if frame_count > _MOST_LISTED:
                 break
     invalid_count = frame_count - valid_count + lost_count
     # One frame can be valid by chance.
@@ -529,7 +529,7 @@ def _decode_capture(
     ``opening`` opens the capture, and ``sources`` are its files. For ``limit`` and ``progress``, see ``decode_file``.
     Raises UsageError if the frames have a field with the name of the column of times.
     """
-    log = _Log(_SHOWN)
+    log = _Log(_MOST_LISTED)
     with opening as opened, open_for_writing(output.target, sources, output.force) as file:
         time_column = opened.time_column
         time_columns = {time_column: np.zeros(0)}

@@ -24,24 +24,24 @@ from .signals import Edges, Signals
 np: Any = load("numpy")
 
 #: Number of periods without an edge after which the clock is idle. BiSS slaves end a cycle after 1.5 or more.
-_REST: Final = 1.4
+_IDLE_PERIODS: Final = 1.4
 #: A pulse shorter than this fraction of a period is a glitch.
-_SPIKE: Final = 0.15
+_GLITCH_FRACTION: Final = 0.15
 #: Longest delay of a data line, in clock periods, for which the finder waits for the next stretch of the capture.
-_DELAY: Final = 256
+_LONGEST_DELAY: Final = 256
 #: With fewer samples per clock period, the positions of edges are averaged, and so are the delays of all bits.
-_COARSE: Final = 8
+_FEW_SAMPLES_PER_PERIOD: Final = 8
 #: Number of edges without a pause after which a signal is not considered a clock.
-_ENDLESS: Final = 1 << 22
+_EDGES_WITHOUT_PAUSE: Final = 1 << 22
 #: Shortest pause, so that no period is 0.
-_LEAST: Final = 1e-12
+_SHORTEST_PAUSE: Final = 1e-12
 #: Shortest period, as a fraction of the pause.
 _SHORTEST_PERIOD: Final = 1e-6
 #: Number of clock edges needed to determine the clock period.
-_FEW: Final = 64
+_EDGES_FOR_PERIOD: Final = 64
 #: Indices of the two signals of a capture.
-_CLOCK: Final = 0
-_DATA: Final = 1
+_CLOCK_INDEX: Final = 0
+_DATA_INDEX: Final = 1
 
 
 class Lost(NamedTuple):
@@ -204,17 +204,17 @@ class _CycleFinder:
         self._append(part)
         count = len(self._clock)
         if not self._rest:
-            if count < _FEW:
+            if count < _EDGES_FOR_PERIOD:
                 return None
             self._set_rest()
         ends = self._find_ends()
         # The last cycle may continue, or its data may still arrive.
-        is_last_open = not len(ends) or self._end - self._clock[-1] < _DELAY * self._rest
+        is_last_open = not len(ends) or self._end - self._clock[-1] < _LONGEST_DELAY * self._rest
         if is_last_open:
             ends = ends[:-1]
         if len(ends):
             return self._take_cycles(ends)
-        if count > _ENDLESS:
+        if count > _EDGES_WITHOUT_PAUSE:
             raise InputError(name, "", "the clock never rests: choose another channel with --clock")
         return None
 
@@ -222,10 +222,10 @@ class _CycleFinder:
         """Append the edges of the next stretch of the capture: first of the clock, then of the data line."""
         # Only the first stretch shows the levels at the beginning.
         if self._is_new:
-            self._levels, self._begin = (part.levels[_CLOCK], part.levels[_DATA]), part.begin
+            self._levels, self._begin = (part.levels[_CLOCK_INDEX], part.levels[_DATA_INDEX]), part.begin
             self._is_new = False
-        self._clock = np.concatenate([self._clock, part.times[_CLOCK]])
-        self._data = np.concatenate([self._data, part.times[_DATA]])
+        self._clock = np.concatenate([self._clock, part.times[_CLOCK_INDEX]])
+        self._data = np.concatenate([self._data, part.times[_DATA_INDEX]])
         self._end, self._done = part.end, part.done
         self.is_clocked = self.is_clocked or len(self._clock) > 0
 
@@ -236,7 +236,7 @@ class _CycleFinder:
         if not self._rest:
             # Two edges define no period, so all edges are one cycle.
             first_edge = float(self._clock[0]) if len(self._clock) else 0.0
-            self._rest = self._chosen_pause or max(self._end - first_edge, _LEAST)
+            self._rest = self._chosen_pause or max(self._end - first_edge, _SHORTEST_PAUSE)
         ends = self._find_ends() if len(self._clock) else np.zeros(0, np.int64)
         return self._take_cycles(ends, is_last=True)
 
@@ -246,7 +246,7 @@ class _CycleFinder:
         spans = self._clock[2:] - self._clock[:-2]
         spans_of_periods = spans[spans <= 2 * np.median(spans)]
         # Damaged files can have edges at the same time.
-        self._rest = max(self._chosen_pause or _REST * float(spans_of_periods.mean()), _LEAST)
+        self._rest = max(self._chosen_pause or _IDLE_PERIODS * float(spans_of_periods.mean()), _SHORTEST_PAUSE)
 
     def _find_ends(self) -> Any:
         """Return the index after the last edge of each cycle, even if the last cycle is incomplete."""
@@ -293,7 +293,7 @@ class _CycleFinder:
             return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
         bits = self._find_biss_bits(cycles) if self._is_biss else self._find_ssi_bits(cycles)
         # A glitch on the clock takes precedence over other reasons.
-        has_glitch = self._find_shortest_gaps(cycles) < _SPIKE * cycles.period
+        has_glitch = self._find_shortest_gaps(cycles) < _GLITCH_FRACTION * cycles.period
         bits.reasons[has_glitch] = _SPIKED
         good = np.flatnonzero(bits.reasons == 0)
         # Over BiSS, CDS is before the frame.
@@ -340,7 +340,7 @@ class _CycleFinder:
         # The edges of a cycle are half a period apart on average. With fewer than two rising edges, the pause shows the
         # period.
         half_periods = np.maximum(ends - 1 - falls, 1)
-        period = np.where(rises > 1, 2 * (last - begin) / half_periods, self._rest / _REST)
+        period = np.where(rises > 1, 2 * (last - begin) / half_periods, self._rest / _IDLE_PERIODS)
         period = np.maximum(period, _SHORTEST_PERIOD * self._rest)
         return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=next_edges, period=period)
 
@@ -357,7 +357,7 @@ class _CycleFinder:
         rises_after_start = cycles.rises - 1 - (start_bits.rise_number - start_bits.late_periods)
         # After the last edge, the start bit can still be on the line for its delay.
         latest_start = cycles.last + cycles.period * (start_bits.late_periods + 2)
-        latest_acknowledgement = np.minimum(cycles.after, cycles.last + _DELAY * cycles.period)
+        latest_acknowledgement = np.minimum(cycles.after, cycles.last + _LONGEST_DELAY * cycles.period)
         has_no_start = (data_rise > latest_start) | (data_rise >= cycles.after) | (start_bits.rise_number < 0)
         reasons = np.zeros(len(cycles.falls), np.int64)
         reasons[rises_after_start < rises_needed] = _SHORT
@@ -456,7 +456,7 @@ class _CycleFinder:
         edges = self._clock[edge_indices] + rises_beyond * period[:, None]
         # A bit changes up to one sample before its edge is seen.
         timing = BitTiming(edges, delay=bits.delay[good], half_bit=period / 2 - self._early)
-        has_few_samples = self._early and len(period) and period.min() < _COARSE
+        has_few_samples = self._early and len(period) and period.min() < _FEW_SAMPLES_PER_PERIOD
         if has_few_samples:
             timing = refine_timing(timing, rises_beyond == 0, self._data)
         middles = timing.find_middles()

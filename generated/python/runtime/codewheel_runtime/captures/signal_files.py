@@ -26,7 +26,7 @@ from .table_forms import HEADER, HINT, parse_rate
 
 np: Any = load("numpy")
 
-_SALEAE: Final = b"<SALEAE>"
+_SALEAE_HEADER: Final = b"<SALEAE>"
 
 
 @contextmanager
@@ -52,7 +52,7 @@ def open_signals(
         heads = [file.read(HEADER) for file in files]
         for file in files:
             file.seek(0)
-        is_saleae = [head.startswith(_SALEAE) for head in heads]
+        is_saleae = [head.startswith(_SALEAE_HEADER) for head in heads]
         # A serial line has no clock, so it is the only signal.
         wanted = 1 if names.clock is None else 2
         if any(is_saleae):
@@ -104,7 +104,15 @@ def _open_single_file(
 #: Most bytes of samples in a session, when unpacked: three minutes at 24 MHz, which take a minute to read.
 _MOST_UNPACKED: Final = 1 << 32
 #: Errors that a damaged ZIP file causes.
-_DAMAGED: Final = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, OverflowError, RuntimeError)
+_ERRORS_OF_DAMAGED_ZIP: Final = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    EOFError,
+    OSError,
+    OverflowError,
+    RuntimeError,
+)
 
 
 def _read_archive(
@@ -114,7 +122,7 @@ def _read_archive(
     try:
         archive = stack.enter_context(zipfile.ZipFile(file))
         file_names = archive.namelist()
-    except _DAMAGED:
+    except _ERRORS_OF_DAMAGED_ZIP:
         raise InputError(path, "", "this is not a valid sigrok session") from None
     has_arrays = any(file_name.endswith(".npy") for file_name in file_names)
     if has_arrays and "metadata" not in file_names:
@@ -136,7 +144,7 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
         # The names of the channels are the values of the keys probe1, probe2 and so on.
         probe_keys = [key for key in device if re.fullmatch(r"probe[0-9]{1,3}", key)]
         probes = {_parse_small_number(key[5:]): device[key] for key in probe_keys}
-    except (KeyError, ConfigError, ValueError, *_DAMAGED):
+    except (KeyError, ConfigError, ValueError, *_ERRORS_OF_DAMAGED_ZIP):
         raise InputError(path, "", "this is not a valid sigrok session") from None
     if not stem:
         raise InputError(path, "", "this sigrok session has no logic signals")
@@ -218,7 +226,7 @@ def _unpack_samples(
                     sample_count = len(data) // size
                     remainder = data[sample_count * size :]
                     yield np.frombuffer(data, f"<u{size}", count=sample_count), done, None
-    except _DAMAGED as error:
+    except _ERRORS_OF_DAMAGED_ZIP as error:
         raise InputError(path, f"offset {done}", f"the samples are damaged: {error or 'they end early'}") from None
 
 
@@ -329,11 +337,11 @@ def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
         array = _read_array_in(archive, file_name, path)
         if array.dtype.kind not in "uibf":
             raise InputError(path, "", f"expected numbers in {short(name)}, got {array.dtype}")
-        if array.ndim == 1 and name.lower() in _TIMES:
+        if array.ndim == 1 and name.lower() in _NAMES_OF_TIMES:
             times = array.astype(np.float64)
         elif array.ndim:
             channels[name] = array
-        elif name.lower() in _RATES:
+        elif name.lower() in _NAMES_OF_RATES:
             # An array without dimensions is a single number. If there are several rates, the first one counts.
             if not 0 < array < np.inf:
                 raise InputError(path, "", f"expected a sample rate above 0 in {short(name)}, got {array}")
@@ -347,7 +355,7 @@ def _read_array_archive(
     """Return the signals of an ``.npz`` file: one array of samples, or an array for each channel.
 
     The names of the arrays are the names of the channels. A channel has levels, 0 and 1, or voltages. A single number
-    can give the sample rate, see ``_RATES``, and an array the times in seconds, see ``_TIMES``.
+    can give the sample rate, see ``_NAMES_OF_RATES``, and an array the times in seconds, see ``_NAMES_OF_TIMES``.
     """
     total = sum(info.file_size for info in archive.infolist())
     if total > _MOST_UNPACKED:
@@ -400,9 +408,9 @@ def _read_array_in(archive: zipfile.ZipFile, name: str, path: str) -> Any:
 
 
 #: Names of a sample rate in Hz next to the arrays of a file.
-_RATES: Final = ("rate", "samplerate", "sample_rate", "fs")
+_NAMES_OF_RATES: Final = ("rate", "samplerate", "sample_rate", "fs")
 #: Names of an array of times in seconds.
-_TIMES: Final = ("time", "times", "t", "seconds")
+_NAMES_OF_TIMES: Final = ("time", "times", "t", "seconds")
 
 
 # Saleae's binary files

@@ -78,9 +78,9 @@ class SignalNames(NamedTuple):
         missing, and there are as many channels as signals, they are taken in order. If only one of two signals has a
         channel, the other gets the remaining one of two channels.
         """
-        signals: list[_Signal] = [(self.data, _SERIAL, "--data")]
+        signals: list[_Signal] = [(self.data, _NAMES_OF_SERIAL_LINES, "--data")]
         if self.clock is not None:
-            signals = [(self.clock, _CLOCKS, "--clock"), (self.data, _DATA, "--data")]
+            signals = [(self.clock, _NAMES_OF_CLOCKS, "--clock"), (self.data, _NAMES_OF_DATA, "--data")]
         if len(channels) < len(signals):
             raise InputError(file, "", f"expected channels of a clock and a data line, got {listed(list(channels))}")
         places: list[int | None] = []
@@ -121,9 +121,9 @@ def _add_remaining_channel(signals: Sequence[_Signal], places: list[int | None])
 #: Chosen name of a signal, its usual names, and the option that chooses it.
 _Signal = tuple[str, tuple[str, ...], str]
 
-_CLOCKS: Final = ("ma", "clock", "clk", "sck", "sclk", "scl")
-_DATA: Final = ("slo", "sl", "data", "dat", "miso", "sdo", "sda")
-_SERIAL: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "dat")
+_NAMES_OF_CLOCKS: Final = ("ma", "clock", "clk", "sck", "sclk", "scl")
+_NAMES_OF_DATA: Final = ("slo", "sl", "data", "dat", "miso", "sdo", "sda")
+_NAMES_OF_SERIAL_LINES: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "dat")
 
 
 def _find_place(channels: Sequence[str], name: str) -> int | None:

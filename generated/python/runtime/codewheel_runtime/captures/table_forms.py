@@ -25,9 +25,9 @@ UNITS: Final = {
 #: Time stamp of ISO 8601, as in CSV files of Saleae, without its time zone.
 STAMP: Final = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:\.\d{1,12})?")
 
-_TIME: Final = re.compile(r"(?:(?:time|zeit)\s*)?[\[(]?(?P<unit>[a-zµ]*)[\])]?", re.IGNORECASE)
+_TIME_HEADING: Final = re.compile(r"(?:(?:time|zeit)\s*)?[\[(]?(?P<unit>[a-zµ]*)[\])]?", re.IGNORECASE)
 #: Names of a column with the number of the sample.
-_NUMBERS: Final = ("sample", "samples", "sample number", "index", "no", "no.", "nr", "#", "sequence")
+_NAMES_OF_SAMPLE_NUMBERS: Final = ("sample", "samples", "sample number", "index", "no", "no.", "nr", "#", "sequence")
 #: Marks of a comment at the beginning of a line.
 _COMMENT_MARKS: Final = (";", "#")
 #: Number of rows that are enough to recognise numbers of samples.
@@ -37,10 +37,10 @@ _MOST_DIGITS: Final = 18
 #: A decimal comma: one between two digits.
 _DECIMAL_COMMA: Final = re.compile(r"(?<=\d),(?=\d)")
 #: Name of the column whose unit is the time between two samples in seconds, as oscilloscopes of Rigol write it.
-_INCREMENT: Final = "increment"
+_INCREMENT_COLUMN: Final = "increment"
 _SMALLEST_INCREMENT: Final = 1e-300
-_RATE: Final = re.compile(r"\s*([0-9]{1,12}(?:\.[0-9]{1,9})?)\s*([kKMG]?)(?:Hz|S/s|Sa/s)?\s*")
-_PREFIXES: Final = {"": 1.0, "k": 1e3, "K": 1e3, "M": 1e6, "G": 1e9}
+_RATE_IN_HEADER: Final = re.compile(r"\s*([0-9]{1,12}(?:\.[0-9]{1,9})?)\s*([kKMG]?)(?:Hz|S/s|Sa/s)?\s*")
+_UNIT_PREFIXES: Final = {"": 1.0, "k": 1e3, "K": 1e3, "M": 1e6, "G": 1e9}
 
 
 class TableForm(NamedTuple):
@@ -81,10 +81,10 @@ class _Headers(NamedTuple):
 
 def parse_rate(text: str) -> float | None:
     """Return a sample rate such as ``24 MHz`` in samples per second, or None if the text is not one or is 0."""
-    match = _RATE.fullmatch(text)
+    match = _RATE_IN_HEADER.fullmatch(text)
     if match is None:
         return None
-    return float(match[1]) * _PREFIXES[match[2]] or None
+    return float(match[1]) * _UNIT_PREFIXES[match[2]] or None
 
 
 def find_table_form(path: str, head: bytes) -> TableForm:
@@ -206,7 +206,7 @@ def _find_increment_rate(headers: _Headers) -> float | None:
         return None
     for name, unit in zip(headers.names, headers.units, strict=False):
         # The inverse of a smaller number is infinite.
-        if name.lower() == _INCREMENT and _is_number(unit) and float(unit) > _SMALLEST_INCREMENT:
+        if name.lower() == _INCREMENT_COLUMN and _is_number(unit) and float(unit) > _SMALLEST_INCREMENT:
             return 1 / float(unit)
     return None
 
@@ -294,9 +294,9 @@ def _find_unit(name: str) -> float | None:
 
     It is 0 for a column of sample numbers, and for a column ``Time`` without a unit. It is None for a channel.
     """
-    if name.strip().lower() in _NUMBERS:
+    if name.strip().lower() in _NAMES_OF_SAMPLE_NUMBERS:
         return 0.0
-    match = _TIME.fullmatch(name.strip())
+    match = _TIME_HEADING.fullmatch(name.strip())
     if match is None:
         return None
     # The regular expression also matches the Greek letter for the sign of micro.

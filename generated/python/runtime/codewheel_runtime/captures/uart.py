@@ -22,13 +22,13 @@ from .signals import Signals
 np: Any = load("numpy")
 
 #: A byte has a start bit, eight data bits, and a stop bit.
-_BITS: Final = 10
+_BITS_PER_BYTE: Final = 10
 #: Number of bytes that are kept until the next stretch of the capture arrives.
-_KEPT: Final = 64
+_BYTES_KEPT: Final = 64
 #: Most bytes after the last reply that may be an incomplete reply, with the request before it.
-_LONGEST_INCOMPLETE: Final = 4 * _KEPT
+_LONGEST_INCOMPLETE: Final = 4 * _BYTES_KEPT
 #: Longest pause within a message, in byte times.
-_PAUSE: Final = 20
+_LONGEST_PAUSE: Final = 20
 #: Most bytes that are printed in the reason why they belong to no reply.
 _PRINTED_BYTES: Final = 12
 
@@ -72,13 +72,13 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         # Falling edges whose byte is complete. At the end of the capture (None), all are used.
         complete_count = len(falls)
         if part is not None:
-            complete_count = int(np.searchsorted(falls, end - _BITS * bit_time, "right"))
+            complete_count = int(np.searchsorted(falls, end - _BITS_PER_BYTE * bit_time, "right"))
         falls = falls[:complete_count]
         if not len(falls):
             continue
         # The stop bit lasts at least half a bit, and the next byte may follow at once. For each falling edge, this is
         # the index of the first one that can begin the next byte.
-        next_places = np.searchsorted(falls, falls + (_BITS - 0.5) * bit_time, "left").tolist()
+        next_places = np.searchsorted(falls, falls + (_BITS_PER_BYTE - 0.5) * bit_time, "left").tolist()
         start_places: list[int] = []
         index = int(np.searchsorted(falls, earliest_start, "left"))
         while index < complete_count:
@@ -87,7 +87,7 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
         if not start_places:
             continue
         starts = falls[start_places]
-        earliest_start = float(starts[-1]) + (_BITS - 0.5) * bit_time
+        earliest_start = float(starts[-1]) + (_BITS_PER_BYTE - 0.5) * bit_time
         # The middle of eight data bits and the stop bit: a row for each byte, and a column for each bit.
         times = starts[:, None] + (bit_time * (1.5 + np.arange(9)) - early)[None, :]
         # An odd number of edges before a time inverts the first level.
@@ -100,23 +100,23 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
 
 
 #: Headers of the tables that Saleae's serial analyser exports, with the columns of the times and of the bytes.
-_EXPORTS: Final = (
+_SALEAE_EXPORT_HEADERS: Final = (
     (("name", "type", "start_time", "duration", "data"), 2, 4),
     (("time [s]", "value"), 0, 1),
 )
-_BYTE: Final = re.compile(r"0x([0-9a-fA-F]{1,2})|([0-9]{1,3})")
+_BYTE_TEXT: Final = re.compile(r"0x([0-9a-fA-F]{1,2})|([0-9]{1,3})")
 #: Number of rows of an export that are read at once.
-_ROWS: Final = 1 << 16
+_ROWS_AT_ONCE: Final = 1 << 16
 
 
 def find_exported_columns(head: bytes) -> tuple[int, int] | None:
     """Return the indices of the columns of times and of bytes if a file is an export of serial bytes, or None.
 
-    ``head`` are the first bytes of the file. Its first line must begin with the header of one of ``_EXPORTS``.
+    ``head`` are the first bytes of the file. Its first line must begin with one of ``_SALEAE_EXPORT_HEADERS``.
     """
     first_line = head.decode("utf-8-sig", "replace").partition("\n")[0]
     cells = [cell.strip().strip('"').lower() for cell in first_line.split(",")]
-    for header, time_column, byte_column in _EXPORTS:
+    for header, time_column, byte_column in _SALEAE_EXPORT_HEADERS:
         if tuple(cells[: len(header)]) == header:
             return time_column, byte_column
     return None
@@ -135,7 +135,7 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
     next(rows)
     line = 1
     # Empty rows are left out, but count as lines.
-    while numbered_rows := [(line_number, row) for line_number, row in islice(rows, _ROWS) if row]:
+    while numbered_rows := [(line_number, row) for line_number, row in islice(rows, _ROWS_AT_ONCE) if row]:
         values = np.zeros(len(numbered_rows), np.uint8)
         times = np.zeros(len(numbered_rows))
         has_stop_bit = np.ones(len(numbered_rows), bool)
@@ -155,7 +155,7 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
 
 def _read_byte(cell: str, path: str, line: int) -> int:
     """Return the byte in a cell: hexadecimal such as ``0x1A``, or decimal. Raises InputError for other cells."""
-    match = _BYTE.fullmatch(cell.strip())
+    match = _BYTE_TEXT.fullmatch(cell.strip())
     # 256 is not a byte. A valid cell replaces it.
     number = 256
     if match is not None:
@@ -197,7 +197,7 @@ def find_replies(
     Raises:
         InputError: There is no byte on the line.
     """
-    finder = _Replies(kinds, _BITS / baud)
+    finder = _Replies(kinds, _BITS_PER_BYTE / baud)
     # Frames wait here until their kind is known.
     waiting_frames: list[CapturedFrames] = []
     is_silent = True
@@ -236,7 +236,7 @@ class _Replies:
     def __init__(self, kinds: Kinds, duration: float) -> None:
         self._kinds = kinds
         #: Longest time between the start bits of two bytes of a message.
-        self._pause = _PAUSE * duration
+        self._pause = _LONGEST_PAUSE * duration
         #: Three arrays of equal length: the bytes that are kept, the time of each, and True for each with a stop bit.
         self._values = np.zeros(0, np.uint8)
         self._times = np.zeros(0)
@@ -253,7 +253,7 @@ class _Replies:
         self._has_stop_bit = np.concatenate([self._has_stop_bit, part.has_stop_bit])
         self._done = part.done
         # A reply that begins in the last bytes may not be complete.
-        return self._take_replies(max(len(self._values) - _KEPT, 0))
+        return self._take_replies(max(len(self._values) - _BYTES_KEPT, 0))
 
     def finish(self) -> CapturedFrames:
         """Return the replies among the last bytes."""

@@ -25,7 +25,7 @@ from .common import USAGE, CommandFailed, find_encoder, missing_package_error, s
 np: Any = import_module("numpy")
 
 #: Number of lost cycles and accesses that are printed.
-_PRINTED = 10
+_MOST_PRINTED = 10
 #: Most characters of the header of a CSV file that are searched for the column of frames.
 _LONGEST_HEADER = 1 << 16
 
@@ -163,13 +163,13 @@ def _print_summary(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
     if chosen.json:
         print(json.dumps(summary.to_dict()), file=out)
     else:
-        for lost in summary.first_lost[:_PRINTED]:
+        for lost in summary.first_lost[:_MOST_PRINTED]:
             print(f"{lost.time:.9g}: {lost.reason}", file=out)
-        if (more := sum(summary.lost.values()) - _PRINTED) > 0:
+        if (more := sum(summary.lost.values()) - _MOST_PRINTED) > 0:
             print(f"... and {more} more lost", file=out)
-        for access in summary.accesses[:_PRINTED]:
+        for access in summary.accesses[:_MOST_PRINTED]:
             print(f"{access.time:.9g}: {access}", file=out)
-        if (more := summary.access_count - _PRINTED) > 0:
+        if (more := summary.access_count - _MOST_PRINTED) > 0:
             print(f"... and {more} more accesses; --json prints all of them", file=out)
         print(summary, file=out)
     if not summary.frames.frames:

@@ -19,7 +19,7 @@ from .common import USAGE, CommandFailed, find_encoder, show_progress
 from .record import RecordedReading, Recorder, open_recorder
 
 #: Number of updates of the screen per second.
-_RATE = 10
+_UPDATES_PER_SECOND = 10
 #: Time over which speed and rate are measured.
 _SPAN_S = 0.5
 #: Number of failures in succession after which to give up if the encoder never answered.
@@ -224,7 +224,7 @@ class _Screen:
 
     def _update(self, now: float) -> None:
         """Draw the readings if the last drawing is old enough."""
-        if self._is_live and now - self._drawn_at >= 1 / _RATE:
+        if self._is_live and now - self._drawn_at >= 1 / _UPDATES_PER_SECOND:
             self._drawn_at = now
             self._draw()
 

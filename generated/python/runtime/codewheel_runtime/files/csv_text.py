@@ -19,7 +19,7 @@ from .fast_csv import Block, JoinedBlocks, ends_with_row, has_a_row_per_line, ma
 from .inputs import FIRST, FrameBatch, Share, Source, StorageFormat, check_form, find_usual_column, select_columns
 
 #: Limit for the length of a line. A longer one means that the file is not CSV.
-_LONGEST: Final = 1 << 20
+_LONGEST_LINE: Final = 1 << 20
 
 
 def read_csv_rows(
@@ -244,11 +244,11 @@ class _Lines:
 
     def __iter__(self) -> Iterator[str]:
         """Yield the lines. Raises InputError if a line is too long."""
-        while line := self._file.readline(_LONGEST):
+        while line := self._file.readline(_LONGEST_LINE):
             self.number += 1
             self.read += len(line)
-            if len(line) == _LONGEST:
-                raise self.make_error(f"a line has more than {_LONGEST} characters: this is not a CSV file")
+            if len(line) == _LONGEST_LINE:
+                raise self.make_error(f"a line has more than {_LONGEST_LINE} characters: this is not a CSV file")
             self.is_cut = line[-1] not in "\r\n"
             yield line
 

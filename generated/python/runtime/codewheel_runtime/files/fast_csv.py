@@ -18,9 +18,9 @@ np: Any = load("numpy")
 #: Number of bytes that are read at once. It is also the limit for a line.
 BLOCK: Final = 1 << 21
 #: Value of each hexadecimal digit by its character code. Other characters have 255.
-_HEX: Final = np.full(256, 255, np.uint8)
+_HEX_DIGIT_VALUES: Final = np.full(256, 255, np.uint8)
 for _digit in range(16):
-    _HEX[[ord(f"{_digit:x}"), ord(f"{_digit:X}")]] = _digit
+    _HEX_DIGIT_VALUES[[ord(f"{_digit:x}"), ord(f"{_digit:X}")]] = _digit
 
 
 class Block(NamedTuple):
@@ -195,7 +195,7 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     if not count or (cell_lengths != digits_per_cell).any():
         return None
     characters = np.frombuffer(data, np.uint8, count=digits_per_cell * count, offset=int(starts[0]))
-    digits = _HEX[characters]
+    digits = _HEX_DIGIT_VALUES[characters]
     # 255 represents a character that is not a hexadecimal digit.
     if digits.max() > 15:
         return None

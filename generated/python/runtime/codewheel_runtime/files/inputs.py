@@ -26,7 +26,7 @@ FileKind = Literal["binary", "csv", "parquet"]
 Share = Callable[[Any], float]
 
 #: Default names of the column that contains the frames.
-_NAMES: Final = ("frame", "word")
+_DEFAULT_COLUMNS: Final = ("frame", "word")
 
 
 class StorageFormat(NamedTuple):
@@ -118,7 +118,7 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
 
 def find_usual_column(names: list[str]) -> int | None:
     """Return the index of the only column, or of the only one named ``frame`` or ``word``, otherwise None."""
-    named = [index for index, name in enumerate(names) if len(names) == 1 or name.lower() in _NAMES]
+    named = [index for index, name in enumerate(names) if len(names) == 1 or name.lower() in _DEFAULT_COLUMNS]
     return named[0] if len(named) == 1 else None
 
 

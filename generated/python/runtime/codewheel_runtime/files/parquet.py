@@ -16,7 +16,7 @@ from . import inputs
 from .inputs import FrameBatch, Source, StorageFormat, find_column, select_columns
 
 #: Number of bytes of a Parquet column that are read at once.
-_BUFFER: Final = 1 << 20
+_BUFFER_BYTES: Final = 1 << 20
 
 
 def read_parquet_batches(file: BinaryIO, name: str, stored: StorageFormat, shape: Shape) -> Source:
@@ -27,7 +27,7 @@ def read_parquet_batches(file: BinaryIO, name: str, stored: StorageFormat, shape
     """
     with _convert_to_readable(name):
         # Without a buffer, a whole column is read at once.
-        opened_file = load("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER, pre_buffer=False)
+        opened_file = load("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER_BYTES, pre_buffer=False)
         schema = opened_file.schema_arrow
         column = find_column(list(schema.names), stored.column, name)
         total = int(opened_file.metadata.num_rows)

@@ -18,7 +18,7 @@ from ..bulk.table import Table
 from ..packages import load
 
 TargetKind = Literal["parquet", "arrow", "csv"]
-_SUFFIXES: Final[dict[str, TargetKind]] = {
+_FORMAT_BY_SUFFIX: Final[dict[str, TargetKind]] = {
     ".parquet": "parquet",
     ".pq": "parquet",
     ".arrow": "arrow",
@@ -26,16 +26,16 @@ _SUFFIXES: Final[dict[str, TargetKind]] = {
 }
 
 #: Words for False and True in CSV.
-_BOOLS: Final = ("false", "true")
+_BOOLEAN_WORDS: Final = ("false", "true")
 #: Number of CSV rows that are formatted at once.
-_ROWS: Final = 1 << 14
+_ROWS_AT_ONCE: Final = 1 << 14
 #: Number of CSV rows that are always formatted without pyarrow.
 _FEW_ROWS: Final = 1000
 
 
 def find_target_kind(path: str) -> TargetKind:
     """Return the format of a file according to its extension. Other extensions, or none, mean CSV."""
-    return _SUFFIXES.get(PurePath(path).suffix.lower(), "csv")
+    return _FORMAT_BY_SUFFIX.get(PurePath(path).suffix.lower(), "csv")
 
 
 class Plan(NamedTuple):
@@ -240,8 +240,8 @@ class CsvSink:
         # not pay to load pyarrow.
         formatter = self._formatter if len(self._plan.names) > 1 and table.count > _FEW_ROWS else None
         # Cells as text take much memory, so only some rows are converted at once.
-        for start in range(0, table.count, _ROWS):
-            rows = slice(start, start + _ROWS)
+        for start in range(0, table.count, _ROWS_AT_ONCE):
+            rows = slice(start, start + _ROWS_AT_ONCE)
             table_rows = table[rows]
             columns = {name: other_columns[name][rows] for name in self._plan.source_columns}
             csv_text = formatter.format_rows(table_rows, columns) if formatter is not None else None
@@ -271,7 +271,7 @@ def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
         # Decimals, without an exponent.
         cells = [f"{cell:f}" for cell in cells]
     if column.dtype.kind == "b":
-        cells = [_BOOLS[cell] for cell in cells]
+        cells = [_BOOLEAN_WORDS[cell] for cell in cells]
     if hidden is not None:
         return ["" if is_hidden else cell for cell, is_hidden in zip(cells, hidden.tolist(), strict=False)]
     if name in WORDS:
@@ -355,7 +355,7 @@ def _convert_cell(cell: Any) -> Any:
     if cell is None:
         return ""
     if isinstance(cell, bool):
-        return _BOOLS[cell]
+        return _BOOLEAN_WORDS[cell]
     return cell.hex() if isinstance(cell, bytes) else cell
 
 

@@ -22,7 +22,7 @@ from .parquet import read_parquet_batches
 
 np: Any = load("numpy")
 
-_SUFFIXES: Final[dict[str, FileKind]] = {
+_FORMAT_BY_SUFFIX: Final[dict[str, FileKind]] = {
     ".csv": "csv",
     ".tsv": "csv",
     ".txt": "csv",
@@ -35,7 +35,7 @@ _ARROW_MARK: Final = b"ARROW1\0\0"
 
 def find_kind(path: str) -> FileKind:
     """Return the format of a file according to its extension. Other extensions, or none, mean binary files."""
-    return _SUFFIXES.get(PurePath(path).suffix.lower(), "binary")
+    return _FORMAT_BY_SUFFIX.get(PurePath(path).suffix.lower(), "binary")
 
 
 @contextmanager
