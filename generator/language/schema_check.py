@@ -38,12 +38,9 @@ _PYTHON_TYPES: Mapping[str, tuple[type, ...]] = {
 def follows_schema(checked_value: Any, schema: Mapping[str, Any]) -> bool:
     """Return True if a value follows a schema without references, and False if it may not.
 
-    Each keyword of the schema has a test in ``_CHECK_BY_KEYWORD``. A value may not follow a keyword without a test.
+    Each keyword of the schema has a test in ``_CHECKS``. A value may not follow a keyword without a test.
     """
-    return all(
-        key in _CHECK_BY_KEYWORD and _CHECK_BY_KEYWORD[key](checked_value, expected, schema)
-        for key, expected in schema.items()
-    )
+    return all(key in _CHECKS and _CHECKS[key](checked_value, expected, schema) for key, expected in schema.items())
 
 
 def matches(pattern: str, checked_text: str) -> bool:
@@ -89,7 +86,7 @@ def _only_for_type(type_name: str, test: Callable[[Any, Any], bool]) -> Callable
     return lambda value, expected, _: type(value) not in _PYTHON_TYPES[type_name] or test(value, expected)
 
 
-_CHECK_BY_KEYWORD: Mapping[str, Callable[[Any, Any, Any], bool]] = {
+_CHECKS: Mapping[str, Callable[[Any, Any, Any], bool]] = {
     **dict.fromkeys(("$schema", "$id", "title", "description"), lambda value, expected, schema: True),
     "type": _is_of_type,
     "enum": _is_one_of,

@@ -447,6 +447,5 @@ def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
         # Position of the byte's lowest bit in ``unused``. A negative shift moves the bits up.
         bit_in_unused = reserved.place + bit_slice.low_in_number
         mask = bit_slice.mask << bit_in_unused
-        yield ShiftedBits(
-            byte=bit_slice.byte, shift=bit_slice.low_in_byte - bit_in_unused, mask=mask, value=value & mask
-        )
+        shift = bit_slice.low_in_byte - bit_in_unused
+        yield ShiftedBits(byte=bit_slice.byte, shift=shift, mask=mask, value=value & mask)

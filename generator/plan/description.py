@@ -39,7 +39,7 @@ from .values import (
     ActiveFlag,
     DecimalDigits,
     Latin1Text,
-    OneOfNamedValues,
+    NamedChoice,
     TwosComplement,
     UnsignedNumber,
     ZeroMeans,
@@ -270,7 +270,7 @@ def _describe_column(field: Field, is_power: bool) -> Column:
             return replace(column, zero_means=number)
         case ActiveFlag(low):
             return replace(column, kind="not_flag" if low else "flag")
-        case OneOfNamedValues():
+        case NamedChoice():
             return replace(column, kind="choice")
         case DecimalDigits(digit_runs):
             runs = tuple((Name(run.name), run.divisor, run.modulus) for run in digit_runs)

@@ -13,7 +13,7 @@ from .values import (
     DecimalDigits,
     Latin1Text,
     Meaning,
-    OneOfNamedValues,
+    NamedChoice,
     TwosComplement,
     UnsignedNumber,
     ZeroMeans,
@@ -159,7 +159,7 @@ def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:
             most_significant_run = runs[0]
             highest = most_significant_run.divisor * most_significant_run.modulus - 1
             yield AtMost(field, bits, highest, runs)
-        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | OneOfNamedValues() | Latin1Text():
+        case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | NamedChoice() | Latin1Text():
             return
         case meaning:
             assert_never(meaning)

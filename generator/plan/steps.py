@@ -86,11 +86,10 @@ ValueSource = FixedNumber | InField | AsNumber | AsMember
 class WriteRegister:
     """Write a register, or one of its fields while keeping the others as read.
 
-    ``bit_slices`` are the affected bytes, whose bits ``mask << low_in_byte`` become ``(number >> low_in_number) &
-    mask``, or empty if the position of the field depends on the order code. If an argument is written to the whole
+    ``bit_slices`` are the affected bytes, or empty if the position of the field depends on the order code. In each, the
+    bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``. If an argument is written to the whole
     register, ``determines_limits`` are the run-time parameters in it on which limits of later steps depend. They use
-    the written value. ``closes`` is true if the write undoes an earlier opening step. It is also done if a step in
-    between fails.
+    the written value. ``closes`` is true if the write undoes an earlier opening step, even if a step in between fails.
     """
 
     step: WriteStep | ModifyStep

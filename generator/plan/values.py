@@ -212,7 +212,7 @@ class ActiveFlag:
 
 
 @dataclass(frozen=True, slots=True)
-class OneOfNamedValues:
+class NamedChoice:
     """One of the named ``values``. The inverse rejects any other."""
 
     values: tuple[Value, ...]
@@ -230,7 +230,7 @@ class Latin1Text:
     """Latin-1 characters, one per byte, the first in the most significant byte. The inverse rejects other lengths."""
 
 
-Meaning = UnsignedNumber | TwosComplement | ZeroMeans | ActiveFlag | OneOfNamedValues | DecimalDigits | Latin1Text
+Meaning = UnsignedNumber | TwosComplement | ZeroMeans | ActiveFlag | NamedChoice | DecimalDigits | Latin1Text
 
 
 def is_number(meaning: Meaning) -> bool:
@@ -238,7 +238,7 @@ def is_number(meaning: Meaning) -> bool:
     match meaning:
         case UnsignedNumber() | TwosComplement() | ZeroMeans():
             return True
-        case ActiveFlag() | OneOfNamedValues() | DecimalDigits() | Latin1Text():
+        case ActiveFlag() | NamedChoice() | DecimalDigits() | Latin1Text():
             return False
         case _:
             assert_never(meaning)
@@ -247,7 +247,7 @@ def is_number(meaning: Meaning) -> bool:
 def is_named(meaning: Meaning) -> bool:
     """Return whether the value is one of several names."""
     match meaning:
-        case OneOfNamedValues():
+        case NamedChoice():
             return True
         case UnsignedNumber() | TwosComplement() | ZeroMeans() | ActiveFlag() | DecimalDigits() | Latin1Text():
             return False
@@ -270,7 +270,7 @@ def meaning_of(field: Field) -> Meaning:
         case Flag(active_low=low):
             return ActiveFlag(low)
         case Choice(values):
-            return OneOfNamedValues(values)
+            return NamedChoice(values)
         case Decimal(runs):
             return DecimalDigits(runs)
         case Text():
@@ -284,7 +284,7 @@ def widest_value(field: Field) -> int:
     match meaning_of(field):
         case ZeroMeans(number):
             return max(field.widest, number.bit_length())
-        case UnsignedNumber() | TwosComplement() | ActiveFlag() | OneOfNamedValues() | DecimalDigits() | Latin1Text():
+        case UnsignedNumber() | TwosComplement() | ActiveFlag() | NamedChoice() | DecimalDigits() | Latin1Text():
             return field.widest
         case never:
             assert_never(never)

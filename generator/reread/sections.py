@@ -46,9 +46,7 @@ _SECTION_REFERENCE = re.compile(
 _LEAST_COMPLETE_CONTENTS = 12
 #: Key of a number after the numbers of all sections.
 _AFTER_ALL_SECTIONS = (999,)
-_DASH_TRANSLATION = str.maketrans(
-    dict.fromkeys("‐‑‒–—−", "-") | {"\u00ad": "", "\u200b": "", "’": "'", "“": '"', "”": '"'}
-)
+_PLAIN_MARKS = str.maketrans(dict.fromkeys("‐‑‒–—−", "-") | {"\u00ad": "", "\u200b": "", "’": "'", "“": '"', "”": '"'})
 
 
 class NoText(Exception):
@@ -237,7 +235,7 @@ def _plain_lines(page: str) -> list[str]:
 def plain_line(line: str) -> str:
     """Return a line without markup, with ASCII dashes and quotes, and a tab before each cell or page number."""
     with_tabs = line.strip().strip("|").replace("|", "\t")
-    ascii_line = unicodedata.normalize("NFKC", with_tabs).translate(_DASH_TRANSLATION)
+    ascii_line = unicodedata.normalize("NFKC", with_tabs).translate(_PLAIN_MARKS)
     without_markup = _MARKUP_CHARACTERS.sub(" ", ascii_line)
     with_tab_before_page = re.sub(r"(?<![^\S\t])[^\S\t]{2,}(\d{1,4})$", r"\t\1", without_markup)
     with_single_spaces = re.sub(r"[^\S\t]+", " ", with_tab_before_page)

@@ -39,8 +39,8 @@ from .text import (
     TextPart,
     as_sentence,
     list_parts,
-    make_statement,
     spec_text,
+    statement,
     time_text,
 )
 
@@ -66,22 +66,20 @@ def describe_argument(device: Device, parameter: Argument) -> Statement:
     sentence_parts.append(reference_to_register(device, parameter.of))
     if parameter.meant_as:
         sentence_parts += [" as its ", CodeText(parameter.meant_as)]
-    return make_statement(*sentence_parts)
+    return statement(*sentence_parts)
 
 
 def describe_step(device: Device, procedure_step: Step) -> Statement:
     """Return a step as an instruction, such as ``Wait at least 20 ms`` or ``Write save to command, address 77h``."""
     match procedure_step:
         case WaitStep():
-            return make_statement(f"Wait at least {time_text(procedure_step.microseconds)}")
+            return statement(f"Wait at least {time_text(procedure_step.microseconds)}")
         case SendStep():
             request_bytes = CodeText(procedure_step.request.hex(" ").upper())
             repetition = _repetition_text(procedure_step)
-            return make_statement(
-                "Send the request ", CodeText(procedure_step.data_id), f"{repetition}: ", request_bytes
-            )
+            return statement("Send the request ", CodeText(procedure_step.data_id), f"{repetition}: ", request_bytes)
         case _:
-            return make_statement(*_register_access(device, procedure_step))
+            return statement(*_register_access(device, procedure_step))
 
 
 def _repetition_text(send_step: SendStep) -> str:
@@ -102,7 +100,7 @@ def _repetition_text(send_step: SendStep) -> str:
 def read_back(device: Device, register: Register, field: str) -> Statement:
     """Return the read-back check that generated code makes before a written value takes effect."""
     register_or_field = _register_or_field(device, register.name, field)
-    return make_statement(
+    return statement(
         "Read back ", register_or_field, f", {register_at(register)}, and stop unless it holds the written value"
     )
 
@@ -285,7 +283,7 @@ def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
         return
     steps = list_parts([Reference("by-hand", name, heading(name)) for name in names], " or ")
     introduction = f"{as_sentence(text)} Steps: " if text else "Steps: "
-    yield make_statement(introduction, *steps, label="Remedy")
+    yield statement(introduction, *steps, label="Remedy")
 
 
 def with_steps(text: str, names: Sequence[str]) -> str:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 
 from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout, layer_in_words
-from .text import CodeText, Reference, Statement, TextPart, as_sentence, list_parts, make_statement
+from .text import CodeText, Reference, Statement, TextPart, as_sentence, list_parts, statement
 
 #: Top-level parts of a spec that are not lists of named items.
 _TOP_LEVEL_PARTS = {
@@ -217,7 +217,7 @@ def _labelled_statements(labelled_texts: Iterable[tuple[str, str]]) -> Iterator[
     """Yield a statement for each pair of a label and a text, without those whose text is empty."""
     for label, text in labelled_texts:
         if text:
-            yield make_statement(text, label=label)
+            yield statement(text, label=label)
 
 
 def _change_statement(correction: Erratum) -> Statement:
@@ -255,12 +255,12 @@ def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
 
 def describe_question(alternative: Alternative) -> Statement:
     """Return the question."""
-    return make_statement(alternative.meaning, source=alternative.source)
+    return statement(alternative.meaning, source=alternative.source)
 
 
 def describe_answer(choice: Answer) -> Statement:
     """Return one answer, preceded by its name."""
-    return make_statement(CodeText(choice.name), f": {choice.meaning}", source=choice.source)
+    return statement(CodeText(choice.name), f": {choice.meaning}", source=choice.source)
 
 
 def needed_answers(device: Device, layout: Layout) -> Iterator[Statement]:
@@ -268,7 +268,7 @@ def needed_answers(device: Device, layout: Layout) -> Iterator[Statement]:
     for alternative in device.alternatives_of(layout):
         answers = list_parts([CodeText(choice.name) for choice in alternative.answers], " or ")
         choice = Reference("alternative", alternative.name, alternative.name)
-        yield make_statement("The positions of its fields depend on your choice of ", choice, ": ", *answers)
+        yield statement("The positions of its fields depend on your choice of ", choice, ": ", *answers)
 
 
 def answer_names(answers: Sequence[Answer]) -> Iterator[TextPart]:

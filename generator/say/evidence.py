@@ -13,7 +13,7 @@ from functools import lru_cache
 from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest, Interface
 from .errata import describe_erratum
 from .names_and_places import name_in_words
-from .text import CodeText, Reference, Statement, as_sentence, make_statement
+from .text import CodeText, Reference, Statement, as_sentence, statement
 
 _MEANING_BY_GRADE = {
     "manual": "all pages of the manufacturer's document were read",
@@ -35,7 +35,7 @@ def describe_grade(device: Device) -> Statement:
     grade_text = f"{grade_name} ({_MEANING_BY_GRADE[grade_name]})"
     if device.evidence.placeholders:
         grade_text = f"{grade_text}. {placeholders(device)}"
-    return make_statement(grade_text, label="Evidence")
+    return statement(grade_text, label="Evidence")
 
 
 def grade_below_manual(device: Device) -> Iterator[Statement]:
@@ -84,12 +84,12 @@ def basis(device: Device) -> Iterator[Statement]:
     evidence = device.evidence
     if evidence.grade != "manual":
         for document_name, pages in evidence.documents.items():
-            yield make_statement(pages, label=f"Read in {document_name}")
+            yield statement(pages, label=f"Read in {document_name}")
         for label, evidence_names in (("Implementations", evidence.implementations), ("Vectors", evidence.vectors)):
             if evidence_names:
-                yield make_statement(", ".join(evidence_names), label=label)
+                yield statement(", ".join(evidence_names), label=label)
     for fact in evidence.left_out:
-        yield make_statement(fact, label="Left out")
+        yield statement(fact, label="Left out")
 
 
 def origin(device: Device) -> Iterator[Statement]:
@@ -97,19 +97,19 @@ def origin(device: Device) -> Iterator[Statement]:
     specials = [overlay.special for overlay in device.overlays if overlay.special]
     if specials:
         suffix = CodeText(f"/{specials[0]}")
-        yield make_statement(
+        yield statement(
             "Only for encoders whose order code ends in ", suffix, ". For all others use ", CodeText(device.base)
         )
     if device.edition:
         date = f" of {device.manual.date}" if device.manual.date else ""
-        yield make_statement(
+        yield statement(
             f"Describes encoders of edition {device.edition} of the manual{date}, as far as they are known. "
             "The edition that the spec transcribes is ",
             CodeText(device.base),
             ". Each difference is given with its source. Unknown parts are omitted",
         )
     for overlay in device.overlays:
-        yield make_statement(
+        yield statement(
             f"Includes the overlay {overlay.name}, “{overlay.title}”. "
             "Each change is noted inline, with its reason and its source"
         )
@@ -119,7 +119,7 @@ def other_editions(device: Device, where: str = "inline") -> Iterator[Statement]
     """Yield a hint at other editions: where the manual's differences are noted, and the command for their files."""
     if device.editions:
         example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
-        yield make_statement(
+        yield statement(
             f"Differences from other editions of the manual are noted {where}. For the files of another edition, use ",
             CodeText(example),
         )
@@ -142,7 +142,7 @@ def removals(device: Device) -> Iterator[Statement]:
 def edition_test(revision: str, test: EditionTest) -> Statement:
     """Return the register test for an encoder older than an edition: the digits, their range, and the conclusion."""
     register = Reference("register", test.register, name_in_words(test.register))
-    return make_statement(
+    return statement(
         register,
         f": {test.run} is {test.min} to {test.max}. {as_sentence(test.why)} Any other value means that the encoder is "
         f"older than edition {revision}. A value in this range is not conclusive",

@@ -32,8 +32,8 @@ from .text import (
     as_sentence,
     join_groups,
     list_parts,
-    make_statement,
     spec_text,
+    statement,
 )
 
 
@@ -44,7 +44,7 @@ def head(interface: Interface, layout: Layout, name: TextPart, alternatives: Seq
     """
     channel = f", data channel {layout.channel}" if layout.channel is not None else ""
     sender_text = f", sent by the {layout.sender} over {interface.title}{channel}: "
-    return make_statement(name, sender_text, *describe_size(layout, alternatives), source=layout.source)
+    return statement(name, sender_text, *describe_size(layout, alternatives), source=layout.source)
 
 
 def describe_size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[TextPart, ...]:
@@ -123,9 +123,9 @@ def describe_layout_facts(interface: Interface, layout: Layout) -> Iterator[Stat
     yield from carries(interface, layout)
     yield from _gray_code(layout)
     if _has_parity_over_gray(layout):
-        yield make_statement("A parity bit covers the bits as they are sent, before Gray code is converted")
+        yield statement("A parity bit covers the bits as they are sent, before Gray code is converted")
     if layout.gaps:
-        yield make_statement(f"Bits without a field are {layout.gaps}")
+        yield statement(f"Bits without a field are {layout.gaps}")
     yield from describe_joins(layout)
     combinations = {value_combination.name: value_combination for value_combination in layout.combinations}
     # Each combination is also a sign, whose flag has the name of the combination. Other signs are of single fields.
@@ -142,15 +142,15 @@ def _gray_code(layout: Layout) -> Iterator[Statement]:
     number_name = CodeText(layout.gray_of)
     if layout.gray_when:
         parameter = CodeText(layout.gray_when)
-        yield make_statement(number_name, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
+        yield statement(number_name, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
         if has_excess(layout):
             excess = _excess_number_or_parameter(layout)
-            yield make_statement("In Gray code, ", excess, " is added to it before it is sent (Gray excess)")
+            yield statement("In Gray code, ", excess, " is added to it before it is sent (Gray excess)")
     elif has_excess(layout):
         excess = _excess_number_or_parameter(layout)
-        yield make_statement(number_name, " is in Gray excess: it is sent in Gray code after ", excess, " is added")
+        yield statement(number_name, " is in Gray excess: it is sent in Gray code after ", excess, " is added")
     elif layout.gray_of:
-        yield make_statement(number_name, " is in Gray code")
+        yield statement(number_name, " is in Gray code")
 
 
 def describe_combination(layout: Layout, sign: Sign, value_combination: Combination) -> Statement:
@@ -162,7 +162,7 @@ def describe_combination(layout: Layout, sign: Sign, value_combination: Combinat
     manual_texts = (value_combination.meaning, value_combination.remedy, value_combination.note)
     # A statement has no full stop at its end.
     description = " ".join(as_sentence(manual_text) for manual_text in manual_texts if manual_text).removesuffix(".")
-    return make_statement(
+    return statement(
         "While ",
         *value_parts,
         f", {VERDICT_CLAUSES[value_combination.makes_position]}: ",
@@ -185,7 +185,7 @@ def carries(interface: Interface, layout: Layout) -> Iterator[Statement]:
     selector_values = []
     for value in layout.selects:
         selector_values.append(f"{value:X} ({data_id_names[value]})" if value in data_id_names else f"{value:X}")
-    yield make_statement("Its ", CodeText(layout.selector), " is ", *list_parts(selector_values, " or "))
+    yield statement("Its ", CodeText(layout.selector), " is ", *list_parts(selector_values, " or "))
 
 
 def describe_joins(layout: Layout) -> Iterator[Statement]:
@@ -199,7 +199,7 @@ def describe_joins(layout: Layout) -> Iterator[Statement]:
 def join(joined_number: Join) -> Statement:
     """Return the fields that form a number."""
     names = list_parts([CodeText(name) for name in joined_number.fields])
-    return make_statement(CodeText(joined_number.name), " consists of ", *names, ", most significant first")
+    return statement(CodeText(joined_number.name), " consists of ", *names, ", most significant first")
 
 
 def as_one_number(parts: str) -> str:
@@ -216,7 +216,7 @@ def describe_crc(device: Device, checksum: Crc) -> Iterator[Statement]:
 
 def crc_head(device: Device, checksum: Crc) -> Statement:
     """Return the name, the width and the parameters of a CRC in one sentence."""
-    return make_statement(
+    return statement(
         f"CRC {checksum.name} of {count_with_unit(checksum.width, 'bit')}: {crc_parameters(device, checksum)}",
         source=checksum.source,
     )

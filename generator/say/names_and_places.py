@@ -9,7 +9,7 @@ from ..model import Alternative, Biss, Device, Field, Interface, Layout, Registe
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .errata import answer_names, deciding_alternatives
-from .text import CodeText, Reference, Statement, TextPart, join_groups, make_statement
+from .text import CodeText, Reference, Statement, TextPart, join_groups, statement
 
 _ACRONYMS = {
     "biss": "BiSS",
@@ -94,7 +94,7 @@ def register_field(device: Device, path: str) -> Reference:
 def order_codes_text(codes: str) -> Iterator[Statement]:
     """Yield the order codes, unless the item applies to all of them."""
     if codes:
-        yield make_statement("Only with ", CodeText(codes))
+        yield statement("Only with ", CodeText(codes))
 
 
 def hexadecimal(value: int, digits: int = 2) -> str:

@@ -53,9 +53,9 @@ from .text import (
     hertz,
     join_groups,
     list_parts,
-    make_statement,
     printed_timeout_words,
     spec_text,
+    statement,
     time_text,
     timeout_words,
 )
@@ -64,7 +64,7 @@ from .text import (
 def order_code(device: Device) -> Iterator[Statement]:
     """Yield all statements about the order codes, for running text."""
     code = device.order_code
-    yield make_statement(CodeText(code.pattern), label="Order codes", source=code.source)
+    yield statement(CodeText(code.pattern), label="Order codes", source=code.source)
     for code_part in code.parts:
         yield part(code_part)
         yield from open_values(code_part)
@@ -83,7 +83,7 @@ def not_on_label(device: Device) -> Iterator[Statement]:
 def part(code_part: CodePart) -> Statement:
     """Return the meaning of a part, and its values with theirs: ``Output: A = SSI; B = BiSS``."""
     values = join_groups([_value_with_meaning(value) for value in code_part.values], "; ")
-    return make_statement(f"{code_part.meaning}: ", *values, label=code_part.name)
+    return statement(f"{code_part.meaning}: ", *values, label=code_part.name)
 
 
 def _value_with_meaning(value: CodeValue) -> tuple[TextPart, ...]:
@@ -94,14 +94,12 @@ def _value_with_meaning(value: CodeValue) -> tuple[TextPart, ...]:
 def open_values(code_part: CodePart) -> Iterator[Statement]:
     """Yield the rule for values that the manual does not list."""
     if code_part.open:
-        yield make_statement(
-            "Other values that match ", CodeText(code_part.open), " are accepted and shown as unlisted"
-        )
+        yield statement("Other values that match ", CodeText(code_part.open), " are accepted and shown as unlisted")
 
 
 def describe_spelling(label_spelling: Spelling) -> Statement:
     """Return the pattern of another spelling found on labels, and where it is used."""
-    return make_statement(
+    return statement(
         CodeText(label_spelling.pattern),
         f", as in {label_spelling.where}",
         label="Also written",
@@ -122,9 +120,9 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
     Nothing is yielded if the order code sets it.
     """
     if device_parameter.equals is not None:
-        yield make_statement("Equals ", device_parameter.equals)
+        yield statement("Equals ", device_parameter.equals)
     if device_parameter.alternative:
-        yield make_statement("Set by your choice of ", *_choice_with_values(device, device_parameter))
+        yield statement("Set by your choice of ", *_choice_with_values(device, device_parameter))
     if device_parameter.read_from:
         register_text = register_at(device.register(device_parameter.register))
         field_reference = register_field(device, device_parameter.read_from)
@@ -135,12 +133,12 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
         # A register with a code lists its values below.
         if range_parts and not device_parameter.by_code:
             origin_parts += [", ", *range_parts]
-        yield make_statement(*origin_parts)
+        yield statement(*origin_parts)
     if device_parameter.by_code:
         code_meanings = []
         for coded in device_parameter.by_code:
             code_meanings.append(f"{coded.code} means {parameter_value(device_parameter, coded.value)}")
-        yield make_statement(f"The register holds a code: {', '.join(code_meanings)}")
+        yield statement(f"The register holds a code: {', '.join(code_meanings)}")
 
 
 def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator[TextPart]:
@@ -185,7 +183,7 @@ def describe_timing(printed_time: Timing) -> Statement:
     description = f": {printed_time.meaning}" if printed_time.meaning else ""
     description += _only_with(printed_time)
     label = printed_time.symbol or printed_time.name
-    return make_statement(bounds(printed_time), description, label=label, source=printed_time.source)
+    return statement(bounds(printed_time), description, label=label, source=printed_time.source)
 
 
 def bounds_with_codes(printed_time: Timing) -> str:
@@ -256,7 +254,7 @@ def describe_settings(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield the settings and electrical characteristics of an interface, each with its label, such as ``Clock``."""
     for fact in line.facts():
         label, content = _label_and_content(device, fact)
-        yield make_statement(content, label=label, source=fact.source)
+        yield statement(content, label=label, source=fact.source)
 
 
 def _label_and_content(device: Device, fact: Fact) -> tuple[str, TextPart]:
@@ -399,7 +397,7 @@ def _channel_words(channels: DataChannels) -> str:
 def describe_data_id(request: DataId) -> Statement:
     """Return a T-format request: its control field, such as ``1Ah``, purpose and meaning, labelled with its ID."""
     meaning_text = f": {request.meaning}" if request.meaning else ""
-    return make_statement(
+    return statement(
         f"{request.control:02X}h, {request.purpose}{meaning_text}",
         label=f"Data ID {request.id:X}",
         source=request.source,
@@ -408,7 +406,7 @@ def describe_data_id(request: DataId) -> Statement:
 
 def memory_access(access: MemoryAccess) -> Statement:
     text = f"{as_sentence(access.meaning)} Address: {access.address}. Data: {access.data}"
-    return make_statement(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
+    return statement(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
 
 
 def describe_exchange(request: Exchange) -> Statement:
@@ -423,7 +421,7 @@ def describe_exchange(request: Exchange) -> Statement:
         exchange_parts.append(f", and {effect}")
     if request.word_bits is not None:
         exchange_parts.append(f", in words of {word_lengths([request.word_bits])}")
-    return make_statement(*exchange_parts, source=request.source)
+    return statement(*exchange_parts, source=request.source)
 
 
 def control_field(bits_field: ControlField) -> Statement:
@@ -433,7 +431,7 @@ def control_field(bits_field: ControlField) -> Statement:
         width_and_meaning += f": {bits_field.meaning}"
     parts_of_values = [describe_value(named_value, bits_field.bits).parts for named_value in bits_field.values]
     label = printed_name_of(bits_field) or name_in_words(bits_field.name)
-    return make_statement(
+    return statement(
         *join_groups([(width_and_meaning,), *parts_of_values], "; "), label=label, source=bits_field.source
     )
 
@@ -443,10 +441,10 @@ def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
     yield from spec_text(hardware_input.low, label="Low level")
     yield from spec_text(hardware_input.high, label="High level")
     if hardware_input.pulse_at_least_us is not None:
-        yield make_statement(f"at least {time_text(hardware_input.pulse_at_least_us)}", label="Pulse")
+        yield statement(f"at least {time_text(hardware_input.pulse_at_least_us)}", label="Pulse")
     if hardware_input.inverts:
-        yield make_statement("A high level inverts ", register_field(device, hardware_input.inverts))
+        yield statement("A high level inverts ", register_field(device, hardware_input.inverts))
     if hardware_input.needs:
-        yield make_statement("Has an effect only if enabled by ", register_field(device, hardware_input.needs))
+        yield statement("Has an effect only if enabled by ", register_field(device, hardware_input.needs))
     if hardware_input.when_unused:
-        yield make_statement(f"Connect it to {hardware_input.when_unused} when it is not used")
+        yield statement(f"Connect it to {hardware_input.when_unused} when it is not used")

@@ -44,8 +44,8 @@ from .text import (
     TextPart,
     join_groups,
     list_parts,
-    make_statement,
     spec_text,
+    statement,
 )
 
 _ACCESS_IN_WORDS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
@@ -64,7 +64,7 @@ def describe_access(register: Register) -> str:
 def head(device: Device, register: Register, name: TextPart) -> Statement:
     """Return the register's ``name``, address, access and interface."""
     interface = device.interface(register.interface).title
-    return make_statement(
+    return statement(
         name, f", {register_at(register)}, {describe_access(register)}, over {interface}", source=register.source
     )
 
@@ -90,10 +90,10 @@ def _content_facts(register: Register) -> Iterator[Statement]:
     if register.last_address > register.address:
         byte_at_lowest_address = "low" if register.byte_order == "low_byte_first" else "high"
         order_text = f"{byte_at_lowest_address} byte first, at {hexadecimal(register.address)}"
-        yield make_statement(order_text, label="Byte order")
+        yield statement(order_text, label="Byte order")
     default = register.default_bytes()
     if default is not None:
-        yield make_statement(CodeText(default.hex(" ").upper()), label="Default")
+        yield statement(CodeText(default.hex(" ").upper()), label="Default")
     has_limits = register.min is not None or register.max is not None
     # Each meaning has limits of its own.
     if has_limits and not register.meanings:
@@ -101,7 +101,7 @@ def _content_facts(register: Register) -> Iterator[Statement]:
         # The limits may apply to one field.
         if register.limits_of != register.name:
             range_parts = (*range_parts, " for ", CodeText(register.limits_of))
-        yield make_statement(*range_parts, label="Limits")
+        yield statement(*range_parts, label="Limits")
 
 
 def describe_range(low: Expression | None, high: Expression | None) -> tuple[TextPart, ...]:
@@ -122,23 +122,21 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
         facts_of_interface = device.interface(register.interface).facts()
         bank_selects = (fact for fact in facts_of_interface if isinstance(fact, BankSelect))
         bank_select = first_or_raise(bank_selects, f"register that selects the bank of '{register.name}'")
-        yield make_statement(
-            f"First select bank {register.bank} with ", reference_to_register(device, bank_select.register)
-        )
+        yield statement(f"First select bank {register.bank} with ", reference_to_register(device, bank_select.register))
     if register.reserved:
         yield describe_reserved_bits(register.reserved)
     if register.opened_by:
         yield _opening_condition(device, register)
     if register.wait_at_least_ms is not None:
-        yield make_statement(f"Wait at least {register.wait_at_least_ms} ms between a write and the next command")
+        yield statement(f"Wait at least {register.wait_at_least_ms} ms between a write and the next command")
     if register.clears_itself:
-        yield make_statement("Automatically returns to its default after a write")
+        yield statement("Automatically returns to its default after a write")
     if register.volatile:
-        yield make_statement("Save the parameters after a write, or the encoder loses the value at power-off")
+        yield statement("Save the parameters after a write, or the encoder loses the value at power-off")
     if register.above_max:
-        yield make_statement(_ABOVE_MAX[register.above_max])
+        yield statement(_ABOVE_MAX[register.above_max])
     if register.write_clears:
-        yield make_statement(
+        yield statement(
             "A write sets ",
             *list_parts([reference_to_register(device, name) for name in register.write_clears]),
             " to zero",
@@ -146,7 +144,7 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
 
 
 def describe_reserved_bits(user: str) -> Statement:
-    return make_statement(f"Reserved for the {USERS[user]}")
+    return statement(f"Reserved for the {USERS[user]}")
 
 
 def _registers_at_same_address(device: Device, register: Register) -> Iterator[Statement]:
@@ -156,7 +154,7 @@ def _registers_at_same_address(device: Device, register: Register) -> Iterator[S
             continue
         if (other_register.address, other_register.bank) == (register.address, register.bank):
             action = "Writing to" if other_register.access == "write_only" else "Reading"
-            yield make_statement(
+            yield statement(
                 f"{action} the same address accesses ", reference_to_register(device, other_register.name), " instead"
             )
 
@@ -176,7 +174,7 @@ def _opening_condition(device: Device, register: Register) -> Statement:
         digits = 2 * opening_register.length
         value_text = hexadecimal(opening_field.value_named(value_name).value, digits)
     reference = register_field(device, opener_path)
-    return make_statement("Can be written only while ", reference, f" is {value_text} (", CodeText(value_name), ")")
+    return statement("Can be written only while ", reference, f" is {value_text} (", CodeText(value_name), ")")
 
 
 def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Statement:
@@ -195,7 +193,7 @@ def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Stat
         meaning_parts += [", ", *range_parts]
     if register_meaning.meaning:
         meaning_parts.append(f": {register_meaning.meaning}")
-    return make_statement(*meaning_parts, source=register_meaning.source)
+    return statement(*meaning_parts, source=register_meaning.source)
 
 
 def describe_field(device: Device, frame_field: Field) -> Iterator[Statement]:
@@ -209,9 +207,9 @@ def describe_meaning(named_item: HasOtherNames, text: str) -> Iterator[Statement
     """Yield the meaning ``text``, labelled with the manual's name of a part, or the name alone if it is empty."""
     manual_name = printed_name_of(named_item)
     if text:
-        yield make_statement(text, label=manual_name)
+        yield statement(text, label=manual_name)
     elif manual_name:
-        yield make_statement(manual_name)
+        yield statement(manual_name)
 
 
 def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
@@ -219,24 +217,22 @@ def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
     yield from spec_text(frame_field.unit, label="Unit")
     scale = frame_field.scale
     if scale is not None:
-        yield make_statement(formula(scale), label=f"In {scale.unit}", source=scale.source)
+        yield statement(formula(scale), label=f"In {scale.unit}", source=scale.source)
     yield from _rules_of_kind(device, frame_field)
     if frame_field.container:
-        yield make_statement(f"Right-aligned in {frame_field.container} bits, with zeros above it")
+        yield statement(f"Right-aligned in {frame_field.container} bits, with zeros above it")
     if not frame_field.implemented and "not implemented" not in frame_field.meaning.lower():
-        yield make_statement("Not implemented in this encoder")
+        yield statement("Not implemented in this encoder")
     if frame_field.reserved:
         yield describe_reserved_bits(frame_field.reserved)
     if frame_field.equals is not None:
         expected = _expected_value(frame_field.equals, frame_field.widest)
-        yield make_statement(
-            "Holds ", expected, ", which identifies the encoder. The decoder also accepts other values"
-        )
+        yield statement("Holds ", expected, ", which identifies the encoder. The decoder also accepts other values")
     if frame_field.default is not None:
-        yield make_statement(Expression(frame_field.default), label="Default")
+        yield statement(Expression(frame_field.default), label="Default")
     if frame_field.explained_by:
         explaining_fields = [register_field(device, field_path) for field_path in frame_field.explained_by]
-        yield make_statement("For the reason, see ", *list_parts(explaining_fields))
+        yield statement("For the reason, see ", *list_parts(explaining_fields))
     yield from remedied(frame_field.remedy, frame_field.by_hand)
 
 
@@ -259,9 +255,9 @@ def _rules_of_kind(device: Device, frame_field: Field) -> Iterator[Statement]:
             yield _covered_by_parity(parity)
         case Decimal(runs):
             runs_of_digits = [_run_of_digits(run) for run in runs]
-            yield make_statement("Decimal digits, most significant first: ", *join_groups(runs_of_digits))
+            yield statement("Decimal digits, most significant first: ", *join_groups(runs_of_digits))
         case Text():
-            yield make_statement("ASCII text")
+            yield statement("ASCII text")
         case _ as kind:
             assert_never(kind)
 
@@ -269,12 +265,12 @@ def _rules_of_kind(device: Device, frame_field: Field) -> Iterator[Statement]:
 def _constant_rule(frame_field: Field, value: int) -> Iterator[Statement]:
     """Yield the value of a constant, unless the meaning of the field already says what it always is."""
     if "always" not in frame_field.meaning.lower():
-        yield make_statement(f"Always {short_number(value)}")
+        yield statement(f"Always {short_number(value)}")
 
 
 def _covered_by_crc(crc_value: CrcValue) -> Statement:
     covered: list[TextPart] = _names_as_code(crc_value.of) if crc_value.of else ["everything before it"]
-    return make_statement("CRC ", Reference("crc", crc_value.crc, crc_value.crc), " over ", *covered)
+    return statement("CRC ", Reference("crc", crc_value.crc, crc_value.crc), " over ", *covered)
 
 
 def covered_by_parity_bit(frame_field: Field) -> Statement | None:
@@ -286,7 +282,7 @@ def _covered_by_parity(parity: Parity) -> Statement:
     """Return the fields that a parity bit covers, such as ``Even parity of error, position``."""
     polarity = "Odd" if parity.is_odd else "Even"
     counted_bits = f"the {parity.over.replace('_', ' ')} of " if parity.over else ""
-    return make_statement(polarity, f" parity of {counted_bits}", *_names_as_code(parity.covers))
+    return statement(polarity, f" parity of {counted_bits}", *_names_as_code(parity.covers))
 
 
 def _names_as_code(names: Iterable[str]) -> list[TextPart]:
@@ -296,12 +292,12 @@ def _names_as_code(names: Iterable[str]) -> list[TextPart]:
 
 def _unused_rules(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
     """Yield the documented value of unused bits, and the effect of other values: a verdict if there is a position."""
-    yield make_statement(f"Unused, documented as {short_number(unused.value)}")
+    yield statement(f"Unused, documented as {short_number(unused.value)}")
     if _is_in_frame_with_position(device, frame_field):
         verdict = CodeText(unused.makes_position.value)
-        yield make_statement("Frames with other values are still decoded, with the verdict ", verdict)
+        yield statement("Frames with other values are still decoded, with the verdict ", verdict)
     else:
-        yield make_statement("Other values are still decoded")
+        yield statement("Other values are still decoded")
 
 
 def _is_in_frame_with_position(device: Device, frame_field: Field) -> bool:
@@ -315,11 +311,11 @@ def _is_in_frame_with_position(device: Device, frame_field: Field) -> bool:
 def _number_rules(kind: Number) -> Iterator[Statement]:
     """Yield what a number means beyond its binary value: its sign, the meaning of zero, and the powers of two."""
     if kind.signed:
-        yield make_statement("Signed, in two's complement")
+        yield statement("Signed, in two's complement")
     if kind.zero_means:
-        yield make_statement("A value of 0 means ", Expression(kind.zero_means))
+        yield statement("A value of 0 means ", Expression(kind.zero_means))
     if kind.power_of_two:
-        yield make_statement("Only powers of two are allowed")
+        yield statement("Only powers of two are allowed")
 
 
 def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
@@ -329,7 +325,7 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
     """
     yield from _flag_levels(flag, is_implemented=is_implemented)
     if flag.sums_up:
-        yield make_statement("Combines ", *list_parts([CodeText(name) for name in flag.sums_up]))
+        yield statement("Combines ", *list_parts([CodeText(name) for name in flag.sums_up]))
     if is_implemented:
         yield from _flag_verdict(flag)
     if flag.only:
@@ -337,20 +333,20 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
         verdict_without_meaning = flag.unexplained.makes_position
         if verdict_without_meaning is not None:
             remark += f", and {VERDICT_CLAUSES[verdict_without_meaning]}"
-        yield make_statement("This applies only to ", CodeText(flag.only), remark)
+        yield statement("This applies only to ", CodeText(flag.only), remark)
 
 
 def _flag_verdict(flag: Flag) -> Iterator[Statement]:
     """Yield the verdict of an active flag on the position, and the verdict if the user sets a parameter."""
     if flag.makes_position is Verdict.USABLE:
-        yield make_statement("It does not affect the position")
+        yield statement("It does not affect the position")
     elif flag.makes_position:
         verdict_text = f", {VERDICT_CLAUSES[flag.makes_position]}"
         if flag.sums_up:
             verdict_text += ". If a flag that it combines is active in the same frame, that flag decides instead"
-        yield make_statement("While it is ", Level.WHILE_ACTIVE, verdict_text)
+        yield statement("While it is ", Level.WHILE_ACTIVE, verdict_text)
     if flag.verdict_if_set is not None:
-        yield make_statement(
+        yield statement(
             "If you set ", CodeText(flag.verdict_parameter), f" to 1, {VERDICT_CLAUSES[flag.verdict_if_set]}"
         )
 
@@ -362,9 +358,9 @@ def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
         return
     active_level, inactive_level = (0, 1) if flag.active_low else (1, 0)
     meaning_text = f": {flag.when_active}" if flag.when_active else ""
-    yield make_statement(Level.ACTIVE, f" when {active_level}", meaning_text)
+    yield statement(Level.ACTIVE, f" when {active_level}", meaning_text)
     if flag.when_inactive:
-        yield make_statement(Level.INACTIVE, f" when {inactive_level}: {flag.when_inactive}")
+        yield statement(Level.INACTIVE, f" when {inactive_level}: {flag.when_inactive}")
 
 
 def _run_of_digits(digit_run: Digits) -> tuple[TextPart, ...]:
@@ -388,7 +384,7 @@ def _expected_value(value: Expression | int | str, bits: int) -> TextPart:
 def choices(values: tuple[Value, ...]) -> Statement:
     """Return all named values in one statement, such as ``0 off, 1 on, 1Fh test``."""
     numbers_and_names = [(f"{short_number(named_value.value)} ", CodeText(named_value.name)) for named_value in values]
-    return make_statement(*join_groups(numbers_and_names), label="Values")
+    return statement(*join_groups(numbers_and_names), label="Values")
 
 
 def describe_value(named_value: Value, bits: int) -> Statement:
@@ -398,9 +394,7 @@ def describe_value(named_value: Value, bits: int) -> Statement:
     meaning_text = f": {named_value.meaning}" if named_value.meaning else ""
     number_text = hexadecimal(named_value.value, _hex_digits_for(bits))
     name = CodeText(named_value.name)
-    return make_statement(
-        f"{number_text} ", name, names_text, meaning_text, effect(named_value), source=named_value.source
-    )
+    return statement(f"{number_text} ", name, names_text, meaning_text, effect(named_value), source=named_value.source)
 
 
 def effect(named_value: Value) -> str:
@@ -436,13 +430,13 @@ def describe_measurement(unit_and_range: Measurement) -> Statement:
         quantities.append((Amount(unit_and_range.modulus, "counts"), " in total"))
     if unit_and_range.highest is not None:
         quantities.append(("maximum ", unit_and_range.highest))
-    return make_statement(*join_groups(quantities), source=unit_and_range.source)
+    return statement(*join_groups(quantities), source=unit_and_range.source)
 
 
 def describe_position_range(layout_range: LayoutRange) -> Statement:
     """Return the range of the position in one layout: that it never wraps, or its revolutions, counts and maximum."""
     if not layout_range.wraps:
-        return make_statement("never wraps around", source=layout_range.source)
+        return statement("never wraps around", source=layout_range.source)
     quantities: list[tuple[TextPart, ...]] = []
     if layout_range.turns is not None:
         quantities.append((Amount(layout_range.turns, "revolutions"),))
@@ -450,7 +444,7 @@ def describe_position_range(layout_range: LayoutRange) -> Statement:
         quantities.append((Amount(layout_range.modulus, "counts"), " in total"))
     if layout_range.highest is not None:
         quantities.append(("maximum ", layout_range.highest))
-    return make_statement(*join_groups(quantities), source=layout_range.source)
+    return statement(*join_groups(quantities), source=layout_range.source)
 
 
 def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRange]]:

@@ -25,8 +25,8 @@ from .text import (
     as_sentence,
     join_groups,
     list_parts,
-    make_statement,
     spec_text,
+    statement,
     volts,
 )
 
@@ -42,27 +42,27 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     """Yield the flag that shows an alarm, its cause, duration and remedy, and the procedures that clear it."""
     if device_alarm.group:
         group = member_named(device.field_groups, device_alarm.group, "field group")
-        yield make_statement(
+        yield statement(
             CodeText(device_alarm.field), " in ", Reference("group", group.name, title_of(group)), label="Flag"
         )
     elif device_alarm.register:
         # Without a field, the whole register is the flag.
         flag_path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
-        yield make_statement(register_field(device, flag_path), label="Flag")
+        yield statement(register_field(device, flag_path), label="Flag")
     if not device_alarm.implemented and "not implemented" not in device_alarm.meaning.lower():
-        yield make_statement("Not implemented in this encoder")
+        yield statement("Not implemented in this encoder")
     yield from spec_text(device_alarm.detected, label="Detected")
     if device_alarm.below_mv is not None:
-        yield make_statement(f"Raised below {volts(device_alarm.below_mv)}")
+        yield statement(f"Raised below {volts(device_alarm.below_mv)}")
     if device_alarm.latch is True:
-        yield make_statement("Stays active until it is reset")
+        yield statement("Stays active until it is reset")
     elif device_alarm.latch is False:
-        yield make_statement("Clears itself when its cause is gone")
+        yield statement("Clears itself when its cause is gone")
     yield from remedied(device_alarm.remedy, device_alarm.by_hand)
     yield from order_codes_text(device_alarm.only)
     if device_alarm.cleared_by:
         procedures = [Reference("procedure", name, name) for name in device_alarm.cleared_by]
-        yield make_statement(*list_parts(procedures, " or "), label="Cleared by")
+        yield statement(*list_parts(procedures, " or "), label="Cleared by")
 
 
 def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
@@ -128,7 +128,7 @@ def conditions_text(values: Iterable[tuple[Field, int]]) -> Statement:
     In ``values``, 1 represents an active flag. The text has its bit.
     """
     phrases = [_condition_parts(field, value) for field, value in values]
-    return make_statement(*join_groups(phrases, " and "))
+    return statement(*join_groups(phrases, " and "))
 
 
 def _condition_parts(field: Field, value: int) -> tuple[TextPart, ...]:

@@ -162,7 +162,7 @@ class Statement:
     below: tuple[Statement, ...] = ()
 
 
-def make_statement(*parts: TextPart, label: str = "", source: Sources = ()) -> Statement:
+def statement(*parts: TextPart, label: str = "", source: Sources = ()) -> Statement:
     """Return the statement formed by these parts."""
     return Statement(parts, label, source)
 
@@ -170,7 +170,7 @@ def make_statement(*parts: TextPart, label: str = "", source: Sources = ()) -> S
 def spec_text(text: str, label: str = "", source: Sources = ()) -> Iterator[Statement]:
     """Yield text from the spec unless it is empty."""
     if text:
-        yield make_statement(text, label=label, source=source)
+        yield statement(text, label=label, source=source)
 
 
 def list_parts(items: Sequence[TextPart], last: str = " and ") -> Iterator[TextPart]:

@@ -29,8 +29,8 @@ from codewheel.say.text import (
     Style,
     join_groups,
     list_parts,
-    make_statement,
     spec_text,
+    statement,
 )
 from codewheel.targets import Library
 from codewheel.targets.c.comments import in_comment
@@ -239,7 +239,7 @@ def test_every_output_says_it(
 
 # --------------------------------------------------------------------------------------------------------------- parts
 
-PARTS = make_statement(
+PARTS = statement(
     "Set ",
     CodeText("a_b"),
     " of ",
@@ -271,7 +271,7 @@ def test_each_style_writes_the_parts_in_its_way(style: Style, expected: str) -> 
     ("text", "expected"), [("It is so", "It is so."), ("Is it so?", "Is it so?"), ("It is.", "It is."), ("", "")]
 )
 def test_a_sentence_ends_once(text: str, expected: str) -> None:
-    assert PLAIN_STYLE.sentence(make_statement(text)) == expected
+    assert PLAIN_STYLE.sentence(statement(text)) == expected
 
 
 @pytest.mark.parametrize(
@@ -279,7 +279,7 @@ def test_a_sentence_ends_once(text: str, expected: str) -> None:
     [(TITLE_STYLE, ["Active", "Inactive", "active"]), (DOCSTRING_STYLE, ["True", "False", "True"])],
 )
 def test_a_flag_is_a_truth_value_in_docstrings(style: Style, expected: list[str]) -> None:
-    assert [style.phrase(make_statement(level)) for level in Level] == expected
+    assert [style.phrase(statement(level)) for level in Level] == expected
 
 
 def test_lists() -> None:
@@ -287,11 +287,11 @@ def test_lists() -> None:
     assert "".join(map(str, list_parts(["a", "b", "c"], " or "))) == "a, b or c"
     assert "".join(map(str, join_groups([["a", "b"], [], ["c"]], "; "))) == "ab; c"
     assert list(spec_text("")) == []
-    assert list(spec_text("x")) == [make_statement("x")]
+    assert list(spec_text("x")) == [statement("x")]
 
 
 def test_markup_in_a_spec_stays_text() -> None:
-    hostile = make_statement("a | b <i> ", CodeText("c|`d"), label="[x](y)")
+    hostile = statement("a | b <i> ", CodeText("c|`d"), label="[x](y)")
     assert MARKDOWN.sentence(hostile) == "\\[x\\](y): a \\| b &lt;i&gt; ``c\\|`d``."
 
 

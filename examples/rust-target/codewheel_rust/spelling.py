@@ -24,7 +24,7 @@ def type_of(field: Field) -> str:
     match values.meaning_of(field):
         case values.TwosComplement():
             return unsigned(field.widest).replace("u", "i")
-        case values.UnsignedNumber() | values.ZeroMeans() | values.OneOfNamedValues() | values.DecimalDigits():
+        case values.UnsignedNumber() | values.ZeroMeans() | values.NamedChoice() | values.DecimalDigits():
             return unsigned(values.widest_value(field))
         case values.ActiveFlag():
             return "bool"
@@ -151,7 +151,7 @@ class Scope:
             case values.ActiveFlag(low):
                 comparison, negation = ("==", "!") if low else ("!=", "")
                 return f"{raw} {comparison} 0", f"u64::from({negation}{member})"
-            case values.OneOfNamedValues():
+            case values.NamedChoice():
                 return f'{type_}::from_bits({raw}).ok_or(Fault::Range("{field.name}"))?', f"{member} as u64"
             case values.Latin1Text():
                 copied = ", ".join(f"bytes[{byte}]" for _, byte in characters(field))

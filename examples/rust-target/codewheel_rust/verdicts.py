@@ -12,7 +12,7 @@ from codewheel.plan.values import (
     ActiveFlag,
     DecimalDigits,
     Latin1Text,
-    OneOfNamedValues,
+    NamedChoice,
     TwosComplement,
     UnsignedNumber,
     ZeroMeans,
@@ -62,7 +62,7 @@ def _terms(struct: Struct, cause: FieldToDecode | MatchingValues) -> Iterator[st
         match part.meaning:
             case ActiveFlag():
                 yield member if value else f"!{member}"
-            case OneOfNamedValues():
+            case NamedChoice():
                 enum = struct.enums[part.field.name]
                 name = next(named.name for named in enum.values if named.value == value)
                 yield f"{member} == {enum.name}::{pascal(name)}"

@@ -328,9 +328,8 @@ def _report_time(match: re.Match[str], expected_times: set[int], path: Path, rep
 
 
 def _to_nanoseconds(match: re.Match[str]) -> Decimal:
-    return Decimal(match["number"].replace(",", "")) * _NANOSECONDS_PER_UNIT.get(
-        match["unit"], _NANOSECONDS_PER_UNIT["s"]
-    )
+    factor = _NANOSECONDS_PER_UNIT.get(match["unit"], _NANOSECONDS_PER_UNIT["s"])
+    return Decimal(match["number"].replace(",", "")) * factor
 
 
 def _nanoseconds_in(node: object) -> Iterator[int]:

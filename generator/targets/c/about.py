@@ -39,7 +39,7 @@ from ...say import register as say_field
 from ...say import register as say_register
 from ...say import report as say_report
 from ...say.names_and_places import addresses_text, bit_range, field_place, full_title, register_field, title_of
-from ...say.text import CodeText, Statement, count_with_unit, list_parts, make_statement
+from ...say.text import CodeText, Statement, count_with_unit, list_parts, statement
 from .comments import HEADER_STYLE, Paragraph
 from .order_codes import unknown_parts
 from .structs import LayoutStruct
@@ -188,12 +188,12 @@ def about_unused(struct: LayoutStruct) -> str:
     """Describe the member for all unused bits, with the bits of it that belong to each unused field."""
     unused = struct.layout.unused
     fields = list_parts([f"{bit_range(low + field.widest - 1, low)} {field.name}" for field, low in unused])
-    return f"Unused bits, each 1 if it differs from the manual: {HEADER_STYLE.phrase(make_statement(*fields))}."
+    return f"Unused bits, each 1 if it differs from the manual: {HEADER_STYLE.phrase(statement(*fields))}."
 
 
 def place_of_field(frame_layout: Layout, placed_field: Field) -> str:
     """Return the position of a field in words, such as ``bits 46:31`` or ``byte 1, bits 7:1``."""
-    return HEADER_STYLE.phrase(make_statement(*field_place(frame_layout, placed_field)))
+    return HEADER_STYLE.phrase(statement(*field_place(frame_layout, placed_field)))
 
 
 def _facts_without_member(struct: LayoutStruct, field: Field) -> str:
@@ -206,7 +206,7 @@ def _facts_without_member(struct: LayoutStruct, field: Field) -> str:
     if field.is_fixed:
         return HEADER_STYLE.paragraph(about)
     width = field.width.constant if field.width.is_constant else HEADER_STYLE.number(field.width)
-    return HEADER_STYLE.paragraph((make_statement(count_with_unit(width, "bit")), *about))
+    return HEADER_STYLE.paragraph((statement(count_with_unit(width, "bit")), *about))
 
 
 def _table_rows(struct: LayoutStruct) -> Iterator[tuple[str, str, str]]:
@@ -275,7 +275,7 @@ def about_access(device: Device, register: Register, writes: bool, read_state: s
 
 
 def about_procedure(device: Device, procedure: Procedure) -> list[Paragraph]:
-    head = HEADER_STYLE.sentence(make_statement(procedure.title, source=procedure.source))
+    head = HEADER_STYLE.sentence(statement(procedure.title, source=procedure.source))
     return [head, *map(HEADER_STYLE.sentence, say_commands.describe_procedure(device, procedure))]
 
 

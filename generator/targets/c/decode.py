@@ -12,7 +12,7 @@ from ...plan.values import (
     ActiveFlag,
     DecimalDigits,
     Latin1Text,
-    OneOfNamedValues,
+    NamedChoice,
     TwosComplement,
     UnsignedNumber,
     ZeroMeans,
@@ -330,7 +330,7 @@ class CDecoder:
         bits = self.local(part.field)
         type_ = self.struct.type_of(part.field)
         match part.meaning:
-            case UnsignedNumber() | OneOfNamedValues():
+            case UnsignedNumber() | NamedChoice():
                 yield name, self._bits_as(type_, part)
             case TwosComplement():
                 width = self.struct.scope.expression_of(part.field.width)

@@ -21,7 +21,7 @@ from ...plan.values import (
     ActiveFlag,
     DecimalDigits,
     Latin1Text,
-    OneOfNamedValues,
+    NamedChoice,
     TwosComplement,
     UnsignedNumber,
     ZeroMeans,
@@ -76,7 +76,7 @@ class CEncoder:
         match meaning_of(field):
             case ActiveFlag():
                 needs_cast = True
-            case OneOfNamedValues():
+            case NamedChoice():
                 needs_cast = self.struct.enumeration(field) is not None
             case _:
                 needs_cast = False
@@ -190,7 +190,7 @@ class CEncoder:
     def _unsigned_bits_of_member(self, field: Field) -> CExpression:
         """Return the bits of a member as an unsigned number. Some compilers make an enumeration signed."""
         bits = self._bits_of_member(field)
-        return CCast(unsigned(field.widest), bits) if isinstance(meaning_of(field), OneOfNamedValues) else bits
+        return CCast(unsigned(field.widest), bits) if isinstance(meaning_of(field), NamedChoice) else bits
 
     def _bits_of_member(self, field: Field) -> CExpression:
         """Return the bits that are sent for a member, such as ``in->error ? 1U : 0U`` for a flag.
@@ -208,7 +208,7 @@ class CEncoder:
             case ZeroMeans(number):
                 stands_for_zero = COperation("==", (member, CNumber(number)))
                 return Conditional(stands_for_zero, CNumber(0), member)
-            case UnsignedNumber() | OneOfNamedValues() | DecimalDigits() | Latin1Text():
+            case UnsignedNumber() | NamedChoice() | DecimalDigits() | Latin1Text():
                 return member
             case meaning:
                 assert_never(meaning)
@@ -303,7 +303,7 @@ class CEncoder:
                 bits = self._express_value(term) if field.name in self._padded_names else CCast("uint64_t", member)
                 for bit_slice in field.bit_slices:
                     yield bit_slice.byte, self._piece_in_byte(field, bit_slice, bits, may_be_wider=True)
-            case UnsignedNumber() | ZeroMeans() | OneOfNamedValues() | DecimalDigits():
+            case UnsignedNumber() | ZeroMeans() | NamedChoice() | DecimalDigits():
                 # A single piece contains all bits of the member, so that no bits are above them.
                 is_split = len(field.bit_slices) > 1
                 for bit_slice in field.bit_slices:

@@ -11,7 +11,7 @@ from ...model import Alternative, Answer, Device, Field, Layout, Parameter, Valu
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.operations import FieldToDecode, Reserved
-from ...plan.values import ActiveFlag, OneOfNamedValues, meaning_of
+from ...plan.values import ActiveFlag, NamedChoice, meaning_of
 from ...plan.verdicts import (
     Cause,
     CodeCondition,
@@ -27,7 +27,7 @@ from ...say.names_and_places import name_in_words, printed_name_of, title_of
 from ...say.register import describe_meaning
 from ...say.report import alarm_of, alarm_source, remedy
 from ...say.report import meaning as report_meaning
-from ...say.text import Statement, make_statement, spec_text
+from ...say.text import Statement, spec_text, statement
 from .. import TargetError
 from .comments import HEADER_STYLE, Paragraph
 from .names import (
@@ -101,11 +101,11 @@ class Enumerations:
         for interface, layout in device.layouts():
             path = ("interfaces", interface.name, "layouts", layout.name)
             for field in layout.fields:
-                if isinstance(meaning_of(field), OneOfNamedValues):
+                if isinstance(meaning_of(field), NamedChoice):
                     self._add_enumeration(layout.name, field, path)
         for register in device.registers:
             for field in register.layout.fields:
-                if isinstance(meaning_of(field), OneOfNamedValues):
+                if isinstance(meaning_of(field), NamedChoice):
                     # The title of a register whose only field it is.
                     sole = title_of(register) if len(register.layout.fields) == 1 else ""
                     self._add_enumeration(f"reg_{register.name}", field, ("registers", register.name), sole=sole)
@@ -187,7 +187,7 @@ class AlternativeCode:
         #: Name of the chosen answer in the programs.
         self.constant = f"my_{alternative.name}"
         about = [
-            HEADER_STYLE.sentence(make_statement(alternative.meaning, source=alternative.source)),
+            HEADER_STYLE.sentence(statement(alternative.meaning, source=alternative.source)),
             "Choose the answer for your encoder. No known source settles it, and there is no default.",
         ]
         for correction in errata(device, f"alternatives.{alternative.name}"):
@@ -204,11 +204,11 @@ class AlternativeCode:
         self.functions = tuple(self._build_function(prefix, parameter) for parameter in dependent)
 
     def _build_constant(self, index: int, answer: Answer) -> Entry:
-        note = HEADER_STYLE.sentence(make_statement(answer.meaning, source=answer.source))
+        note = HEADER_STYLE.sentence(statement(answer.meaning, source=answer.source))
         return Entry(f"{self.type}_{answer.name}".upper(), index, note)
 
     def _build_function(self, prefix: str, parameter: Parameter) -> AnsweredBy:
-        about = HEADER_STYLE.sentence(make_statement(parameter.meaning, source=parameter.source))
+        about = HEADER_STYLE.sentence(statement(parameter.meaning, source=parameter.source))
         return AnsweredBy(f"{prefix}_{parameter.name}", about, self._express_parameter(parameter.name))
 
     def declared(self) -> Iterator[DeclaredName]:
@@ -446,7 +446,7 @@ def _report_note(device: Device, report: NumberedReport) -> str:
     field = report.field
     unused = ", unused" if report.is_unused else ""
     return HEADER_STYLE.sentence(
-        make_statement(title_of(field), unused, source=alarm_source(field, alarm_of(device, field)))
+        statement(title_of(field), unused, source=alarm_source(field, alarm_of(device, field)))
     )
 
 

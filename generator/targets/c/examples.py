@@ -30,7 +30,7 @@ from ...plan.values import (
     ActiveFlag,
     DecimalDigits,
     Latin1Text,
-    OneOfNamedValues,
+    NamedChoice,
     TwosComplement,
     UnsignedNumber,
     meaning_of,
@@ -420,7 +420,7 @@ class ExampleCode:
                 yield PrintedMember(part.field.name, "%s", f'{member} ? "yes" : "no"')
             case TwosComplement():
                 yield PrintedMember(part.field.name, "%lld", f"(long long){member}")
-            case OneOfNamedValues(values):
+            case NamedChoice(values):
                 yield replace(self.number(part.field.name, variable), value_names=_value_meanings(values))
             case DecimalDigits(runs):
                 member_names = (part.field.name, *(run.name for run in runs))

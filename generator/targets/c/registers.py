@@ -22,7 +22,7 @@ from ...plan.codec import LayoutPlan
 from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
-from ...plan.values import ActiveFlag, Latin1Text, OneOfNamedValues, UnsignedNumber, meaning_of
+from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, UnsignedNumber, meaning_of
 from ...say.names_and_places import full_title, name_in_words, title_of
 from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
@@ -289,7 +289,7 @@ class RegisterCode:
         values, because such a field is the register itself.
         """
         fields = self.layout.fields
-        is_whole_register = len(fields) == 1 and not isinstance(meaning_of(fields[0]), OneOfNamedValues)
+        is_whole_register = len(fields) == 1 and not isinstance(meaning_of(fields[0]), NamedChoice)
         if self.is_plain or self.register.length > 8 or is_whole_register:
             return ()
         variable_fields = [field for field in fields if field.name not in self.struct.plan.constants]
@@ -376,7 +376,7 @@ def _is_byte(plan: LayoutPlan) -> bool:
     if not plan.parts or any(isinstance(refusal, NoPowerOfTwo) for refusal in refusals(plan)):
         return False
     only_part = plan.parts[0]
-    return isinstance(only_part.meaning, (UnsignedNumber, OneOfNamedValues)) and only_part.field.width == Expression(8)
+    return isinstance(only_part.meaning, (UnsignedNumber, NamedChoice)) and only_part.field.width == Expression(8)
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,7 +27,7 @@ from ...model import (
 from ...model.record import dataclass
 from ...plan.crcs import CONTROL_FIELDS, vectors_of
 from ...plan.operations import FieldToDecode
-from ...plan.values import ActiveFlag, Latin1Text, OneOfNamedValues, TwosComplement, UnsignedNumber
+from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, TwosComplement, UnsignedNumber
 from .. import manufacturers
 from .codec import StructCodec
 from .crc_functions import WordCrc
@@ -323,7 +323,7 @@ class SelfTest:
         match part.meaning if part is not None else UnsignedNumber():
             case Latin1Text():
                 return Expected(c_name(name), string(value), text=True)
-            case OneOfNamedValues(values) if isinstance(value, str):
+            case NamedChoice(values) if isinstance(value, str):
                 named_value = member_named(values, value, f"value of '{name}'").value
                 choice = self.view.context.choices.get((key, name))
                 constants = choice.names if choice else {}

@@ -49,9 +49,7 @@ _COMMENT_WIDTH = COLUMNS - 3
 _C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
 _SENTENCE_END = re.compile(r"(?<=[.:])\s(?=[A-Z])")
 #: A condition on one line, after which the function only returns a result.
-_GUARD_LINE = re.compile(
-    r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE
-)
+_GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
 
 
 class SingleHeader(TypedDict):
@@ -349,7 +347,7 @@ def _with_head_in_line(c_code: str) -> str:
 
 def _with_guards_in_line(c_code: str) -> str:
     """Return a function in which each condition that only returns a result is one line, if it fits."""
-    return _GUARD_LINE.sub(_guard_in_line, c_code)
+    return _GUARD.sub(_guard_in_line, c_code)
 
 
 def _guard_in_line(guard: re.Match[str]) -> str:

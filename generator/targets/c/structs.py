@@ -12,7 +12,7 @@ from ...plan.values import (
     ActiveFlag,
     DecimalDigits,
     Latin1Text,
-    OneOfNamedValues,
+    NamedChoice,
     TwosComplement,
     ZeroMeans,
     meaning_of,
@@ -143,7 +143,7 @@ class LayoutStruct:
         match meaning_of(field):
             case ActiveFlag():
                 return "bool"
-            case OneOfNamedValues():
+            case NamedChoice():
                 choice = self.enumeration(field)
                 return choice.type if choice is not None else unsigned(field.widest)
             case TwosComplement():
@@ -198,7 +198,7 @@ class LayoutStruct:
         match meaning_of(field):
             case ActiveFlag():
                 yield "true" if initial_number else "false"
-            case OneOfNamedValues():
+            case NamedChoice():
                 choice = self.choice(field)
                 constants = choice.names if choice is not None else {}
                 yield constants.get(initial_number, c_number(initial_number, hexadecimal=True))
@@ -261,7 +261,7 @@ def _default_value(field: Field) -> int:
     if field.number.power_of_two:
         return 1
     match meaning_of(field):
-        case OneOfNamedValues(values):
+        case NamedChoice(values):
             return min(value.value for value in values)
         case ZeroMeans(number_for_zero):
             return number_for_zero

@@ -38,7 +38,7 @@ from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal
 from ...say.order_code import bounds_with_codes, describe_settings
 from ...say.plain_text import count_with_unit, group_digits, quantity_text
 from ...say.register import describe_value
-from ...say.text import as_sentence, make_statement
+from ...say.text import as_sentence, statement
 from .layout_tables import (
     field_cell,
     field_place_cell,
@@ -358,5 +358,5 @@ def led_rows(device: Device) -> Iterator[Row]:
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
     """Yield the settings of the interface, each with its source."""
     for setting in describe_settings(device, interface):
-        value = MARKDOWN.phrase(make_statement(*setting.parts))
+        value = MARKDOWN.phrase(statement(*setting.parts))
         yield f"{escape(setting.label)}: {value} <small>{citation(setting.source)}</small>"

@@ -40,7 +40,7 @@ from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, 
 from ...say.names_and_places import HasOtherNames, addresses_text, name_in_words, title_of
 from ...say.order_code import PURPOSES, initial
 from ...say.register import describe_measurement, describe_position_range, own_ranges
-from ...say.text import CodeText, Statement, list_parts, make_statement, volts
+from ...say.text import CodeText, Statement, list_parts, statement, volts
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
 from .order_code_tables import order_codes
@@ -221,9 +221,8 @@ def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
 
 def _group_title(field_group: FieldGroup) -> str:
     """Return our name, with the name used in the manual in parentheses."""
-    return name_in_words(field_group.name).capitalize() + (
-        f" ({field_group.printed_name})" if field_group.printed_name else ""
-    )
+    printed_name = f" ({field_group.printed_name})" if field_group.printed_name else ""
+    return name_in_words(field_group.name).capitalize() + printed_name
 
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
@@ -234,7 +233,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, CodeText(layout.name), device.alternatives),
-        "size": MARKDOWN.phrase(make_statement(*say_layout.describe_size(layout, device.alternatives))),
+        "size": MARKDOWN.phrase(statement(*say_layout.describe_size(layout, device.alternatives))),
         "facts": [*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),
@@ -364,7 +363,7 @@ def _contents_by_subject(device: Device) -> dict[str, list[str]]:
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
     """Return the values of the page about a subject. ``page`` contains the values of the page of its interface."""
     contents = _contents_by_subject(page["device"])[subject]
-    return {**page, "subject": subject, "contents": MARKDOWN.phrase(make_statement(*list_parts(contents)))}
+    return {**page, "subject": subject, "contents": MARKDOWN.phrase(statement(*list_parts(contents)))}
 
 
 def interface_values(
@@ -406,11 +405,8 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
     """Yield rows of fact, value, source: the position with its unit, each supply, and the facts of the interface."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
-        yield (
-            "Position",
-            MARKDOWN.phrase(describe_measurement(position_measurement)),
-            citation(position_measurement.source),
-        )
+        resolution_and_range = MARKDOWN.phrase(describe_measurement(position_measurement))
+        yield "Position", resolution_and_range, citation(position_measurement.source)
         for layout_name, own_range in own_ranges(device, interface.name):
             range_text = MARKDOWN.phrase(describe_position_range(own_range))
             yield f"Position in {code_span(layout_name)}", range_text, citation(own_range.source)

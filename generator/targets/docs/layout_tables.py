@@ -26,7 +26,7 @@ from ...say.errata import answer_names
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link, table
 from ...say.names_and_places import HasOtherNames, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.register import describe_value, rules
-from ...say.text import CodeText, Statement, join_groups, list_parts, make_statement, spec_text
+from ...say.text import CodeText, Statement, join_groups, list_parts, spec_text, statement
 from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_tables import order_codes
 
@@ -97,11 +97,11 @@ def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
         for named_value in field.values:
             yield describe_value(replace(named_value, source=()), field.widest)
     elif in_register:
-        yield make_statement("See the table of values below")
+        yield statement("See the table of values below")
     else:
         values_without_meaning = [replace(named_value, meaning="") for named_value in field.values]
         numbers_and_names = (describe_value(named_value, field.widest).parts for named_value in values_without_meaning)
-        yield make_statement(*join_groups(numbers_and_names, ", "), label="Values")
+        yield statement(*join_groups(numbers_and_names, ", "), label="Values")
 
 
 def has_value_table(field: Field) -> bool:
@@ -133,7 +133,7 @@ def _group_row(device: Device, layout: Layout, field_group: FieldGroup) -> tuple
         [markdown_link(code_span(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
     )
     field_names = [CodeText(field.name) for field in layout.fields if field.group == field_group.name]
-    fields_sentence = MARKDOWN.sentence(make_statement(*list_parts(field_names), label="Fields"))
+    fields_sentence = MARKDOWN.sentence(statement(*list_parts(field_names), label="Fields"))
     return group_cell, group_place(device, layout, field_group), f"{field_group.bits}", fields_sentence, ""
 
 
@@ -170,7 +170,7 @@ def group_place(device: Device, layout: Layout, field_group: FieldGroup) -> str:
 
 
 def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
-    return MARKDOWN.phrase(make_statement(*field_place(layout, field, alternatives)))
+    return MARKDOWN.phrase(statement(*field_place(layout, field, alternatives)))
 
 
 def _first_answers(device: Device) -> Mapping[str, int]:
@@ -231,7 +231,7 @@ def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
 
 
 def _answers_in_words(answers: Sequence[Answer]) -> str:
-    return MARKDOWN.phrase(make_statement(*answer_names(answers)))
+    return MARKDOWN.phrase(statement(*answer_names(answers)))
 
 
 def group_places(

@@ -38,7 +38,7 @@ from ...say.names_and_places import field_at, heading, hexadecimal, title_of
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import count_with_unit, with_unit
 from ...say.register import describe_measurement, describe_position_range, own_ranges
-from ...say.text import Statement, as_sentence, make_statement
+from ...say.text import Statement, as_sentence, statement
 from ..registry import names_of_codes
 from . import bytes_to_send, fact_tables, order_code_tables, wide_pictures, wiring_tables
 from .inline_errata import ErrataLinks
@@ -354,7 +354,7 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
     return {
         "title": title_of(layout),
         "name": layout.name,
-        "size": MARKDOWN.phrase(make_statement(*describe_size(layout, code_group.device.alternatives))),
+        "size": MARKDOWN.phrase(statement(*describe_size(layout, code_group.device.alternatives))),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         # Widest screen that shows the narrow picture.

@@ -21,7 +21,7 @@ from ...say.evidence import word_for_document
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
 from ...say.names_and_places import own_names
 from ...say.report import alarm_of, alarm_source, conditions_text, deciding_bits, manual_steps, meaning, remedy_text
-from ...say.text import CodeText, list_parts, make_statement
+from ...say.text import CodeText, list_parts, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
 
@@ -100,7 +100,7 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, verdict
     yield name_of_other_cases, "", EFFECTS[verdict_rules.otherwise], "", ""
     if verdict_rules.may_be_unknown:
         judging_names = [CodeText(field.name) for field in layout.judging_fields]
-        missing_names = MARKDOWN.phrase(make_statement(*list_parts(judging_names)))
+        missing_names = MARKDOWN.phrase(statement(*list_parts(judging_names)))
         yield f"order codes that lack {missing_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
 
 
@@ -192,7 +192,7 @@ def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     lower_flags = [CodeText(name) for name in combined_flag_names(field) if name in names_in_layout]
     if not lower_flags:
         return ""
-    return f", with {MARKDOWN.phrase(make_statement(*list_parts(lower_flags)))} inactive"
+    return f", with {MARKDOWN.phrase(statement(*list_parts(lower_flags)))} inactive"
 
 
 def _frame_rows(device: Device, reporting_by_frame: Mapping[str, ReportsAndVerdict]) -> Iterator[Row]:

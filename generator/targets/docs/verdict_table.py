@@ -11,7 +11,7 @@ from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.report import alarm_of, conditions_text, deciding_bits, manual_steps, remedy_text
-from ...say.text import VERDICT_CLAUSES, as_sentence, make_statement
+from ...say.text import VERDICT_CLAUSES, as_sentence, statement
 
 Row = tuple[str, ...]
 #: Verdicts as cells of the table.
@@ -184,7 +184,7 @@ def verdict_line(verdict_rules: VerdictRules, variant: Variant, has_crc: bool) -
     causes_by_verdict = applicable_causes(verdict_rules, variant)
     conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
     if not conditional_verdicts:
-        return MARKDOWN.phrase(make_statement(VERDICT_CLAUSES[verdict_rules.otherwise]))
+        return MARKDOWN.phrase(statement(VERDICT_CLAUSES[verdict_rules.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
     return "; ".join([*conditional_verdicts, f"otherwise{correct} {EFFECTS[verdict_rules.otherwise]}"])
 

@@ -27,7 +27,7 @@ from ...say.evidence import Topic, mentions, word_for_document
 from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, markdown_link
 from ...say.order_code import bounds_with_codes, clock_words, describe_settings
 from ...say.plain_text import count_with_unit
-from ...say.text import PLAIN_STYLE, as_sentence, hertz, list_parts, make_statement, nanoseconds, timeout_words, volts
+from ...say.text import PLAIN_STYLE, as_sentence, hertz, list_parts, nanoseconds, statement, timeout_words, volts
 
 Row = tuple[str, ...]
 
@@ -267,7 +267,7 @@ def no_supply(family_device: Device, interface: Interface) -> str:
 
 def _join_capitalized(labels: list[str]) -> str:
     """Return labels as the beginning of a sentence."""
-    phrase = PLAIN_STYLE.phrase(make_statement(*list_parts(labels)))
+    phrase = PLAIN_STYLE.phrase(statement(*list_parts(labels)))
     return phrase[:1].upper() + phrase[1:]
 
 

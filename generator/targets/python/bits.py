@@ -14,7 +14,7 @@ from ...plan.values import (
     ActiveFlag,
     DecimalDigits,
     Latin1Text,
-    OneOfNamedValues,
+    NamedChoice,
     TwosComplement,
     UnsignedNumber,
     ZeroMeans,
@@ -57,7 +57,7 @@ class BitsEncoder:
         quoted_name = f'"{field.name}"'
         width = str(self.scope.expression_of(field.width))
         match meaning_of(field):
-            case UnsignedNumber() | OneOfNamedValues():
+            case UnsignedNumber() | NamedChoice():
                 return call("check_width", quoted_name, attribute, width)
             case ZeroMeans(stands_for):
                 return call("zero_for", quoted_name, attribute, str(stands_for), width)
@@ -137,7 +137,7 @@ class BitsEncoder:
 def _has_width_check(field: Field) -> bool:
     """Return whether ``_checked_bits`` compares a value with the width of the field."""
     match meaning_of(field):
-        case UnsignedNumber() | OneOfNamedValues() | TwosComplement() | ZeroMeans():
+        case UnsignedNumber() | NamedChoice() | TwosComplement() | ZeroMeans():
             return True
         case ActiveFlag():
             return not field.width.is_constant

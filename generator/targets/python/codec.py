@@ -18,7 +18,7 @@ from ...plan.values import (
     ActiveFlag,
     DecimalDigits,
     Latin1Text,
-    OneOfNamedValues,
+    NamedChoice,
     UnsignedNumber,
     is_named,
     is_number,
@@ -182,7 +182,7 @@ class LayoutClass:
                 yield self._number_attribute(field, stated if stated is not None else self._request_default(field))
             case ActiveFlag():
                 yield self._field_attribute(field, "bool", default=str(bool(self._request_default(field))))
-            case OneOfNamedValues():
+            case NamedChoice():
                 yield self._field_attribute(field, self.enum(field))
             case DecimalDigits(runs):
                 for run in runs:

@@ -13,7 +13,7 @@ from ...plan.values import (
     ActiveFlag,
     DecimalDigits,
     Latin1Text,
-    OneOfNamedValues,
+    NamedChoice,
     TwosComplement,
     UnsignedNumber,
     ZeroMeans,
@@ -260,9 +260,9 @@ class Decoder:
                 return [_or_if_zero(bits, stands_for)]
             case ActiveFlag(low):
                 return [self._is_active(part, low_is_active=low)]
-            case OneOfNamedValues() if self.selects(field):
+            case NamedChoice() if self.selects(field):
                 return [call(self.enum(field), bits)]
-            case OneOfNamedValues():
+            case NamedChoice():
                 return [Atom(self.local(field))]
             case DecimalDigits(runs):
                 return [run_value for _, run_value in digit_values(bits, runs)]
@@ -373,7 +373,7 @@ def attribute_values(
             yield attribute, _or_if_zero(bits, stands_for)
         case ActiveFlag(low):
             yield attribute, _is_flag_active(bits, low_is_active=low)
-        case OneOfNamedValues():
+        case NamedChoice():
             yield attribute, call("as_member", enum, f'"{field.name}"', bits)
         case DecimalDigits(runs):
             for run, run_value in digit_values(bits, runs):

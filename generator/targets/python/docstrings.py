@@ -30,7 +30,7 @@ from ...say.evidence import describe_grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title_of
 from ...say.order_code import describe_parameter
 from ...say.plain_text import count_with_unit, text_on_one_line, wrap_text
-from ...say.text import DOCSTRING_STYLE, Statement, as_sentence, make_statement, spec_text
+from ...say.text import DOCSTRING_STYLE, Statement, as_sentence, spec_text, statement
 from .line_breaks import WIDTH
 from .names import is_one_choice
 
@@ -226,7 +226,7 @@ def _about_quantity(device: Device, quantity: Parameter) -> str:
 
 def of_alternative(device: Device, alternative: Alternative) -> str:
     """Return the docstring of a question that the manual leaves open."""
-    question = DOCSTRING_STYLE.sentence(make_statement(alternative.meaning, source=alternative.source))
+    question = DOCSTRING_STYLE.sentence(statement(alternative.meaning, source=alternative.source))
     decision = "The manual leaves this open, or other evidence contradicts it."
     if alternative.default:
         decision += f" The default is {alternative.default.upper()}. Variant.with_answers() chooses another answer."
@@ -237,7 +237,7 @@ def of_alternative(device: Device, alternative: Alternative) -> str:
 
 def of_answer(answer: Answer) -> str:
     """Return the meaning of an answer to a question that the manual leaves open."""
-    return DOCSTRING_STYLE.sentence(make_statement(answer.meaning, source=answer.source))
+    return DOCSTRING_STYLE.sentence(statement(answer.meaning, source=answer.source))
 
 
 def of_parameter(device: Device, quantity: Parameter) -> str:
@@ -304,7 +304,7 @@ def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
     """Return the paragraphs about a procedure, beginning with its title."""
     return paragraphs(
         [
-            make_statement(device_procedure.title, source=device_procedure.source),
+            statement(device_procedure.title, source=device_procedure.source),
             *commands.describe_procedure(device, device_procedure),
         ]
     )
@@ -319,7 +319,7 @@ def of_argument(device: Device, argument: Argument) -> str:
 
 def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
     """Return the description of an attribute: meaning, rules and note, or else the name of the field."""
-    missing = [make_statement("0 if the encoder does not have this field")] if may_be_missing else []
+    missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
     statements = [
         *say_register.describe_meaning(data_field, data_field.meaning),
         *missing,

@@ -8,7 +8,7 @@ from functools import cached_property
 from ...model import BitSlice, Field
 from ...plan.codec import LayoutPlan
 from ...plan.operations import AlwaysIs, Check, IsOneOf, ParityIs
-from ...plan.values import OneOfNamedValues, meaning_of
+from ...plan.values import NamedChoice, meaning_of
 from .literals import coded
 
 
@@ -63,7 +63,7 @@ class FirstByte:
         A value without a name is a number.
         """
         meaning = meaning_of(selector)
-        choices = meaning.values if isinstance(meaning, OneOfNamedValues) else ()
+        choices = meaning.values if isinstance(meaning, NamedChoice) else ()
         member_by_value = {choice.value: f"{self.enum(selector)}.{choice.name.upper()}" for choice in choices}
         code_by_byte: dict[int, str] = {}
         for byte, selector_value in self.selectors_by_byte.items():
