@@ -15,7 +15,7 @@ JsonSchema = dict[str, Any]
 
 
 class WordOfType(NamedTuple):
-    """A word for a type: its JSON Schema in the spec language, and its notation in the data (see ``Member``)."""
+    """A word for a type: its JSON Schema in the spec language, and its notation in the data (see ``ModelMember``)."""
 
     schema: Mapping[str, Any]
     notation: str

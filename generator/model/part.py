@@ -136,7 +136,7 @@ class SpecKey(NamedTuple):
         needed_by: Kinds of the part that must have the key.
         allowed_in: Kinds of the part that can have the key. If both are empty, each kind can.
         schema: JSON Schema of the value, if no type of the keys has it.
-        member: Other properties of ``Member``: the rule of ``diff``, the class of second reading and so on.
+        member: Other properties of ``ModelMember``: the rule of ``diff``, the class of second reading and so on.
     """
 
     about: str

@@ -301,7 +301,7 @@ def _checks_of_constants_and_parity(layout: Layout, by_word: bool) -> Iterator[C
 
 def _zeros_above(layout: Layout, padded_field: Field, padding: Field) -> ZerosAbove:
     """Return the check that the bits above a field are 0, in its own bytes and in those that only the padding has."""
-    # The pieces of ``bits`` lack the bytes that contain only padding.
+    # The slices of ``bits`` lack the bytes that contain only padding.
     bits = bits_of(layout, padded_field)
     bytes_of_padding = tuple(bit_slice for bit_slice in padded_field.bit_slices if bit_slice not in bits.bit_slices)
     return ZerosAbove(padded_field, padding, bits, bytes_of_padding)

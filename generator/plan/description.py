@@ -199,7 +199,7 @@ def _describe_unused(reserved: Reserved) -> Unused:
 def describe(layout_plan: LayoutPlan, reporting: reports.ReportsAndVerdict | None = None) -> Description:
     """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame.
 
-    Without a judgement, there are no causes. In a frame without the position, there are only causes of reports.
+    Without verdict rules, there are no causes. In a frame without the position, there are only causes of reports.
     """
     layout = layout_plan.layout
     power_of_two_names = powers_of_two(layout_plan)

@@ -97,17 +97,17 @@ def test_operations_of_a_procedure(run: ProcedurePlan) -> None:
     """The command cannot be read, so everything written before is read back first. The key closes the preset."""
     bit_7, bit_2 = [BitSlice(0, 7, 1, 0)], [BitSlice(0, 2, 1, 0)]
     assert list(map(summary, run.operations)) == [
-        ("Writes", "key", "", ONE_BYTE),
-        ("Writes", "preset", "", TWO_BYTES),
-        ("Writes", "level", "speed", bit_7),
-        ("Verifies", "key", "", ONE_BYTE),
-        ("Verifies", "preset", "", TWO_BYTES),
-        ("Verifies", "level", "speed", bit_7),
-        ("Writes", "command", "", ONE_BYTE),
-        ("Polls", "status", "busy", bit_2),
-        ("Waits", "", "", []),
-        ("Reads", "preset", "", TWO_BYTES),
-        ("Writes", "key", "", ONE_BYTE),
+        ("WriteRegister", "key", "", ONE_BYTE),
+        ("WriteRegister", "preset", "", TWO_BYTES),
+        ("WriteRegister", "level", "speed", bit_7),
+        ("VerifyWrite", "key", "", ONE_BYTE),
+        ("VerifyWrite", "preset", "", TWO_BYTES),
+        ("VerifyWrite", "level", "speed", bit_7),
+        ("WriteRegister", "command", "", ONE_BYTE),
+        ("PollRegister", "status", "busy", bit_2),
+        ("WaitTime", "", "", []),
+        ("ReadRegister", "preset", "", TWO_BYTES),
+        ("WriteRegister", "key", "", ONE_BYTE),
     ]
 
 

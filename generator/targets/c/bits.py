@@ -32,7 +32,7 @@ from .names import (
 def of_bytes(bit_slices: tuple[BitSlice, ...]) -> tuple[str, CExpression]:
     """Return the type and the bits in these pieces of ``bytes``, as one number.
 
-    For one piece, this is ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``. Without pieces, when no order code has such
+    For one slice, this is ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``. Without slices, when no order code has such
     bits, the number is 0.
     """
     if not bit_slices:

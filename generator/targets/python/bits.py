@@ -354,7 +354,7 @@ def _are_ascending(byte_indices: Sequence[int]) -> bool:
 def from_pieces(bit_slices: Sequence[BitSlice], length: int = 0, byte: str = "data[{}]") -> PythonExpression:
     """Return the number that the pieces form, such as ``data[1] | data[2] << 8``, or 0 if there are none.
 
-    The pieces begin with the lowest bits. ``length`` is the number of bytes, or 0 if it is unknown. ``byte`` is the
+    The slices begin with the lowest bits. ``length`` is the number of bytes, or 0 if it is unknown. ``byte`` is the
     pattern for the name of a byte.
     """
     if not bit_slices:

@@ -39,12 +39,12 @@ class FrameReports:
     @property
     def _causes_by_verdict(self) -> Sequence[tuple[Verdict, Sequence[VerdictCause]]]:
         """Verdicts with their causes, worst first. Empty if the frame has no position."""
-        return self._judgement.worst_first if self._judgement is not None else ()
+        return self._verdict_rules.worst_first if self._verdict_rules is not None else ()
 
     @property
     def depends_on_order_code(self) -> bool:
         """True if a condition, or the existence of bits that judge the position, depends on the order code."""
-        if self._judgement is not None and self._judgement.may_be_unknown:
+        if self._verdict_rules is not None and self._verdict_rules.may_be_unknown:
             return True
         causes: list[ReportCause | VerdictCause] = list(self._report_causes)
         for _, verdict_causes in self._causes_by_verdict:
@@ -59,11 +59,11 @@ class FrameReports:
 
         Each of a verdict's conditions is sufficient.
         """
-        if self._judgement is None:
+        if self._verdict_rules is None:
             return []
         conditions = {verdict: self._conditions_of_causes(causes) for verdict, causes in self._causes_by_verdict}
-        if self._judgement.may_be_unknown:
-            conditions[Verdict.UNKNOWN] = [self._has_no_judging_bits(self._judgement.judging_bits)]
+        if self._verdict_rules.may_be_unknown:
+            conditions[Verdict.UNKNOWN] = [self._has_no_judging_bits(self._verdict_rules.judging_bits)]
         return [(verdict.name, conditions[verdict]) for verdict in Verdict if verdict in conditions]
 
     @property
@@ -86,7 +86,7 @@ class FrameReports:
     @property
     def default_verdict(self) -> str:
         """Verdict if no condition applies. Empty if the frame has no position."""
-        return self._judgement.otherwise.name if self._judgement is not None else ""
+        return self._verdict_rules.otherwise.name if self._verdict_rules is not None else ""
 
     def _has_no_judging_bits(self, judging_bits: Expression) -> str:
         """Return the condition that the frames of the encoder have no bits that judge the position.

@@ -46,6 +46,7 @@ from .names import (
     camel,
     encoder_name,
 )
+from .names import FUNCTIONS, ClassNames, ModuleContext, OpenQuestion, attribute, byte_order, camel, encoder_name
 
 
 @dataclass(frozen=True)
