@@ -31,7 +31,8 @@ def run(arguments: argparse.Namespace) -> int:
     Words that an existing sheet has filled in are kept for unchanged texts.
 
     Raises:
-        CommandError: The family does not exist (exit code 2), it has problems, or its sheet cannot be read (exit code 1).
+        CommandError: The family does not exist (exit code 2), it has problems, or its sheet cannot be read (exit code
+            1).
     """
     from ..language.problems import ProblemReport
     from ..language.schema_files import word_sheet_path

@@ -360,7 +360,7 @@ def _print_first_problems(problems: Sequence[Problem]) -> None:
 
 
 def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> CommandError:
-    """Print the first problems of a side, and return the ``CommandError`` to raise. For the old side, it suggests a remedy."""
+    """Print the first problems of a side, and return the error to raise. For the old side, it suggests a remedy."""
     from ..say.plain_text import count_with_unit
 
     _print_first_problems(problems)

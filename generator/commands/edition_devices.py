@@ -39,7 +39,8 @@ def in_requested_edition(
         register_bytes: Register bytes by address.
 
     Raises:
-        CommandError: The edition does not exist, cannot be inferred, or does not have the order code. The exit code is 2.
+        CommandError: The edition does not exist, cannot be inferred, or does not have the order code. The exit code is
+            2.
     """
     remaining_bytes = dict(register_bytes)
     try:

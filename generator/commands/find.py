@@ -208,7 +208,8 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
         ) from None
     if len(positions) != count:
         raise CommandError(
-            f"{count_with_unit(len(positions), 'position')} for {count_with_unit(count, 'frame')}; give one for each frame",
+            f"{count_with_unit(len(positions), 'position')} for {count_with_unit(count, 'frame')}; "
+            "give one for each frame",
             2,
         )
     if not all(map(isfinite, positions)):
@@ -238,7 +239,8 @@ def _proposal_data(proposal: PossibleLine) -> dict[str, Any]:
 
 def _text_lines(recording: RecordedFrames, proposals: Sequence[PossibleLine], first_frame: str) -> Iterator[str]:
     """Yield the proposals as lines of text, and the commands to continue with the first proposal."""
-    yield f"{count_with_unit(len(recording.frames), 'frame')} of {count_with_unit(recording.bits, 'bit')}, most likely layout first"
+    frames = count_with_unit(len(recording.frames), "frame")
+    yield f"{frames} of {count_with_unit(recording.bits, 'bit')}, most likely layout first"
     for rank, proposal in enumerate(proposals, 1):
         yield ""
         yield f"{rank}. {proposal.line}"

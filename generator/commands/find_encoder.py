@@ -37,7 +37,8 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Labe
     with problems are then omitted and listed.
 
     Raises:
-        CommandError: The code does not exist (exit code 2), or no valid spec has it and others have problems (exit code 1).
+        CommandError: The code does not exist (exit code 2), or no valid spec has it and others have problems (exit
+            code 1).
     """
     device, match, paths = _find_in_groups(specs, text, cache, accepts_family=False)
     if match is None:  # Only a name is found without a match.
@@ -53,7 +54,8 @@ def find_requested(
     Registers that served to infer the edition are omitted.
 
     Raises:
-        CommandError: As for ``find_order_code``, a byte is malformed, or the edition is not known. The exit code is then 2.
+        CommandError: As for ``find_order_code``, a byte is malformed, or the edition is not known. The exit code is
+            then 2.
     """
     device, match, paths = find_order_code(specs, arguments.order_code, cache)
     register_bytes = bytes_by_address(arguments.register)

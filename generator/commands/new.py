@@ -64,7 +64,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the spec, and print the names of the files. With ``-o -``, only print the spec.
 
     Raises:
-        CommandError: The name or the line is not valid (exit code 2), or a file exists or cannot be written (exit code 1).
+        CommandError: The name or the line is not valid (exit code 2), or a file exists or cannot be written (exit code
+            1).
     """
     if arguments.line is not None and arguments.like:
         raise CommandError("--line and --like describe two encoders; leave one of them out", 2)

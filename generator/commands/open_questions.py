@@ -21,8 +21,8 @@ def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[s
     an answer.
 
     Raises:
-        CommandError: This order code does not have the alternative or answer, or an alternative has two answers. The exit code
-            is 2.
+        CommandError: This order code does not have the alternative or answer, or an alternative has two answers. The
+            exit code is 2.
     """
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     alternatives = {alternative.name: alternative for alternative in reduced_device.alternatives}

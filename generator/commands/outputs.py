@@ -214,7 +214,8 @@ def render_targets(
         files_of: Function that returns the files of one target.
 
     Raises:
-        CommandError: A target or a user's template fails (exit code 1), or the name of a template is misspelt (exit code 2).
+        CommandError: A target or a user's template fails (exit code 1), or the name of a template is misspelt (exit
+            code 2).
     """
     try:
         files = {target.name: files_of(target, library, options[target.name]) for target in targets}

@@ -71,7 +71,8 @@ def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
     """Return the specs and options of a run. Set its output folder, targets, and ``again``, the command to repeat it.
 
     Raises:
-        CommandError: There are no specs, a name is unknown (exit code 2), or there are errors in the settings (exit code 1).
+        CommandError: There are no specs, a name is unknown (exit code 2), or there are errors in the settings (exit
+            code 1).
     """
     named_paths = [*arguments.specs, *arguments.more_specs]
     # A copy, because the output folder and the targets are filled in later.

@@ -85,7 +85,7 @@ def _object_schema(part: ModelPart) -> JsonSchema:
 
 
 def _schema_of(notation: str) -> JsonSchema:
-    """Return the schema of a type in the notation of ``ModelMember.shape``, such as ``=1``, ``integer?`` or ``hex=0``."""
+    """Return the schema of a type in the notation of ``ModelMember.shape``, such as ``=1`` or ``hex=0``."""
     if notation.startswith("="):
         return {"const": int(notation.removeprefix("="))}
     type_notation, _, default = notation.partition("=")

@@ -282,8 +282,8 @@ class _RuleMessage(NamedTuple):
 def _explain_type(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value of the wrong type, with the likely correction.
 
-    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_EXPLAIN_BY_KEYWORD`` work in the same
-    way.
+    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_EXPLAIN_BY_KEYWORD`` work in
+    the same way.
     """
     value = error.instance
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value

@@ -108,8 +108,8 @@ def _group_key(recording: RecordedFrames, layout: FoundLayout) -> object:
 def _with_undecided_codes_joined(layouts: list[FoundLayout]) -> list[FoundLayout]:
     """Return the layouts in their order, from the lowest cost to the highest.
 
-    Of two that differ only in the code, and whose costs differ by less than ``_UNDECIDED_DIFFERENCE`` bits, the first remains,
-    with ``other_code``.
+    Of two that differ only in the code, and whose costs differ by less than ``_UNDECIDED_DIFFERENCE`` bits, the first
+    remains, with ``other_code``.
     """
     joined_layouts: list[FoundLayout] = []
     # The index of the first layout in each code, by what a layout and the same one in the other code have in common.

@@ -264,7 +264,8 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
             needed_bytes = (bits + 7) // 8  # rounded up
             if needed_bytes != register.length:
                 register_text = f"'{register.name}' has {count_with_unit(register.length, 'byte')}"
-                message = f"{register_text}, but '{_REGISTER_VALUE_FIELD}' in '{frame_name}' has {count_with_unit(bits, 'bit')}"
+                width = count_with_unit(bits, "bit")
+                message = f"{register_text}, but '{_REGISTER_VALUE_FIELD}' in '{frame_name}' has {width}"
                 remedy = "correct 'length', or describe each part as a register"
                 report.add("width-mismatch", ("registers", register.name, "length"), f"{message}; {remedy}")
                 break

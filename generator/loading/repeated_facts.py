@@ -59,8 +59,8 @@ def _report_different_facts(
 ) -> None:
     """Report each device whose register or CRC differs from the most common one, fact by fact.
 
-    ``section`` is a key of ``_SHARED_FACT_FORMS``. Among equally common facts, the one of the first file applies. A difference is
-    not reported if an erratum of either device affects it.
+    ``section`` is a key of ``_SHARED_FACT_FORMS``. Among equally common facts, the one of the first file applies. A
+    difference is not reported if an erratum of either device affects it.
     """
     facts_by_key: dict[tuple[str, ...], list[tuple[Document, _Fact]]] = {}
     for document in sorted(documents_with_fact, key=lambda document: document.file):

@@ -136,8 +136,8 @@ class BitSlice:
 class Field:
     """A field at bits ``low`` to ``low + width - 1``, converted to a value according to ``kind``.
 
-    If the field is padded, it fills ``container`` bits together with its padding, from its lowest bit. ``bit_slices`` is
-    empty unless the layout is transmitted as bytes and the container is at a fixed position.
+    If the field is padded, it fills ``container`` bits together with its padding, from its lowest bit. ``bit_slices``
+    is empty unless the layout is transmitted as bytes and the container is at a fixed position.
     """
 
     name: str

@@ -23,10 +23,10 @@ from .values import (
 
 @dataclass(frozen=True, slots=True)
 class FieldBits:
-    """``width`` bits of the word, starting at ``low``. ``bit_slices`` describe the same bits in bytes, lowest bits first.
+    """``width`` bits of the word, starting at ``low``.
 
-    ``on_top`` is true if there are no bits above them, so a shift is enough to extract them. ``widest`` is the largest
-    width of any order code.
+    ``bit_slices`` describe the same bits in bytes, lowest bits first. ``on_top`` is true if there are no
+    bits above them, so a shift is enough to extract them. ``widest`` is the largest width of any order code.
     """
 
     low: Expression

@@ -86,10 +86,10 @@ ValueSource = FixedNumber | InField | AsNumber | AsMember
 class WriteRegister:
     """Write a register, or one of its fields while keeping the others as read.
 
-    ``bit_slices`` are the affected bytes, whose bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``,
-    or empty if the position of the field depends on the order code. If an argument is written to the whole register,
-    ``determines_limits`` are the run-time parameters in it on which limits of later steps depend. They use the written
-    value. ``closes`` is true if the write undoes an earlier opening step. It is also done if a step in between fails.
+    ``bit_slices`` are the affected bytes, or empty if the position of the field depends on the order code. In each, the
+    bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``. If an argument is written to the whole
+    register, ``determines_limits`` are the run-time parameters in it on which limits of later steps depend. They use
+    the written value. ``closes`` is true if the write undoes an earlier opening step, even if a step in between fails.
     """
 
     step: WriteStep | ModifyStep
@@ -256,7 +256,7 @@ def _changes_frames(device: Device, write: WriteRegister) -> bool:
 
 
 def _with_taught_parameters(device: Device, operations: Sequence[PlannedStep]) -> Iterator[PlannedStep]:
-    """Yield the operations. Writes of an argument to a whole register get ``determines_limits``, see ``WriteRegister``."""
+    """Yield the operations. Writes of an argument to a whole register get ``determines_limits``."""
     for index, operation in enumerate(operations):
         if (
             isinstance(operation, WriteRegister)
@@ -325,7 +325,7 @@ def _can_be_read_back(write: WriteRegister) -> bool:
 
 
 def _meaningful_pieces(write: WriteRegister) -> Iterator[BitSlice]:
-    """Yield the pieces without reserved bits, which can be anything when read. A whole access includes all bytes."""
+    """Yield the slices without reserved bits, which can be anything when read. A whole access includes all bytes."""
     for bit_slice in write.bit_slices:
         unused_in_piece = _unused_bits(write.register, bit_slice.byte) >> bit_slice.low_in_byte
         meaningful_mask = bit_slice.mask & ~unused_in_piece

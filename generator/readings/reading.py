@@ -295,9 +295,8 @@ class SpecReading:
             parameters_by_case = cases_by_interface[variant.interface]
             parameters_by_case[CodeAndState(variant.code, FACTORY_DEFAULTS)] = variant.parameters
             for state, changed_parameters in states_by_interface[variant.interface]:
-                parameters_by_case[CodeAndState(variant.code, state)] = with_changed(
-                    self.device, variant, changed_parameters
-                )
+                parameters = with_changed(self.device, variant, changed_parameters)
+                parameters_by_case[CodeAndState(variant.code, state)] = parameters
         return cases_by_interface
 
     def _states_to_compare(self, interface: str) -> Iterator[tuple[str, Parameters]]:

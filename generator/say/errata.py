@@ -190,10 +190,10 @@ def _is_within(path: str, parts: Collection[str]) -> bool:
 def describe_erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
-    The reason is omitted if it is longer than ``_LONGEST_INLINE_REASON``, unless ``whole`` is set or wrong bytes could be sent. A
-    change by an overlay or another edition is always given with its reason. ``brief`` is the form in one line. It
-    contains the first sentence on the value used, and all sentences if wrong bytes could be sent and the erratum is
-    open.
+    The reason is omitted if it is longer than ``_LONGEST_INLINE_REASON``, unless ``whole`` is set or wrong bytes could
+    be sent. A change by an overlay or another edition is always given with its reason. ``brief`` is the form in one
+    line. It contains the first sentence on the value used, and all sentences if wrong bytes could be sent and the
+    erratum is open.
     """
     if correction.overlay or correction.edition:
         return _change_statement(correction)

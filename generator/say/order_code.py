@@ -283,7 +283,7 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, TextPart]:
 
 
 def _label_and_text(fact: Signals | Alignment | OutputCode | Profile | DescriptionFile) -> tuple[str, str]:
-    """Return a label and a text for a fact that the spec states as a word or a text, such as ``CodeText`` and ``Gray``."""
+    """Return a label and a text for a fact that the spec states as a word or a text, such as ``Code`` and ``Gray``."""
     match fact:
         case Signals(text):
             return "Signals", text

@@ -141,7 +141,7 @@ def test_which_procedure_changes_frames(small: Device, run: ProcedurePlan) -> No
     set_level = run_of(small, small.procedure("set_level"))
     assert (run.changes_frames, set_level.changes_frames) == (False, True)
     (write,) = set_level.operations
-    assert summary(write) == ("Writes", "level", "zeros", [BitSlice(0, 1, 7, 0)])
+    assert summary(write) == ("WriteRegister", "level", "zeros", [BitSlice(0, 1, 7, 0)])
     assert isinstance(write, WriteRegister)
     assert isinstance(write.value, InField)
     (argument,) = set_level.arguments

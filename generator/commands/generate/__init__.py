@@ -112,7 +112,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Write or compare all outputs, and return the exit code.
 
     Raises:
-        CommandError: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
+        CommandError: The specs or the arguments have problems, a target fails, or the output differs or cannot be
+            written.
     """
     from ..selection import select_specs
     from .earlier_run import is_unchanged

@@ -47,7 +47,7 @@ def result_to_store(read_line: str, files: Files, families: Families) -> Generat
 
 
 def print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
-    """Print the number of files. With ``--check``, raise ``CommandError`` with exit code 1 if ``changed`` of them differ."""
+    """Print the number of files. With ``--check``, raise ``CommandError`` with code 1 if ``changed`` of them differ."""
     if arguments.check and changed:
         raise CommandError(f"{count_with_unit(changed, 'file')} out of date; run: {arguments.again}", 1)
     if arguments.check:

@@ -35,13 +35,13 @@ def write_or_compare(
 ) -> int:
     """Write or, with ``--check``, only compare the files of each target. Return the exit code, which is 0.
 
-    ``families`` are those that each target was rendered from. ``gate`` raises ``CommandError`` to refuse writing specs that
-    must not be released. ``gate`` is called if a file would change. Without ``--prune``, ``guard`` refuses to remove
-    outputs.
+    ``families`` are those that each target was rendered from. ``gate`` raises ``CommandError`` to refuse writing specs
+    that must not be released. ``gate`` is called if a file would change. Without ``--prune``, ``guard`` refuses to
+    remove outputs.
 
     Raises:
-        CommandError: The disk fails, a compared file differs, ``gate`` or ``guard`` refuses the changes, or an idbiss file is
-            not valid.
+        CommandError: The disk fails, a compared file differs, ``gate`` or ``guard`` refuses the changes, or an idbiss
+            file is not valid.
     """
 
     def refuse_removals(changes_by_target: Mapping[str, Sequence[FileChange]]) -> None:

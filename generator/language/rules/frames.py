@@ -75,8 +75,8 @@ def _report_uncovered_fields(
         parity_field = parity_fields[0]
         pronoun = "it" if len(left_out) == 1 else "them"
         message = (
-            f"{quoted(parity_field.name)} does not cover {join_words(map(quoted, left_out))}; add {pronoun} to 'parity_of',"
-            f" or name {pronoun} in a 'note' if the manual excludes {pronoun}"
+            f"{quoted(parity_field.name)} does not cover {join_words(map(quoted, left_out))}; "
+            f"add {pronoun} to 'parity_of', or name {pronoun} in a 'note' if the manual excludes {pronoun}"
         )
         report.add("parity-coverage", parity_field.place_of("parity_of"), message)
 

@@ -297,9 +297,7 @@ def _expression_fault(regular_expression: str) -> str:
     except (re.error, OverflowError) as error:
         return str(error)
     # Each repetition multiplies the ways to match a label. Three are more than any catalogue needs.
-    expression_without_classes = _CHARACTER_CLASS.sub(
-        "", regular_expression
-    )  # In [+*], the signs represent themselves.
+    expression_without_classes = _CHARACTER_CLASS.sub("", regular_expression)  # In [+*], signs represent themselves.
     repetitions = _REPETITION.findall(expression_without_classes)
     return "more than three repetitions" if len(repetitions) > 3 else ""
 

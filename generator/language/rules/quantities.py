@@ -328,9 +328,8 @@ def _report_time(match: re.Match[str], expected_times: set[int], path: Path, rep
 
 
 def _to_nanoseconds(match: re.Match[str]) -> Decimal:
-    return Decimal(match["number"].replace(",", "")) * _NANOSECONDS_PER_UNIT.get(
-        match["unit"], _NANOSECONDS_PER_UNIT["s"]
-    )
+    factor = _NANOSECONDS_PER_UNIT.get(match["unit"], _NANOSECONDS_PER_UNIT["s"])
+    return Decimal(match["number"].replace(",", "")) * factor
 
 
 def _nanoseconds_in(node: object) -> Iterator[int]:
@@ -446,5 +445,6 @@ def check_table_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         column_count = len(table.part.columns)
         for row_index, row in enumerate(table.part.rows):
             if len(row) != column_count:
-                message = f"the row has {count_with_unit(len(row), 'cell')}, but the table has {count_with_unit(column_count, 'column')}"
+                cells, columns = count_with_unit(len(row), "cell"), count_with_unit(column_count, "column")
+                message = f"the row has {cells}, but the table has {columns}"
                 report.add("table-shape", (*table.path, "rows", row_index), message)

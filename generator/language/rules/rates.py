@@ -194,7 +194,10 @@ def check_timeouts_and_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: D
     for timeout in biss.timeout:
         if has_erratum_at(report.document, *_PATH_OF_TIMEOUT, "printed"):
             continue
-        remedy = f"correct one of the two. If this is what the manual says, add an erratum that affects {_PATH_OF_PRINTED_TIMEOUTS}"
+        remedy = (
+            "correct one of the two. If this is what the manual says, "
+            f"add an erratum that affects {_PATH_OF_PRINTED_TIMEOUTS}"
+        )
         _check_longest_timeout(biss, timeout, remedy, report)
         if timeout.part.rule == "follows_clock" and timeout.part.half_clock_periods is None:
             _check_half_periods(timeout, remedy, report)

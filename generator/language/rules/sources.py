@@ -84,9 +84,9 @@ def _report_later_pages(later_pages: list[_LaterPage], report: DocumentReport) -
 
 
 def _find_citations(source: str) -> list[re.Match[str]]:
-    """Return the matches of ``_CITATION_PATTERN`` for the sections of the manual that a source cites, some of them with a page.
+    """Return the matches of ``_CITATION_PATTERN`` for the sections of the manual that a source cites.
 
-    Sources in other documents, which have a key before a colon, and placeholders are left out.
+    Some have a page. Sources in other documents, which have a key before a colon, and placeholders are left out.
     """
     places = [piece.strip() for piece in source.split(";") if not is_placeholder(piece)]
     matches = [_CITATION_PATTERN.fullmatch(place) for place in places]
@@ -113,7 +113,8 @@ def _find_spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, t
     """Return the first and the last page of each section, under an empty name, and of its entries by name.
 
     For a section 4 with the entry Preset these are ``{"4": {"": (12, 24), "preset": (13, 15)}}``. The last page is the
-    page on which the next section or entry begins. Without pages, a section lasts from ``_PAGE_BEFORE_CONTENTS`` to ``_PAGE_AFTER_CONTENTS``.
+    page on which the next section or entry begins. Without pages, a section lasts from ``_PAGE_BEFORE_CONTENTS``
+    to ``_PAGE_AFTER_CONTENTS``.
     """
     sections = list(contents.items())
     page_spans: dict[str, dict[str, tuple[int, int]]] = {}

@@ -243,7 +243,8 @@ def check_alarm_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         for match in _NAMED_ERROR.finditer(text):
             word_in_capitals = match[1]
             if word_in_capitals not in known_words:
-                message = f"no alarm here is called {quoted(match[0])}{suggest_word(match[0], sorted(names))}; correct the text"
+                likely_name = suggest_word(match[0], sorted(names))
+                message = f"no alarm here is called {quoted(match[0])}{likely_name}; correct the text"
                 report.add("left-behind", path, message, cause=match[0])
 
 

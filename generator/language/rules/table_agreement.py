@@ -40,7 +40,8 @@ def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
                 continue
             is_explained = {row[periods], row[edges]} <= numbers_of_errata
             if not is_explained:
-                message = f"the edge frequency {row[edges]} is not {_EDGES_PER_PERIOD} times the period frequency {row[periods]}"
+                factor = f"{_EDGES_PER_PERIOD} times the period frequency {row[periods]}"
+                message = f"the edge frequency {row[edges]} is not {factor}"
                 path = (*table.path, "rows", index, edges)
                 report.add("table-arithmetic", path, f"{message}; correct one of the two")
 

@@ -197,7 +197,8 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
     return (
         f"Another position: write position{shift} as {count_with_unit(register.length, 'byte')}, {order}, to "
-        f"{markdown_link(addresses_text(register), f'#register-{register.name}')}. For {example_position:,}: {code_span(example_bytes)}."
+        f"{markdown_link(addresses_text(register), f'#register-{register.name}')}. "
+        f"For {example_position:,}: {code_span(example_bytes)}."
     )
 
 

@@ -313,7 +313,8 @@ def register_rows(device: Device) -> Iterator[Row]:
         default = f", default {code_span(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
         register_link = markdown_link(escape(title_of(register)), f"#register-{register.name}")
         bank = "" if register.bank is None else f"{register.bank}"
-        about = f"{register_link} <small>{code_span(register.name)}</small> {say_register.describe_access(register)}{default}"
+        access_text = f"{say_register.describe_access(register)}{default}"
+        about = f"{register_link} <small>{code_span(register.name)}</small> {access_text}"
         yield bank, addresses_text(register), about
 
 

@@ -221,9 +221,8 @@ def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
 
 def _group_title(field_group: FieldGroup) -> str:
     """Return our name, with the name used in the manual in parentheses."""
-    return name_in_words(field_group.name).capitalize() + (
-        f" ({field_group.printed_name})" if field_group.printed_name else ""
-    )
+    printed_name = f" ({field_group.printed_name})" if field_group.printed_name else ""
+    return name_in_words(field_group.name).capitalize() + printed_name
 
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
@@ -406,11 +405,8 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
     """Yield rows of fact, value, source: the position with its unit, each supply, and the facts of the interface."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
-        yield (
-            "Position",
-            MARKDOWN.phrase(describe_measurement(position_measurement)),
-            citation(position_measurement.source),
-        )
+        resolution_and_range = MARKDOWN.phrase(describe_measurement(position_measurement))
+        yield "Position", resolution_and_range, citation(position_measurement.source)
         for layout_name, own_range in own_ranges(device, interface.name):
             range_text = MARKDOWN.phrase(describe_position_range(own_range))
             yield f"Position in {code_span(layout_name)}", range_text, citation(own_range.source)

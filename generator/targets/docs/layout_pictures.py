@@ -52,7 +52,8 @@ def create_picture(title: str, body: Sequence[str], width: float, height: float,
     """Return a picture of this size. ``description`` is its text alternative."""
     svg_start = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
-        f'viewBox="0 0 {number(width)} {number(height)}" role="img" aria-label="{html.escape(text_on_one_line(title))}" '
+        f'viewBox="0 0 {number(width)} {number(height)}" role="img" '
+        f'aria-label="{html.escape(text_on_one_line(title))}" '
         'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
     )
     size = f'width="{number(width - 1)}" height="{number(height - 1)}"'

@@ -132,7 +132,8 @@ def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[st
         yield f"Derived, not stated in a document: {join_words(derived)}."
     starts = _names_with_mark(file_content, "start with")
     if starts:
-        yield f"Only a value to start with, because the highest clock of the encoder is not known: {join_words(starts)}."
+        initial_values = join_words(starts)
+        yield f"Only a value to start with, because the highest clock of the encoder is not known: {initial_values}."
     for sentence in file_content.left_out:
         yield f"Not in this file: {sentence}"
     if not is_short:

@@ -122,7 +122,8 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
         " Python end in an underscore.",
         ("Contents", [group for group in contents if group[1]]),
         *example,
-        f"Version {device.manufacturer.version}, generated from the manual “{text_on_one_line(manual.title)}”, {text_on_one_line(revision)}."
+        f"Version {device.manufacturer.version}, generated from the manual “{text_on_one_line(manual.title)}”,"
+        f" {text_on_one_line(revision)}."
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
         " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
         DOCSTRING_STYLE.sentence(describe_grade(device)),

@@ -128,7 +128,7 @@ def _expected_parity(check: ParityIs, first_byte: int) -> int:
 
 
 def _bits_in_byte(bit_slices: Iterable[BitSlice], byte: int) -> int:
-    """Return the number that these pieces of a byte form."""
+    """Return the number that these slices of a byte form."""
     number = 0
     for bit_slice in bit_slices:
         bits_of_piece = (byte >> bit_slice.low_in_byte) & bit_slice.mask

@@ -322,7 +322,7 @@ class Module:
     ) -> FrameDispatcher:
         """Return the function that decodes all frames of a sender, such as ``decode_reply``.
 
-        With a selector over several interfaces, it is ``decode_spi_reply``. ``layout_classes`` are the frames of the interface.
+        With a selector over several interfaces, it is ``decode_spi_reply``. ``layout_classes`` are its frames.
         """
         # A frame with a selector has a dispatcher.
         interfaces_with_dispatcher = {owner.name for owner, layout in self.device.layouts() if layout.selector}
@@ -366,8 +366,8 @@ class Module:
         """Return the frames that the encoder sends over an interface. ``replies`` are their classes, at least one.
 
         If a selector in the frame distinguishes them, ``dispatch`` is ``decode_reply``, which decodes any of them.
-        Otherwise it is empty, and every frame is decoded as ``layout_class``: the first frame with the position or, without
-        one, the first frame.
+        Otherwise it is empty, and every frame is decoded as ``layout_class``: the first frame with the position or,
+        without one, the first frame.
         """
         interface = section.interface.name
         # A word does not show which frame it is. Without a request, it is interpreted as the position.

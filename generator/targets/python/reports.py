@@ -29,7 +29,7 @@ class FrameReports:
         attribute_of: Callable[[str], str] = "self.{}".format,
     ) -> None:
         self._report_causes = reporting.causes if reporting is not None else ()
-        self._judgement = reporting.verdict_rules if reporting is not None else None
+        self._verdict_rules = reporting.verdict_rules if reporting is not None else None
         self._reserved = layout_plan.reserved
         self._names = class_names
         self._variant = attribute_of("variant")

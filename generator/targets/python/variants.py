@@ -36,16 +36,6 @@ from .literals import (
     of_number,
     record,
 )
-from .names import (
-    FUNCTIONS,
-    ClassNames,
-    ModuleContext,
-    OpenQuestion,
-    attribute,
-    byte_order,
-    camel,
-    encoder_name,
-)
 from .names import FUNCTIONS, ClassNames, ModuleContext, OpenQuestion, attribute, byte_order, camel, encoder_name
 
 

@@ -112,7 +112,7 @@ _ROWS_AT_ONCE: Final = 1 << 16
 def find_exported_columns(head: bytes) -> tuple[int, int] | None:
     """Return the indices of the columns of times and of bytes if a file is an export of serial bytes, or None.
 
-    ``head`` are the first bytes of the file. Its first line must begin with the header of one of ``_SALEAE_EXPORT_HEADERS``.
+    ``head`` are the first bytes of the file. Its first line must begin with one of ``_SALEAE_EXPORT_HEADERS``.
     """
     first_line = head.decode("utf-8-sig", "replace").partition("\n")[0]
     cells = [cell.strip().strip('"').lower() for cell in first_line.split(",")]

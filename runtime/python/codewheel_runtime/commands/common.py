@@ -97,7 +97,7 @@ def find_answer(name: str, answer: str, kind: type[Enum]) -> Enum:
 
 @contextmanager
 def show_progress(package: str, source: str) -> Generator[Callable[[int, int | None, int], None] | None, None, None]:
-    """Show progress on a terminal, and convert the errors of long work to ``CommandFailed``, which is printed in one line.
+    """Show progress on a terminal, and convert errors of long work to ``CommandFailed``, which is printed in one line.
 
     The context yields the function to call with the amount done, the total if known, and the number of frames. It
     yields None if standard error is not a terminal. ``source`` is the file to name if an error does not name a file.

@@ -45,7 +45,8 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
     """Show an encoder live, and record its readings.
 
     Raises:
-        CommandFailed: The encoder has no RS-485, it never answered, or more readings failed than ``--max-errors`` allows.
+        CommandFailed: The encoder has no RS-485, it never answered, or more readings failed than ``--max-errors``
+            allows.
     """
     encoder = find_encoder(package, chosen)
     if encoder.interface is not Interface.RS485:
