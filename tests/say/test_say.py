@@ -303,5 +303,5 @@ def test_an_order_code_turns_expressions_into_numbers(device: Device) -> None:
     (equals,) = order_code.parameter_origin(
         device, next(candidate for candidate in device.parameters if candidate.name == "doubled")
     )
-    assert PLAIN_STYLE.sentence(equals) == "Equals position_bits + position_bits."
+    assert PLAIN_STYLE.sentence(equals) == "Equals 2 * position_bits."
     assert style_with({"position_bits": 16}).sentence(equals) == "Equals 32."

@@ -300,10 +300,11 @@ def check_addresses_and_commands(spec: WrittenSpec, as_read: WrittenSpec, report
         if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or not is_text:
             continue
         for match in _REGISTER_AT.finditer(text):
-            if int(match["address"], 16) not in addresses:
-                named_register = quoted(f"register {match['address']}h")
+            address = match["address"]
+            if int(address, 16) not in addresses:
+                named_register = quoted(f"register {address}h")
                 message = f"the text says {named_register}, but no register has this address; correct one of the two"
-                report.add("left-behind", path, message, cause=match["address"])
+                report.add("left-behind", path, message, cause=address)
         for code in _command_codes(text):
             # A manual prints codes in hexadecimal or in decimal.
             if codes.isdisjoint((int(code, 16), int(code) if code.isdigit() else -1)):
@@ -312,7 +313,7 @@ def check_addresses_and_commands(spec: WrittenSpec, as_read: WrittenSpec, report
 
 
 def _command_codes(text: str) -> Iterator[str]:
-    """Yield the codes of commands in a text: ``["01", "03"]`` for ``commands 01 and 03``."""
+    """Yield the codes of commands in a text: ``01`` and ``03`` of ``commands 01 and 03``."""
     for commands in _COMMANDS.findall(text):
         yield from re.findall(r"\b[0-9A-F]{2}\b", commands)
 
