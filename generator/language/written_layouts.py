@@ -258,7 +258,7 @@ class WrittenGray(WrittenPart):
         "For Gray excess, where the counts per turn are not a power of two: number that is sent for "
         "position 0. This number is half of the number of unused codes: (2^9 - 360) / 2 = 76 for 360 counts, "
         "152 for 720. Decoders subtract this number, and reject unused codes. It can be a "
-        "parameter, which is 0 for order codes with a power of two.",
+        "parameter, which is 0 for order codes with a power of two. Order codes with several turns need another spec.",
         default=None,
     )
 

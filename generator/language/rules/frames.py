@@ -69,8 +69,8 @@ def _report_uncovered_fields(
     for parity_field in parity_fields:
         explained_names.update(_covered_fields(layout, parity_field.parity_of))
         explained_names.update(re.findall(r"\w+", parity_field.note))
-    names = [field.name for field in layout.fields if _can_change_parity(field)]
-    left_out = [name for name in names if name not in explained_names]
+    possible_fields = [field for field in layout.fields if _can_change_parity(field)]
+    left_out = [field.name for field in possible_fields if explained_names.isdisjoint(_names_of(field))]
     if left_out:
         parity_field = parity_fields[0]
         pronoun = "it" if len(left_out) == 1 else "them"
@@ -79,6 +79,11 @@ def _report_uncovered_fields(
             f"add {pronoun} to 'parity_of', or name {pronoun} in a 'note' if the manual excludes {pronoun}"
         )
         report.add("parity-coverage", parity_field.place_of("parity_of"), message)
+
+
+def _names_of(field: WrittenField) -> set[str]:
+    """Return the name of a field and the words of its printed name."""
+    return {field.name, *re.findall(r"\w+", field.printed_name)}
 
 
 def _can_change_parity(field: WrittenField) -> bool:
