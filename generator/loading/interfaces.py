@@ -97,7 +97,7 @@ def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: LayoutSite
 
 def _check_word_bits(layout: Layout, words: Sequence[_Word], site: LayoutSite) -> None:
     """Report the first exchange whose word does not have as many bits as a layout that it uses."""
-    mismatches = [word for word in words if word.bits is not None and word.bits != layout.bits]
+    mismatches = [word for word in words if word.bits is not None and not word.bits.has_value_of(layout.bits)]
     if not mismatches:
         return
     exchange, bits = mismatches[0]

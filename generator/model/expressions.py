@@ -162,6 +162,10 @@ class Expression:
         negated = tuple(Term(-term.multiple, term.factors) for term in other.terms)
         return _simplify(self.constant - other.constant, self.terms + negated)
 
+    def has_value_of(self, other: Expression) -> bool:
+        """Return True if both have the same value for all parameters, even if their terms are in another order."""
+        return self - other == Expression()
+
     def __mul__(self, other: Expression) -> Expression:
         products = [term * factor for term, factor in itertools.product(self._all_terms, other._all_terms)]
         # The first product belongs to the constants. A constant of 0 leads to terms of multiple 0.

@@ -8,9 +8,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-#: Spellings of programs and logs, and their replacement. In this order: ``b'..'`` of Python, ``\x1F``, brackets and
-#: quotes, ``1F-2A``, ``1Fh``, and ``0x1FUL`` of C.
+#: Spellings of programs and logs, and their replacement. In this order: a label such as ``RX: ``, with a letter that is
+#: not a hex digit, ``uint8_t rx[2] =`` of C, ``b'..'`` of Python, ``\x1F``, brackets and quotes, ``1F-2A``, ``1Fh``,
+#: and ``0x1FUL`` of C.
 PASTED: tuple[tuple[str, str], ...] = (
+    (r"^\s*(?=[^:]*[G-Zg-z])[A-Za-z_][A-Za-z0-9_ ]{0,39}:\s+", ""),
+    (r"^\s*[A-Za-z_][A-Za-z0-9_ ]{0,39}\[[0-9A-Z_a-z]{0,20}\]\s*=\s*(?=\{)", ""),
     (r"\bb(?=['\"])", ""),
     (r"\\x([0-9A-Fa-f]{2})", r" 0x\1 "),
     (r"[\[\](){}<>\"',;:]", " "),
@@ -21,10 +24,11 @@ PASTED: tuple[tuple[str, str], ...] = (
 #: Blanks that only Python or only JavaScript removes from the ends of a text: separators of ASCII, the next line of
 #: Latin-1, and the byte order mark at the beginning of a file.
 ODD_BLANKS = r"[\x1c-\x1f\x85\ufeff]"
-#: A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds.
+#: A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds. An arrow may follow, as in
+#: the serial monitor of Arduino.
 TIME = (
     r"\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
-    r"|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\]?[ \t,;]+(?=[^ \t])"
+    r"|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\]?[ \t,;]+(?:->[ \t]*)?(?=[^ \t])"
 )
 #: Digits without a prefix, by their meaning. A decimal number has no leading zero. A long number is too large for the
 #: frame, since it may have further bits.

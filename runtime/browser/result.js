@@ -302,12 +302,20 @@ function createCodeButtons(codes, pick) {
   return createPart("div", "codes", codes.map((code) => createButton(code, () => pick(code))));
 }
 
+/** Compare two guesses: first those that lack less than a byte of leading zeros, and of these the ones with a CRC. */
+function compareGuesses(first, second) {
+  const missingBits = ({ decoded }) => Math.max(decoded.placedLayout.bits - (decoded.typedFrame?.written ?? Infinity), 0);
+  const [firstRank, secondRank] = [first, second].map(
+    (guess) => [missingBits(guess) >= 8, !guess.decoded.crc, missingBits(guess)]);
+  const differingIndex = firstRank.findIndex((part, index) => part !== secondRank[index]);
+  return differingIndex < 0 ? 0 : firstRank[differingIndex] - secondRank[differingIndex];
+}
+
 /** List the order codes that match the frame in a text. ``pick`` selects one of them. */
 function createGuesses(frameText, pick) {
   const groups = inferred(frameText);
   if (!groups.length) return [createPart("div", "bad", createSentence(notOfAnyCode(frameText)))];
-  const groupsWithCrc = groups.filter((group) => group.decoded.crc);
-  const entries = [...groupsWithCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
+  const entries = groups.sort(compareGuesses).map((group) => {
     const { placedLayout } = group.decoded;
     const lengthText = describeLength(placedLayout, group.decoded.bits);
     const crcText = group.decoded.crc ? "with a correct CRC" : "without a CRC";

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from browser_harness import Asker, Case
-from codewheel.commands.decode.decoding import digits_of_words, split_into_words
+from codewheel.commands.decode.decoding import bits_of_words, split_into_words
 from codewheel.commands.decode.frames import FrameTextError, decode_register_text, decode_text, frame_lines
 from codewheel.commands.find_encoder import find_among
 from codewheel.order_codes.parameters import RegisterError
@@ -118,6 +118,10 @@ SPI_TEXTS = (
     "0x7FFE 0x3FF",
     "0x7FFE3FFF",
     "8021 9712",
+    "1111111111111111 111111111111101 100000000000001",
+    "111111111111110 111111111111101",
+    "MISO: 0x7AB3",
+    "18:36:58.979 -> 0xC000",
 )
 
 
@@ -137,8 +141,8 @@ def lines_of_command(library: Library, code: str, register: str, text: str) -> l
             return str(error)
 
     lines = list(frame_lines(io.StringIO(text, newline=None)))
-    digit_count = 0 if register else digits_of_words(device, match.variant, "encoder")
-    frames = [frame for line in lines for frame in split_into_words(line, digit_count)]
+    word_bits = 0 if register else bits_of_words(device, match.variant, "encoder")
+    frames = [frame for line in lines for frame in split_into_words(line, word_bits)]
     if len(lines) == 1 and len(frames) > 1:
         frames = [frame._replace(number=index) for index, frame in enumerate(frames, 1)]
     return [[frame.number, frame.time, one(frame.text)] for frame in frames]
@@ -158,7 +162,7 @@ def test_page_and_command_line_split_the_same_words(ask: Ask, every_encoder: Lib
     answers = ask(library, "node")("lines", items)
     for text, answer in zip(SPI_TEXTS, answers, strict=True):
         assert answer == lines_of_command(library, SPI, "", text), text
-    assert [len(answer) for answer in answers] == [2, 2, 3, 4, 1, 1, 1, 1]
+    assert [len(answer) for answer in answers] == [2, 2, 3, 4, 1, 1, 1, 1, 3, 1, 1, 1]
 
 
 @pytest.mark.slow

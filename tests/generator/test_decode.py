@@ -656,7 +656,19 @@ def test_several_words_are_several_frames_over_spi(capsys: Capture) -> None:
             (2, 0x3FFE),
             (3, 0x0124),
         ]
+    typed = "1111111111111111 111111111111110 1000000100100100"  # a program that omits leading zeros
+    assert main(["decode", "AS5047P", "--json", typed]) == 3
+    frames = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [frame["fields"][-1]["value"] for frame in frames] == [0x3FFF, 0x3FFE, 0x0124]
     assert decode(capsys, "AS5047P", "3F FF")[1]["fields"][-1]["value"] == 0x3FFF
+
+
+@pytest.mark.parametrize(
+    "typed",
+    ["18:36:58.979 -> 0xC000", "MISO: 0xC000", "Read returned: 1100000000000000", "uint8_t rx[2] = {0xC0, 0x00};"],
+)
+def test_a_label_or_an_arrow_is_not_part_of_a_frame(capsys: Capture, typed: str) -> None:
+    assert decode(capsys, "AS5048A", typed)[1]["fields"][0]["raw"] == 1
 
 
 @pytest.mark.slow

@@ -97,8 +97,8 @@ def _bounded_lines(file: TextIO) -> Iterator[str]:
             line_continues = len(piece) == _LONGEST_LINE and not piece.endswith("\n")
 
 
-def digits_of_words(device: Device, variant: Variant, sender: str) -> int:
-    """Return the number of hex digits of an SPI frame if the sender's frames are words of one size, else 0.
+def bits_of_words(device: Device, variant: Variant, sender: str) -> int:
+    """Return the number of bits of an SPI frame if the sender's frames are words of one size in hex digits, else 0.
 
     A master receives such a word in each access, so several of them are several frames.
     """
@@ -108,16 +108,16 @@ def digits_of_words(device: Device, variant: Variant, sender: str) -> int:
         return 0
     (bits,) = sizes
     has_whole_digits = bits % 4 == 0 and bits > 8
-    return bits // 4 if has_whole_digits else 0
+    return bits if has_whole_digits else 0
 
 
-def split_into_words(line: FrameLine, digit_count: int) -> list[FrameLine]:
+def split_into_words(line: FrameLine, word_bits: int) -> list[FrameLine]:
     """Return a line for each SPI word if the line has several, such as ``{0x7FFE, 0x3FFF}``, else the line itself.
 
-    Each word has ``digit_count`` hex digits, and is a whole frame. With 0 digits, no line is split. The words of a line
+    Each word has ``word_bits`` bits, and is a whole frame. With 0 bits, no line is split. The words of a line
     without a number are numbered from 1. The page follows the same rule.
     """
-    words = words_of(line.text, digit_count) if digit_count else []
+    words = words_of(line.text, word_bits) if word_bits else []
     if not words:
         return [line]
     return [line._replace(number=line.number or index, text=word) for index, word in enumerate(words, 1)]
@@ -137,7 +137,7 @@ class Decoding:
         self._other_frames = None if has_known_layout else OtherFrames(device, variant, sender)
         has_channels = sender == "encoder" and not has_known_layout
         self._channels = channel_decoder(device, variant) if has_channels else None
-        self._word_digits = 0 if request.register is not None else digits_of_words(device, variant, sender)
+        self._word_bits = 0 if request.register is not None else bits_of_words(device, variant, sender)
         self._label = tuple(label_lines(device, request.match))
         #: The layouts whose questions are answered, and the answers that each layout needs, by name.
         self._decided_layouts: set[str] = set()
@@ -161,7 +161,7 @@ class Decoding:
         Text that cannot be decoded is reported on standard error, and the next line follows. ``code`` changes with
         each line.
         """
-        frames = itertools.chain.from_iterable(split_into_words(line, self._word_digits) for line in lines)
+        frames = itertools.chain.from_iterable(split_into_words(line, self._word_bits) for line in lines)
         for frames_before, line in enumerate(frames):
             if frames_before == MANY and self._request.register is None:
                 self._suggest_package()

@@ -134,15 +134,22 @@ def meanings_of_long_number(digits: str) -> Iterator[str]:
         yield say.if_hex(digits)
 
 
-def words_of(text: str, digit_count: int) -> list[str]:
-    """Return the words in a text such as ``{0x7FFE, 0x3FFF}`` that has several, each of ``digit_count`` hex digits.
+def words_of(text: str, bits: int) -> list[str]:
+    """Return the words in a text such as ``{0x7FFE, 0x3FFF}`` that has several words of ``bits`` bits.
 
-    Words without ``0x`` get it, if a letter shows that they are hex. Return an empty list for any other text.
+    A word has all its hex digits, or is in binary and may lack leading zeros if another word has all its bits. Words
+    without ``0x`` get it if a letter shows that they are hex. Return an empty list for any other text.
     """
     words = [word for word in _SEPARATORS.split(text) if word]
-    digits = rf"[0-9A-Fa-f]{{{digit_count}}}"
-    are_prefixed = all(re.fullmatch(rf"0[xX]{digits}[uUlL]*", word) for word in words)
-    are_digits = all(re.fullmatch(digits, word) for word in words) and not "".join(words).isdecimal()
-    if len(words) < 2 or not (are_prefixed or are_digits):
+    if len(words) < 2:
         return []
-    return words if are_prefixed else [f"0x{word}" for word in words]
+    digits = rf"[0-9A-Fa-f]{{{bits // 4}}}"
+    if all(re.fullmatch(rf"0[xX]{digits}[uUlL]*", word) for word in words):
+        return words
+    all_digits = "".join(words)
+    if all(re.fullmatch(digits, word) for word in words) and not all_digits.isdecimal():
+        return [f"0x{word}" for word in words]
+    lengths = [len(word) for word in words]
+    # Shorter ones may be bytes.
+    are_binary = _ZEROS_AND_ONES.fullmatch(all_digits) and min(lengths) > 8 and max(lengths) == bits
+    return [f"0b{word.zfill(bits)}" for word in words] if are_binary else []

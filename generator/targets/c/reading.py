@@ -9,7 +9,7 @@ from .codec import StructCodec
 from .context import HeaderContext
 from .enumerations import AlternativeCode
 from .names import DeclaredName
-from .variants import LengthCode
+from .variants import CodeRow, LengthCode
 
 
 class ReadCode:
@@ -65,10 +65,15 @@ class ReadCode:
         return f"{self._word_bytes}U" if self._word_bytes else "sizeof(rx)"
 
     @property
+    def _is_spi_word(self) -> bool:
+        """True if the frame with the position is a word over SPI."""
+        is_spi = isinstance(self._context.interface, Spi)
+        return is_spi and self.frame is not None and not self.frame.plan.in_bytes
+
+    @property
     def _word_bytes(self) -> int:
         """Number of bytes of a word over SPI, 0 if the order code decides or the frame is received otherwise."""
-        is_spi = isinstance(self._context.interface, Spi)
-        if self.frame is None or self.frame.plan.in_bytes or not is_spi:
+        if self.frame is None or not self._is_spi_word:
             return 0
         sent_bits = self.frame.struct.layout.sent_bits
         # Bits to bytes, rounded up.
@@ -84,20 +89,22 @@ class ReadCode:
         answers = [f"##{question.argument}##" for question in frame.length_alternatives]
         return "_".join((f"{self._context.PREFIX}_##code##", *layout_names, *answers, "RX_BYTES"))
 
-    def buffer_of(self, order_code: str) -> str:
+    def buffer_of(self, row: CodeRow) -> str:
         """Return the size of the buffer for an order code and the first answers, as C, or an empty string.
 
-        A word over SPI has no macro for its size. Its bytes are the bytes of the word of all order codes.
+        A word over SPI has no macro for its size.
         """
+        if self._is_spi_word and self.frame is not None:
+            sent_bits = self.frame.struct.layout.sent_bits.value(row.variant.parameters)
+            # Bits to bytes, rounded up.
+            return str((sent_bits + 7) // 8)
         buffer_size = self.expected_size
         if buffer_size == "sizeof(rx)":
             return ""
-        if self._word_bytes:
-            return str(self._word_bytes)
         for question in self.questions:
             first_answer = question.alternative.answers[0].name.upper()
             buffer_size = buffer_size.replace(f"##{question.argument}##", first_answer)
-        return buffer_size.replace("##code##", order_code)
+        return buffer_size.replace("##code##", row.code)
 
     def arguments_of(self, order_code: str) -> str:
         """Return the first arguments of a macro for an order code and the first answers, such as ``X24, WIDE``."""
