@@ -100,3 +100,16 @@ def test_sound_spec_is_clean(path: pathlib.Path) -> None:
     assert document is not None
     assert check_document(document, report) == document.data
     assert report.problems == ()
+
+
+@pytest.mark.parametrize(
+    ("start_value", "is_right"), [("111111", True), ("63", True), ("3Fh", True), ("111110", False)]
+)
+def test_a_start_value_may_be_written_in_binary(tmp_path: pathlib.Path, start_value: str, is_right: bool) -> None:
+    text = (HERE / "broken" / "left_behind.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "left_behind.yaml"
+    path.write_text(
+        text.replace("The start value 0 is from", f"The start value {start_value} is from"), encoding="utf-8"
+    )
+    problems, _ = problems_of(path)
+    assert any(f"'start value {start_value}'" in problem for problem in problems) is not is_right

@@ -112,7 +112,7 @@ def _check_words(
     if match is None:
         return
     for name, number in numbers.items():
-        if number is not None and number != _parse_number(match["number"]):
+        if number is not None and number not in _possible_numbers(match["number"]):
             message = (
                 f"the text says {quoted(match[0])}, but {quoted(key)} of {quoted(name)} is {number:#x}; "
                 "correct one of the two"
@@ -121,11 +121,14 @@ def _check_words(
             return
 
 
-def _parse_number(text: str) -> int:
-    """Return the number written as ``10h`` or ``0x10``, both hexadecimal, or as decimal ``16``."""
+def _possible_numbers(text: str) -> set[int]:
+    """Return the number that a text can be: ``0x3F``, ``3Fh`` or ``63``. Several zeros and ones can be binary, too."""
     if text.endswith("h"):
-        return int(text[:-1], 16)
-    return int(text, 0) if text[:2].lower() == "0x" else int(text)
+        return {int(text[:-1], 16)}
+    if text[:2].lower() == "0x":
+        return {int(text, 0)}
+    may_be_binary = len(text) > 1 and set(text) <= {"0", "1"}
+    return {int(text), int(text, 2)} if may_be_binary else {int(text)}
 
 
 def _bytes_of(register: WrittenRegister) -> str:
