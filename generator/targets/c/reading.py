@@ -71,6 +71,16 @@ class ReadCode:
         return is_spi and self.frame is not None and not self.frame.plan.in_bytes
 
     @property
+    def is_padded(self) -> bool:
+        """True if the frame with the position is a word over SPI that does not fill its bytes with some order code."""
+        if self.frame is None or not self._is_spi_word:
+            return False
+        sent_bits = self.frame.struct.layout.sent_bits
+        interface_name = self._context.interface.name
+        variants = [variant for variant in self._context.device.variants if variant.interface == interface_name]
+        return any(sent_bits.value(variant.parameters) % 8 for variant in variants)
+
+    @property
     def _word_bytes(self) -> int:
         """Number of bytes of a word over SPI, 0 if the order code decides or the frame is received otherwise."""
         if self.frame is None or not self._is_spi_word:
