@@ -141,7 +141,7 @@ def add_specs_option(parser: argparse.ArgumentParser, other_specs: str = AND_PAC
 
 def add_cache_option(parser: argparse.ArgumentParser) -> None:
     """Add ``--no-cache``."""
-    parser.add_argument("--no-cache", action="store_true", help="neither use nor store results of earlier runs")
+    parser.add_argument("--no-cache", action="store_true", help="do not use results of earlier runs, and store none")
 
 
 def cache_for(arguments: argparse.Namespace) -> Cache:

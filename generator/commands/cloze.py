@@ -18,8 +18,9 @@ EXAMPLES = ("codewheel cloze my_encoder",)
 def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
     parser.description = (
-        "Write FAMILY.words.yaml next to the spec: its texts with gaps instead of words such as not, before and high. "
-        "A reader fills them from the manual, and check compares. What is filled in texts that are the same is kept."
+        "Write FAMILY.words.yaml next to the spec: its texts with gaps in place of words such as 'not', 'before' and "
+        "'high'. A reader fills the gaps from the manual, and check compares the words with the spec. The words of "
+        "unchanged texts are kept."
     )
     parser.add_argument("family", metavar="FAMILY", help="a family name as shown by list")
     add_specs_option(parser, "")

@@ -164,8 +164,8 @@ class WrittenField(WrittenPart):
         default="",
     )
     crc_of: tuple[Name, ...] = key(
-        "With crc, in a frame of bits: the fields that the CRC covers, adjacent and in the order in "
-        "which they are sent. The fields can include the request if it shares a line with the reply. A "
+        "With crc, in a frame of bits: the fields that the CRC covers. They must be adjacent, and listed in the order "
+        "in which they are sent. The fields can include the request if it shares a line with the reply. A "
         "'note' of the field or of the layout names the other fields with data. Default: everything "
         "sent before the CRC.",
         most=32,
@@ -180,7 +180,7 @@ class WrittenField(WrittenPart):
     parity: Literal["", "even", "odd"] = key(
         "With parity_of: parity of the number of ones in the covered fields and the parity bit "
         "together. Default: even. If the parity depends on the order code, write two fields, each with 'bits' "
-        "that is 0 for the other order codes.",
+        "set to 0 for the order codes of the other field.",
         default="",
         allowed_in=("parity_of",),
     )

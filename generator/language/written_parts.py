@@ -265,7 +265,9 @@ class WrittenManual(WrittenPart):
     language: Language = key("Language code of the edition that sources without a key cite.")
     publisher: Prose = key("Publisher of the manual.", default="")
     editions: tuple[LocatedPart[Edition], ...] = key(
-        "Other language editions that were also read. Sources use the language code to cite them.", least=0, default=()
+        "Other language editions that were also read. A source cites such an edition by its language code.",
+        least=0,
+        default=(),
     )
     contents: Mapping[Heading, WrittenSection] = key(
         "Contents of the manual: sections by number, or by title if they have none, with the pages on "

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @part(
     "Range of the position in this layout, if it differs from that of the measurement, such as a "
-    "48-bit reply next to 24-bit replies. Its unit is that of the measurement.",
+    "48-bit reply next to 24-bit replies. It has the unit of the measurement.",
     data="Range of the position in one layout. It replaces that of the measurement.",
     needs_a_key=True,
 )

@@ -24,7 +24,7 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
         "rs485": "the end of the reply is missing",
         "biss": "the end of the frame is missing, and the line is high",
         "ssi": "the end of the word is missing, and the line is high",
-        "spi": "the end of the word is missing, and its bits are 1",
+        "spi": "the end of the word is missing, and the missing bits read as 1",
     },
     "doubled": {"rs485": "the reply comes twice"},
     "repeated": {"rs485": "the reply comes again, 0.1 to 1 ms later"},

@@ -181,7 +181,7 @@ _BIT_IN_FRONT = BitPattern(
 )
 _BITS_AROUND = BitPattern(
     "bits_around",
-    "the first clock carries no data, and other bits follow the word",
+    "the first clock carries no data, and extra bits follow the word",
     # Before the first bit, the line is idle, which is high.
     f"^(?P<front>1){_FRAME}(?P<other>[01]+)$",
     proof=("front",),
@@ -189,9 +189,9 @@ _BITS_AROUND = BitPattern(
 _WORD_LAST = BitPattern(
     "zeros_in_front", "zeros come first, and then the word", f"^(?P<zeros>0+){_FRAME}$", proof=("zeros",)
 )
-_OTHERS_BEHIND = BitPattern("bits_behind", "the word comes first, and other bits follow", f"^{_FRAME}(?P<other>[01]+)$")
+_OTHERS_BEHIND = BitPattern("bits_behind", "the word comes first, and extra bits follow", f"^{_FRAME}(?P<other>[01]+)$")
 _OTHERS_IN_FRONT = BitPattern(
-    "bits_in_front", "other bits come first, and then the word", f"^(?P<other>[01]+){_FRAME}$"
+    "bits_in_front", "extra bits come first, and then the word", f"^(?P<other>[01]+){_FRAME}$"
 )
 _TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks still needed: {2}", "^(?P<frame>[01]*)$")
 

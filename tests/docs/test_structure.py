@@ -82,7 +82,7 @@ def test_an_erratum_is_a_badge_with_one_line_on_the_page_of_an_order_code(pages:
     page = pages["docs/amm5/AMM5A23-65KJP1.md"]
     wiring = page.partition("## Wiring")[2].partition("\n## ")[0]
     ground = '<a href="#erratum-ground_wire">The ground pin must be used, but the cable has no wire for it</a>'
-    polarity = "The polarity of the RS-485 lines A and B is not given"
+    polarity = "The manual does not give the polarity of the RS-485 lines A and B"
     links = f'{ground} · <a href="#erratum-rs485_polarity">{polarity}</a>'
     assert f"<details><summary>⚠ 2 open errata</summary>⚠ open: {links}</details>\n" in wiring
     line = (

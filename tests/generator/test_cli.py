@@ -99,7 +99,7 @@ def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.Capture
     assert "crc_coverage" not in biss
     assert "rs485_position_bits 24" in rs485
     assert "scd_padding_bits" not in rs485
-    assert "Data ID F 7Ah" in rs485
+    assert "Data ID F control field 7Ah" in rs485
 
 
 @pytest.mark.slow

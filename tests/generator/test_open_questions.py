@@ -103,8 +103,8 @@ def test_ssi_cites_what_is_said_of_this_encoder_and_not_of_ssi_in_general(device
 def test_the_voltages_of_the_inputs(devices: Mapping[str, Device]) -> None:
     """AM36 4.4 and 4.5: 0VDC is low, CW; +VDC is high, CCW."""
     zero, direction = devices["am36"].inputs
-    assert direction.low.startswith("0VDC: counts up clockwise (CW)")
-    assert direction.high.startswith("+VDC: counts up counter-clockwise (CCW)")
+    assert direction.low.startswith("0VDC. The position counts up clockwise (CW)")
+    assert direction.high.startswith("+VDC. The position counts up counter-clockwise (CCW)")
     assert zero.low.startswith("0VDC")
     assert zero.high.startswith("+VDC")
 

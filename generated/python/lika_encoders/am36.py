@@ -522,7 +522,7 @@ def crc_biss_6(number: int, bits: int) -> int:
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing (open): The start value is 0.
+        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -544,7 +544,7 @@ def crc_biss_4(number: int, bits: int) -> int:
     public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing (open): The start value is 0.
+        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -627,8 +627,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         The bits of the SSI words are numbered from 1 instead of 0 (settled): The words have bits 27:0 and 30:0.
         Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
             clocks satisfy both.
-        The order of singleturn and multiturn is missing (open): Multiturn comes first, as the more significant part.
-            Singleturn follows. In Gray code, both form one word.
+        The order of singleturn and multiturn is missing from the manual (open): Multiturn comes first, as the more
+            significant part. Singleturn follows. In Gray code, both form one word.
     """
 
     __slots__ = ()
@@ -761,8 +761,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     Errata, with their full text in ERRATA:
         The singleturn resolution of the BiSS models is left open (open): The widths come from registers 56h and 57h,
             with their printed defaults, regardless of the order code.
-        The order of singleturn and multiturn is missing (open): Multiturn comes first, as the more significant part.
-            Singleturn follows. In Gray code, both form one word.
+        The order of singleturn and multiturn is missing from the manual (open): Multiturn comes first, as the more
+            significant part. Singleturn follows. In Gray code, both form one word.
         The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
             position has the number of bits given by registers 56h and 57h.
         The manual does not say what 0 means in the unused error bits (open): A frame with either bit at 0 is decoded,
@@ -1001,8 +1001,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata, with their full text in ERRATA:
-        The coding of year, week and serial number is not given (open): The values are plain binary numbers. The year is
-            the plain value of its byte. 46h is the high byte of the serial number.
+        The manual does not give the coding of year, week and serial number (open): The values are plain binary numbers.
+            The year is the plain value of its byte. 46h is the high byte of the serial number.
         In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
             register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
             the timings of BiSS C-mode and 2 more.
@@ -1192,9 +1192,9 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
             with their printed defaults, regardless of the order code.
         The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
             position has the number of bits given by registers 56h and 57h.
-        The byte order of the resolution registers is not given (open): The high byte comes first.
-        When a value of several bytes becomes active is not described (open): The bytes are written in ascending order
-            of address, without another access in between.
+        The manual does not give the byte order of the resolution registers (open): The high byte comes first.
+        The manual does not say when a value of several bytes becomes active (open): The bytes are written in ascending
+            order of address, without another access in between.
     """
 
     @classmethod
@@ -1253,9 +1253,9 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
             4096 is used only on the label.
         The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
             position has the number of bits given by registers 56h and 57h.
-        The byte order of the resolution registers is not given (open): The high byte comes first.
-        When a value of several bytes becomes active is not described (open): The bytes are written in ascending order
-            of address, without another access in between.
+        The manual does not give the byte order of the resolution registers (open): The high byte comes first.
+        The manual does not say when a value of several bytes becomes active (open): The bytes are written in ascending
+            order of address, without another access in between.
     """
 
     @classmethod
@@ -1485,7 +1485,7 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
             4096 is used only on the label.
         The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
             position has the number of bits given by registers 56h and 57h.
-        The number of bits for 2,000 revolutions and the like is not given (open): The number of bits is read from
+        The manual does not give the number of bits for 2,000 revolutions (open): The number of bits is read from
             register 57h, not computed.
     """
 
@@ -2003,8 +2003,8 @@ def set_resolution(
             position has the number of bits given by registers 56h and 57h.
         Two sections disagree on when a new resolution clears the preset (open): set_resolution saves the resolution
             first, and only then writes and activates the preset.
-        When a value of several bytes becomes active is not described (open): The bytes are written in ascending order
-            of address, without another access in between.
+        The manual does not say when a value of several bytes becomes active (open): The bytes are written in ascending
+            order of address, without another access in between.
 
     Args:
         variant: The encoder.

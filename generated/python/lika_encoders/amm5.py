@@ -612,7 +612,7 @@ def crc_biss_6(number: int, bits: int) -> int:
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing (open): The start value is 0.
+        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -634,7 +634,7 @@ def crc_biss_4(number: int, bits: int) -> int:
     public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing (open): The start value is 0.
+        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -781,8 +781,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
             clocks satisfy both.
         The table of word lengths has 65KKG1 instead of 65KBG1 (settled): The order codes contain 65KBG1.
-        The order of singleturn and multiturn is missing (open): Multiturn comes first, as the more significant part.
-            Singleturn follows.
+        The order of singleturn and multiturn is missing from the manual (open): Multiturn comes first, as the more
+            significant part. Singleturn follows.
     """
 
     __slots__ = ()
@@ -917,8 +917,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     most significant bit first.
 
     Errata, with their full text in ERRATA:
-        The order of singleturn and multiturn is missing (open): Multiturn comes first, as the more significant part.
-            Singleturn follows.
+        The order of singleturn and multiturn is missing from the manual (open): Multiturn comes first, as the more
+            significant part. Singleturn follows.
         The frame is one bit longer than the printed length (settled): The length is position_bits + 8.
         Error bits, LEDs and alarms do not correspond one to one (open): Each bit, LED and alarm is used as printed.
             None is derived from another.
@@ -1085,7 +1085,7 @@ class DataRequest(FixedBytes, _DataRequest):
 
     One byte, without a CRC.
 
-    See also these errata in ERRATA: The structure of the control field is not described.
+    See also these errata in ERRATA: The manual does not describe the structure of the control field.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1172,7 +1172,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
             write overwrites other data there. Read and compare before you write.
 
-    See also these errata in ERRATA: The structure of the control field is not described.
+    See also these errata in ERRATA: The manual does not describe the structure of the control field.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1316,7 +1316,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
             write overwrites other data there. Read and compare before you write.
 
-    See also these errata in ERRATA: The structure of the control field is not described.
+    See also these errata in ERRATA: The manual does not describe the structure of the control field.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1478,9 +1478,9 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
             a reply, they are rejected because of their length.
 
     See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
-    what other values of the unused bits mean; Which errors affect the position is only partly described; The structure
-    of the control field is not described; Turning on the power twice can mean one or two power cycles; Battery alarms
-    are printed for models without a battery.
+    what other values of the unused bits mean; Which errors affect the position is only partly described; The manual
+    does not describe the structure of the control field; Turning on the power twice can mean one or two power cycles;
+    Battery alarms are printed for models without a battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1633,9 +1633,9 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
             trust a position received with this flag until ALMC has been read.
 
     See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
-    what other values of the unused bits mean; Which errors affect the position is only partly described; The structure
-    of the control field is not described; Turning on the power twice can mean one or two power cycles; Battery alarms
-    are printed for models without a battery.
+    what other values of the unused bits mean; Which errors affect the position is only partly described; The manual
+    does not describe the structure of the control field; Turning on the power twice can mean one or two power cycles;
+    Battery alarms are printed for models without a battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1780,9 +1780,10 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
             is decoded, and the ID is reported.
 
     See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
-    what other values of the unused bits mean; Which errors affect the position is only partly described; The structure
-    of the control field is not described; One bit combines BUSY with errors that keep the position; Turning on the
-    power twice can mean one or two power cycles; Battery alarms are printed for models without a battery.
+    what other values of the unused bits mean; Which errors affect the position is only partly described; The manual
+    does not describe the structure of the control field; One bit combines BUSY with errors that keep the position;
+    Turning on the power twice can mean one or two power cycles; Battery alarms are printed for models without a
+    battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1930,10 +1931,11 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             is decoded, and the ID is reported.
 
     See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
-    what other values of the unused bits mean; Which errors affect the position is only partly described; The structure
-    of the control field is not described; One bit combines BUSY with errors that keep the position; Turning on the
-    power twice can mean one or two power cycles; Battery alarms are printed for models without a battery; The battery
-    alarm is missing in one list of errors to be reset; The condition that clears BUSY differs within the manual.
+    what other values of the unused bits mean; Which errors affect the position is only partly described; The manual
+    does not describe the structure of the control field; One bit combines BUSY with errors that keep the position;
+    Turning on the power twice can mean one or two power cycles; Battery alarms are printed for models without a
+    battery; The battery alarm is missing from one list of errors to be reset; The condition that clears BUSY differs
+    within the manual.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -2168,7 +2170,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
             write overwrites other data there. Read and compare before you write.
 
-    See also these errata in ERRATA: The structure of the control field is not described.
+    See also these errata in ERRATA: The manual does not describe the structure of the control field.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -2314,7 +2316,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
             write overwrites other data there. Read and compare before you write.
 
-    See also these errata in ERRATA: The structure of the control field is not described.
+    See also these errata in ERRATA: The manual does not describe the structure of the control field.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -2620,8 +2622,8 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         Only the Italian edition allows the total resolution as preset (settled): The maximum is 2^position_bits − 1.
         The singleturn models are counted among those with 65,536 turns (settled): Singleturn models have no multiturn
             bits. Their bits 48:33 are assumed to be 0.
-        The bits below the lowest singleturn bit are not described (open): All bits below the lowest singleturn bit are
-            0.
+        The manual does not describe the bits below the lowest singleturn bit (open): All bits below the lowest
+            singleturn bit are 0.
         The preset uses registers that BiSS reserves for banks (open): The registers are used as printed.
         The printed default of Preset has five bytes instead of seven (settled): The default is seven bytes of 00.
 
@@ -2709,7 +2711,7 @@ class PresetSettingEnable(IntEnum):
     """Preset setting enable (it: Abilitazione impostazione preset), register 40h, write only, over BiSS C-mode [6.4
     p.38, 10 p.52, it: 6.4 p.38].
 
-    Opens and closes the Preset registers for writing.
+    Opens the Preset registers for writing, and closes them again.
 
     Default: ``00``.
 
@@ -3207,7 +3209,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
     Errata, with their full text in ERRATA:
-        The battery alarm is missing in one list of errors to be reset (open): Data IDs 7 and C also clear the battery
+        The battery alarm is missing from one list of errors to be reset (open): Data IDs 7 and C also clear the battery
             alarm. Only with .../65K...
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.
@@ -3243,7 +3245,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
     Errata, with their full text in ERRATA:
-        The battery alarm is missing in one list of errors to be reset (open): Data IDs 7 and C also clear the battery
+        The battery alarm is missing from one list of errors to be reset (open): Data IDs 7 and C also clear the battery
             alarm. Only with .../65K...
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.

@@ -437,7 +437,7 @@ def crc_biss_6(number: int, bits: int) -> int:
     is sent) come from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing (open): The start value is 0.
+        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -459,7 +459,7 @@ def crc_biss_4(number: int, bits: int) -> int:
     public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing (open): The start value is 0.
+        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -629,12 +629,12 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
         The table of the frame has one bit more than the printed length (open): Either layout is possible. The user must
             choose, and there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
             position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
-        One profile ID is given for models with different data lengths (open): The profile ID is 281Ah for all models,
-            as printed. It does not indicate the resolution or the zero bit of the frame.
+        The manual gives one profile ID for models with different data lengths (open): The profile ID is 281Ah for all
+            models, as printed. It does not indicate the resolution or the zero bit of the frame.
         The manual does not say which errors cause a warning (open): No bit of the error register is interpreted as a
             warning. All are active errors.
-        How errors and warnings affect the position is not described (open): Error bit active: the position is not
-            usable. Warning bit active: the position is usable with a warning.
+        The manual does not say how errors and warnings affect the position (open): Error bit active: the position is
+            not usable. Warning bit active: the position is usable with a warning.
 
     Checked by decode():
         zero: 0: Always 0, between position and error bit.
@@ -828,8 +828,8 @@ class ProfileId(FixedRegister, _ProfileId):
         The table of the frame has one bit more than the printed length (open): Either layout is possible. The user must
             choose, and there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
             position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
-        One profile ID is given for models with different data lengths (open): The profile ID is 281Ah for all models,
-            as printed. It does not indicate the resolution or the zero bit of the frame.
+        The manual gives one profile ID for models with different data lengths (open): The profile ID is 281Ah for all
+            models, as printed. It does not indicate the resolution or the zero bit of the frame.
     """
 
     __slots__ = ()
@@ -880,7 +880,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata, with their full text in ERRATA:
-        The meaning of the digits of the serial number is not given (open): The serial number is a single number.
+        The manual does not say what the digits of the serial number mean (open): The serial number is a single number.
     """
 
     __slots__ = ()
@@ -993,8 +993,8 @@ class Command(IntEnum):
     Reading the same address accesses ``status`` instead.
 
     Errata, with their full text in ERRATA:
-        A singleturn encoder has a cycle counter without explanation (open): The command and the error are described as
-            printed.
+        A singleturn encoder's cycle counter is mentioned without explanation (open): The command and the error are
+            described as printed.
     """
 
     REQUEST_POSITION = 0
@@ -1100,7 +1100,7 @@ class Status(FixedRegister, _Status):
         Internal data bus busy is bit 3 in one place and bit 2 in another (settled): Internal data bus busy is bit 2.
         The manual does not say which errors cause a warning (open): No bit of the error register is interpreted as a
             warning. All are active errors.
-        The registers of the EDS are not listed (open): The generated files have no EDS.
+        The manual does not list the registers of the EDS (open): The generated files have no EDS.
     """
 
     __slots__ = ()
@@ -1156,9 +1156,9 @@ class Position(RegisterOf["BissEncoder"], _Position):
     Byte order: low byte first, at 61h.
 
     The table uses bits 31:6, which are 26 bits, and calls bits 5:0 "not used". It does not give their content. If the
-    resolution is 25 bits, the 26 bits are interpreted as the position and, in bit 6, the constant 0 bit of the BiSS
-    frame. At a lower resolution, the position is also interpreted as left-aligned. The low byte comes first, unlike in
-    the other multi-byte registers.
+    resolution is 25 bits, the 26 bits are interpreted as the position, followed in bit 6 by the constant 0 bit of the
+    BiSS frame. At a lower resolution, the position is also interpreted as left-aligned. The low byte comes first,
+    unlike in the other multi-byte registers.
 
     Errata, with their full text in ERRATA:
         The table of the frame has one bit more than the printed length (open): Either layout is possible. The user must
@@ -1243,8 +1243,8 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
     position clears a message. The message appears again while its cause persists.
 
     Errata, with their full text in ERRATA:
-        A singleturn encoder has a cycle counter without explanation (open): The command and the error are described as
-            printed.
+        A singleturn encoder's cycle counter is mentioned without explanation (open): The command and the error are
+            described as printed.
         The manual does not say which errors cause a warning (open): No bit of the error register is interpreted as a
             warning. All are active errors.
         Two ways of reading the position could reset the errors (open): Reading the position register resets the
@@ -1540,8 +1540,8 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     read, the bit does not become 1. Stop after a while and read the error register.
 
     Errata, with their full text in ERRATA:
-        A singleturn encoder has a cycle counter without explanation (open): The command and the error are described as
-            printed.
+        A singleturn encoder's cycle counter is mentioned without explanation (open): The command and the error are
+            described as printed.
         Absolute data valid is bit 2 in one place and bit 1 in another (settled): Absolute data valid is bit 1.
 
     Args:

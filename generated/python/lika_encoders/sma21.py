@@ -674,7 +674,7 @@ def crc_biss_6(number: int, bits: int) -> int:
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing (open): The start value is 0.
+        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -696,7 +696,7 @@ def crc_biss_4(number: int, bits: int) -> int:
     public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing (open): The start value is 0.
+        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -802,15 +802,15 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        position: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
-        error: Bit di errore: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or
-            upside down, surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the
-            tape). True when 0: an error is present and the LED is red. False when 1: normal state without an active
-            error. The LED is off. While it is True, the position is not usable.
+        position: Position in counts. Multiplied by the resolution, it gives a length. Unit: counts.
+        error: Bit di errore: Reading error (the tape is not read properly because it is mounted incorrectly, for
+            instance reversed or upside down, its surface is damaged, or the sensor is faulty) or frequency error (the
+            sensor moves too fast over the tape). True when 0: an error is present and the LED is red. False when 1:
+            normal state without an active error. The LED is off. While it is True, the position is not usable.
 
     ``position`` is in Gray code while ``ssi_gray`` is 1, and in binary while it is 0.
 
-    The word has 21, 23, 24, 25 or 26 bits, position and error bit, and starts with the most significant bit. Further
+    The word has 21, 23, 24, 25 or 26 bits, including the error bit, and starts with the most significant bit. Further
     clock pulses read zeros after the word. There is no warning bit and no CRC. Bit 0 is the error bit. The LSB of the
     position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
 
@@ -819,8 +819,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             Sending one more clock than there are bits in the word satisfies both.
         The manual does not say which bits are in Gray code (open): Only the position is coded. The error bit, the
             warning bit and the CRC are sent unchanged.
-        How single alarms affect the position is not described (open): The position is not usable if any of these is
-            active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset. The
+        The manual does not say how single alarms affect the position (open): The position is not usable if any of these
+            is active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset. The
             position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW. It is
             usable while none is active (9.1).
     """
@@ -911,11 +911,11 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        position: Posizione: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
-        error: nE: Reading error (the tape is not read properly: mounted wrongly, for instance reversed or upside down,
-            surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the tape). True when
-            0: an error is present and the LED is red. False when 1: normal state without an active error. The LED is
-            off. While it is True, the position is not usable.
+        position: Posizione: Position in counts. Multiplied by the resolution, it gives a length. Unit: counts.
+        error: nE: Reading error (the tape is not read properly because it is mounted incorrectly, for instance reversed
+            or upside down, its surface is damaged, or the sensor is faulty) or frequency error (the sensor moves too
+            fast over the tape). True when 0: an error is present and the LED is red. False when 1: normal state without
+            an active error. The LED is off. While it is True, the position is not usable.
         warning: Warning, nW: Used with the Position check register for an automatic check of the position. It is only
             for Lika's technicians. True when 0: warning active. False when 1: no warning active. While it is True, the
             position is usable, with a warning. Reserved for the manufacturer.
@@ -932,23 +932,23 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     Errata, with their full text in ERRATA:
         The manual does not say which bits are in Gray code (open): Only the position is coded. The error bit, the
             warning bit and the CRC are sent unchanged.
-        The frame is one bit longer than printed at 1 µm (settled): The frame has 32 bits at resolutions of 50 µm to 2
+        At 1 µm, the frame is one bit longer than printed (settled): The frame has 32 bits at resolutions of 50 µm to 2
             µm and 33 bits at 1 µm.
         Bits that should be 0 carry data with an offset (open): While an offset is selected in the Configuration
             register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the
             bits above the position are zero, and a frame with a nonzero bit there is rejected.
-        The values of positions below zero are not given (open): Over SSI and BiSS, the position wraps around after
-            2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its field.
-            The 48-bit position can be negative, and it never wraps around.
-        The level of an active warning is not given (open): 0 means a warning, as with the error bit.
-        How single alarms affect the position is not described (open): The position is not usable if any of these is
-            active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset. The
+        The manual does not give the values of positions below zero (open): Over SSI and BiSS, the position wraps around
+            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
+            field. The 48-bit position can be negative, and it never wraps around.
+        The manual does not give the level of an active warning (open): 0 means a warning, as with the error bit.
+        The manual does not say how single alarms affect the position (open): The position is not usable if any of these
+            is active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset. The
             position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW. It is
             usable while none is active (9.1).
 
     Checked by decode():
-        padding: Zeros above the position, part of the manual's Posizione. There are none while an offset is selected.
-            Always 0.
+        padding: Zeros above the position, which the manual counts as part of Posizione. There are none while an offset
+            is selected. Always 0.
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
@@ -1025,7 +1025,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     raise CrcError(received_crc, computed_crc)
                 if variant.biss_gray:
                     word = from_gray(word, low=8, width=position_bits)
-                padding_ = word >> padding_low  # Zeros above the position, part of the manual's Posizione
+                padding_ = word >> padding_low
                 if padding_:
                     raise ConstantError("padding", padding_, 0)
                 values = (
@@ -1157,7 +1157,7 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
             errors with data ID B.
-        position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
+        position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it gives a length. Unit: counts.
             Right-aligned in 24 bits, with zeros above it.
         overspeed: Overspeed. True when 1: speed too high. False when 0: no overspeed. While it is True, the position is
             not usable.
@@ -1182,18 +1182,19 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     bits 23:20.
 
     Errata, with their full text in ERRATA:
-        The values of positions below zero are not given (open): Over SSI and BiSS, the position wraps around after
-            2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its field.
-            The 48-bit position can be negative, and it never wraps around.
+        The manual does not give the values of positions below zero (open): Over SSI and BiSS, the position wraps around
+            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
+            field. The 48-bit position can be negative, and it never wraps around.
         The highest 24-bit position has one digit too many (settled): The highest value is FFFFFFh.
-        The width of the position over RS-485 is not given by model (open): The position has 20 bits at 50 µm, 22 at 10
+        The manual does not give the RS-485 position width by model (open): The position has 20 bits at 50 µm, 22 at 10
             µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
         Arrows show the bytes of the position in the opposite order (settled): ABS0 is sent first.
 
-    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms
-    affect the position is not described; The reply in the example sets an unused status bit; The level of the error bit
-    is given without its interface; Before edition 1.1: implementation of encoder inharmonious error; Before edition
-    1.1: active state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious error.
+    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; The manual does
+    not say how single alarms affect the position; The reply in the example sets an unused status bit; The manual gives
+    an error bit level without naming the interface; Before edition 1.1: implementation of encoder inharmonious error;
+    Before edition 1.1: active state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious
+    error.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
@@ -1360,8 +1361,8 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
             errors with data ID B.
-        position: ABS0 ... ABS5: Position in counts. Multiplied by the resolution, it is a length. Unit: counts. Signed,
-            in two's complement.
+        position: ABS0 ... ABS5: Position in counts. Multiplied by the resolution, it gives a length. Unit: counts.
+            Signed, in two's complement.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
@@ -1372,17 +1373,18 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     field reports errors.
 
     Errata, with their full text in ERRATA:
-        The values of positions below zero are not given (open): Over SSI and BiSS, the position wraps around after
-            2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its field.
-            The 48-bit position can be negative, and it never wraps around.
+        The manual does not give the values of positions below zero (open): Over SSI and BiSS, the position wraps around
+            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
+            field. The 48-bit position can be negative, and it never wraps around.
         The highest 48-bit position lacks two digits (settled): The highest value is 7FFFFFFFFFFFh.
-        High bits of the signed 48-bit position are said to be 0 (open): The position is signed and uses all 48 bits.
+        The manual says that high bits of the signed 48-bit position are 0 (open): The position is signed and uses all
+            48 bits.
         The reply in the example sets an unused status bit (open): dd0 to dd3 are unused and 0, as in 7.3.2. A reply
             with other values is decoded, and the bits are reported.
         Arrows show the bytes of the position in the opposite order (settled): ABS0 is sent first.
 
-    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms
-    affect the position is not described; The level of the error bit is given without its interface.
+    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; The manual does
+    not say how single alarms affect the position; The manual gives an error bit level without naming the interface.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
@@ -1523,7 +1525,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
             errors with data ID B.
-        position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it is a length. Unit: counts.
+        position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it gives a length. Unit: counts.
             Right-aligned in 24 bits, with zeros above it.
         overspeed: Overspeed. True when 1: speed too high. False when 0: no overspeed. While it is True, the position is
             not usable.
@@ -1546,14 +1548,15 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
 
     Errata, with their full text in ERRATA:
         The highest 24-bit position has one digit too many (settled): The highest value is FFFFFFh.
-        The width of the position over RS-485 is not given by model (open): The position has 20 bits at 50 µm, 22 at 10
+        The manual does not give the RS-485 position width by model (open): The position has 20 bits at 50 µm, 22 at 10
             µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
         Arrows show the bytes of the position in the opposite order (settled): ABS0 is sent first.
 
-    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms
-    affect the position is not described; The reply in the example sets an unused status bit; The level of the error bit
-    is given without its interface; Before edition 1.1: implementation of encoder inharmonious error; Before edition
-    1.1: active state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious error.
+    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; The manual does
+    not say how single alarms affect the position; The reply in the example sets an unused status bit; The manual gives
+    an error bit level without naming the interface; Before edition 1.1: implementation of encoder inharmonious error;
+    Before edition 1.1: active state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious
+    error.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
@@ -1926,8 +1929,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata, with their full text in ERRATA:
-        The coding of year, week and serial number is not given (open): The values are three binary numbers: one byte,
-            one byte, and two bytes with the high byte first.
+        The manual does not give the coding of year, week and serial number (open): The values are three binary numbers:
+            one byte, one byte, and two bytes with the high byte first.
     """
 
     __slots__ = ()
@@ -2322,7 +2325,7 @@ class PositionCheck(FixedRegister, _PositionCheck):
     Do not change the value. It is only for Lika's technicians.
 
     Errata, with their full text in ERRATA:
-        One default is missing in the list of defaults (open): The default is 00h.
+        One default is missing from the list of defaults (open): The default is 00h.
     """
 
     __slots__ = ()
@@ -2825,7 +2828,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     Errata, with their full text in ERRATA:
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.
-        The duration of a reset over RS-485 is missing (open): The generated files specify no wait time.
+        The duration of a reset over RS-485 is missing from the manual (open): The generated files specify no wait time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2859,7 +2862,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         Zero setting over RS-485 is denied and described (open): Data ID F is used as described in 7.3.1 and 7.3.3.2.
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.
-        The duration of a reset over RS-485 is missing (open): The generated files specify no wait time.
+        The duration of a reset over RS-485 is missing from the manual (open): The generated files specify no wait time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

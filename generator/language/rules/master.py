@@ -132,9 +132,12 @@ def _is_item(item_name: str, path: Path, report: DocumentReport, valid_items: tu
     """
     if item_name in valid_items:
         return True
-    hint = "; it is a word, not a number" if item_name in _ITEM_NAMES else suggest_word(item_name, valid_items)
-    noun = "number" if valid_items is not _ITEM_NAMES else "item"
-    report.add("undefined-reference", path, f"the record has no {noun} {quoted(item_name)}{hint}")
+    if item_name in _ITEM_NAMES:
+        message = f"{quoted(item_name)} of the record is a word, not a number"
+    else:
+        noun = "number" if valid_items is not _ITEM_NAMES else "item"
+        message = f"the record has no {noun} {quoted(item_name)}{suggest_word(item_name, valid_items)}"
+    report.add("undefined-reference", path, message)
     return False
 
 

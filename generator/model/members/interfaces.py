@@ -50,7 +50,7 @@ INTERFACES = (
         ModelMember(
             "word_bits",
             "expression?",
-            "Bits of the request and of its reply over SPI. null if they are those of the interface.",
+            "Number of bits in the request and in its reply over SPI. null if the interface's word_bits applies.",
         ),
         ModelMember("reply", "name", "Frame with which the encoder answers. Empty if it does not answer."),
         ModelMember("purpose", "name", "Effect of the request."),

@@ -116,7 +116,7 @@ static inline cw_result cw_biss_slave_allow(
     return CW_OK;
 }
 
-/** Give a slave the content of the register it wants. Without such a request, this does nothing. */
+/** Pass a slave the content of the register it asked for. Without a request, this does nothing. */
 static inline void cw_biss_slave_give(cw_biss_slave *slave, uint8_t value)
 {
     if (slave->wants == CW_BISS_WANTS_BYTE) {

@@ -14,8 +14,8 @@ from .errors import FrameError, LengthError, RangeError
 #: A frame or register in bytes: any buffer of single bytes, such as one row of an array.
 Data = bytes | bytearray | memoryview
 
-#: A frame that is a string of bits: a number, the first bit sent most significant, text of 0 and 1, or bytes that
-#: contain the number, most significant first.
+#: A frame that is a string of bits: a number whose most significant bit is the first bit sent, a text of 0s and 1s,
+#: or bytes that contain the number, most significant byte first.
 Word = SupportsIndex | str | bytes | bytearray | memoryview
 
 #: Many frames of bytes: an array of uint8 with one row per frame, all bytes in sequence, or a list of frames.

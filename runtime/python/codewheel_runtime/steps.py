@@ -80,7 +80,7 @@ class Read(NamedTuple):
 class Verify(NamedTuple):
     """Read back what earlier steps wrote to a register, and stop if a bit in ``mask`` differs.
 
-    Over BiSS, a disturbed write can look as if it had been stored. This step is not in the manuals. It ensures that
+    Over BiSS, a corrupted write can look as if it had succeeded. This step is not in the manuals. It ensures that
     only the intended value is saved or activated. ``mask`` and ``order`` apply to the number that the bytes form.
     """
 

@@ -705,7 +705,7 @@ class EdsBank(FixedRegister, _EdsBank):
     First bank of the electronic data sheet. 00h and FFh stand for none.
 
     Errata, with their full text in ERRATA:
-        The access to the identification registers is missing (open): They are read-only.
+        Access to the identification registers is missing from their tables (open): They are read-only.
     """
 
     __slots__ = ()
@@ -751,7 +751,7 @@ class ProfileId(FixedRegister, _ProfileId):
 
     Errata, with their full text in ERRATA:
         The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
-        The access to the identification registers is missing (open): They are read-only.
+        Access to the identification registers is missing from their tables (open): They are read-only.
     """
 
     __slots__ = ()
@@ -797,7 +797,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
     Errata, with their full text in ERRATA:
         The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
-        The access to the identification registers is missing (open): They are read-only.
+        Access to the identification registers is missing from their tables (open): They are read-only.
     """
 
     __slots__ = ()
@@ -1099,7 +1099,7 @@ class DeviceId(FixedRegister, _DeviceId):
 
     Errata, with their full text in ERRATA:
         The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
-        The access to the identification registers is missing (open): They are read-only.
+        Access to the identification registers is missing from their tables (open): They are read-only.
     """
 
     __slots__ = ()
@@ -1145,7 +1145,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
     Errata, with their full text in ERRATA:
         The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
-        The access to the identification registers is missing (open): They are read-only.
+        Access to the identification registers is missing from their tables (open): They are read-only.
     """
 
     __slots__ = ()

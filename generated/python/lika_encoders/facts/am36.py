@@ -255,7 +255,7 @@ SSI: Final = SsiFacts(
 # are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is switched off.
 # Used: The registers and the frame use 65,536. 4096 is used only on the label.
 #
-# Erratum: The rule for the BiSS time-out is missing (open) [6.6 p.32, prot: p.18]:
+# Erratum: The rule for the BiSS time-out is missing from the manual (open) [6.6 p.32, prot: p.18]:
 # Printed: BiSS time-out: "Self-adaptable to the clock, 10 µs max.".
 # Used: The time-out is at most 10 µs. No rule is given.
 #
@@ -722,8 +722,8 @@ INPUTS: Final[tuple[Input, ...]] = (
             "from a PLC or another controller"
         ),
         printed_name="Zero setting/Preset",
-        low="0VDC: normal level, nothing happens",
-        high="+VDC: zero setting or preset is activated",
+        low="0VDC. This is the normal level, and nothing happens",
+        high="+VDC. The zero setting or preset is activated",
         pulse_at_least_us=100,
         needs="configuration.enable_preset",
         when_unused="0VDC",
@@ -741,10 +741,13 @@ INPUTS: Final[tuple[Input, ...]] = (
             "from the shaft end"
         ),
         printed_name="Counting direction (Complementary input)",
-        low="0VDC: counts up clockwise (CW). Over BiSS, the direction is the one set by the \"Counting direction\" bit",
+        low=(
+            "0VDC. The position counts up clockwise (CW). Over BiSS, the direction is the one set by the \"Counting "
+            "direction\" bit"
+        ),
         high=(
-            "+VDC: counts up counter-clockwise (CCW). Over BiSS, the direction is the opposite of the one set by the "
-            "\"Counting direction\" bit"
+            "+VDC. The position counts up counter-clockwise (CCW). Over BiSS, the direction is the opposite of the "
+            "one set by the \"Counting direction\" bit"
         ),
         inverts="configuration.counting_direction",
         when_unused="0VDC",
@@ -969,7 +972,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="input_levels",
-        title="The voltage of the low and high input levels is not given clearly",
+        title="The manual does not clearly give the low and high input voltages",
         printed="The inputs are connected to 0VDC or +VDC, low and high logic level.",
         used="0VDC is the low level. +VDC is the high level.",
         why=(
@@ -1153,7 +1156,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_order",
-        title="The order of singleturn and multiturn is missing",
+        title="The order of singleturn and multiturn is missing from the manual",
         printed="The manual gives only the length of the position, not the order of singleturn and multiturn",
         used=(
             "Multiturn comes first, as the more significant part. Singleturn follows. In Gray code, both form one "
@@ -1231,7 +1234,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        title="The start value of the BiSS CRCs is missing",
+        title="The start value of the BiSS CRCs is missing from the manual",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
@@ -1301,7 +1304,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="revolution_bits_rounding",
-        title="The number of bits for 2,000 revolutions and the like is not given",
+        title="The manual does not give the number of bits for 2,000 revolutions",
         printed="Number of revolutions may be any number. Register 57h shows the bits used for it",
         used="The number of bits is read from register 57h, not computed.",
         why=(
@@ -1331,7 +1334,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="serial_number_coding",
-        title="The coding of year, week and serial number is not given",
+        title="The manual does not give the coding of year, week and serial number",
         printed=(
             "\"in hexadecimal notation. Register 44: year\", register 45: week, \"Registers 46 and 47: serial "
             "number\""
@@ -1362,9 +1365,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="set_resolution saves the resolution first, and only then writes and activates the preset.",
         why=(
-            "According to 4Bh and 4Eh, a preset written after the resolution would remain. According to 48h and 50h, "
-            "the command clears it. The manual does not say what the command \"Save parameters on EEPROM\" does to "
-            "such a preset."
+            "According to the descriptions of 4Bh and 4Eh, a preset written after the resolution would stay. "
+            "According to those of 48h and 50h, the command clears it. The manual does not say what the command "
+            "\"Save parameters on EEPROM\" does to such a preset."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1418,7 +1421,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="resolution_byte_order",
-        title="The byte order of the resolution registers is not given",
+        title="The manual does not give the byte order of the resolution registers",
         printed=(
             "The manual prints 10 00 00h for 4B ... 4D, and 00 01h and the like for 4E - 4F, without a table of the "
             "bytes"
@@ -1435,7 +1438,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="resolution_byte_by_byte",
-        title="When a value of several bytes becomes active is not described",
+        title="The manual does not say when a value of several bytes becomes active",
         printed=(
             "A new value is \"active immediately after transmission\". Values that are not a power of two cannot be "
             "accepted."
@@ -1514,7 +1517,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout_length",
-        title="The rule for the BiSS time-out is missing",
+        title="The rule for the BiSS time-out is missing from the manual",
         printed="BiSS time-out: \"Self-adaptable to the clock, 10 µs max.\"",
         used="The time-out is at most 10 µs. No rule is given.",
         why=(

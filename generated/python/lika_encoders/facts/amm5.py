@@ -268,7 +268,7 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum: The registers of the profile ID are not listed (open) [6 p.31, 6.4 p.35, prot: p.14-15]:
+# Erratum: The manual does not list the registers of the profile ID (open) [6 p.31, 6.4 p.35, prot: p.14-15]:
 # Printed: The encoder complies with the "Standard encoder profile". No register 42h to 43h is listed.
 # Used: The generated files have no profile ID.
 #
@@ -373,7 +373,8 @@ BISS: Final = BissFacts(
 # Printed: The request is sent ten times in succession, at transmission intervals of 40 µs or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
-# Erratum: The reply time over RS-485 is missing (open) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
+# Erratum: The reply time over RS-485 is missing from the manual (open) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2
+# p.41]:
 # Printed: The manual describes requests and replies, but not the time between them.
 # Used: The generated files have no reply time and no time-out. The master chooses its time-out.
 #
@@ -1160,7 +1161,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             default=b"\x00",
             fields=(FieldFacts(name="state"),),
             names=ReadOnly({"it": "Abilitazione impostazione preset"}),
-            meaning="Opens and closes the Preset registers for writing",
+            meaning="Opens the Preset registers for writing, and closes them again",
             note="The list of defaults (section 10) gives 00, although the register cannot be read.",
             source="6.4 p.38, 10 p.52, it: 6.4 p.38",
         ),
@@ -1988,7 +1989,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_order",
-        title="The order of singleturn and multiturn is missing",
+        title="The order of singleturn and multiturn is missing from the manual",
         printed=(
             "The manual prints only \"17 + 16 bits\" and the like, not the order of singleturn and multiturn in the "
             "position"
@@ -2034,7 +2035,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_id_missing",
-        title="The registers of the profile ID are not listed",
+        title="The manual does not list the registers of the profile ID",
         printed="The encoder complies with the \"Standard encoder profile\". No register 42h to 43h is listed.",
         used="The generated files have no profile ID.",
         why=(
@@ -2093,7 +2094,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        title="The start value of the BiSS CRCs is missing",
+        title="The start value of the BiSS CRCs is missing from the manual",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
@@ -2236,7 +2237,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_bits_below_lsb",
-        title="The bits below the lowest singleturn bit are not described",
+        title="The manual does not describe the bits below the lowest singleturn bit",
         printed=(
             "The manual says only that bits 9:8 and byte 11h are 0. The lowest singleturn bit is bit 12 for 21 bits "
             "and bit 16 for 17 bits."
@@ -2337,7 +2338,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_field_structure",
-        title="The structure of the control field is not described",
+        title="The manual does not describe the structure of the control field",
         printed="The manual prints one byte for each data ID, without its structure",
         used="Bits 2:0 are 010, bits 6:3 are the data ID, and bit 7 is the even parity of the data ID.",
         why="All nine printed bytes fit this structure. Public sources give it for the T-format.",
@@ -2408,7 +2409,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="reset_ids_singleturn_value",
-        title="Three reset requests are said to concern the singleturn value",
+        title="The manual says that three reset requests concern the singleturn value",
         printed="Resetting data/errors: Data ID 7, 8 and C, each (singleturn value)",
         used="The parenthesis describes the content of the reply. The reset data are described in 7.4.2.",
         why=(
@@ -2492,7 +2493,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="battery_alarm_reset",
-        title="The battery alarm is missing in one list of errors to be reset",
+        title="The battery alarm is missing from one list of errors to be reset",
         printed=(
             "7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch errors (PS error, "
             "ST error, MT error)"
@@ -2606,7 +2607,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc_code_undeclared",
-        title="The printed CRC code uses a variable without a declaration",
+        title="The printed CRC code uses a variable without declaring it",
         printed="CRC8 = 0; as the first line of the function",
         used="The generated files do not use the printed code.",
         why="CRC8 is not declared anywhere, so the printed function does not compile.",
@@ -2773,7 +2774,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_polarity",
-        title="The polarity of the RS-485 lines A and B is not given",
+        title="The manual does not give the polarity of the RS-485 lines A and B",
         printed="The manual names A (RS-485) and B (RS-485), without + or -",
         used="The names are given as printed. No polarity is assumed.",
         why=(
@@ -2788,7 +2789,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_reply_time",
-        title="The reply time over RS-485 is missing",
+        title="The reply time over RS-485 is missing from the manual",
         printed="The manual describes requests and replies, but not the time between them",
         used="The generated files have no reply time and no time-out. The master chooses its time-out.",
         why=(

@@ -199,7 +199,7 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum: The rule for the BiSS time-out is missing (open) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
+# Erratum: The rule for the BiSS time-out is missing from the manual (open) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
 # Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz).
 # Used: Only the printed value is used. The generated files have no rule for other clock frequencies.
 
@@ -579,9 +579,9 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             meaning="Absolute position",
             note=(
                 "The table uses bits 31:6, which are 26 bits, and calls bits 5:0 \"not used\". It does not give their "
-                "content. If the resolution is 25 bits, the 26 bits are interpreted as the position and, in bit 6, "
-                "the constant 0 bit of the BiSS frame. At a lower resolution, the position is also interpreted as "
-                "left-aligned. The low byte comes first, unlike in the other multi-byte registers."
+                "content. If the resolution is 25 bits, the 26 bits are interpreted as the position, followed in bit "
+                "6 by the constant 0 bit of the BiSS frame. At a lower resolution, the position is also interpreted "
+                "as left-aligned. The low byte comes first, unlike in the other multi-byte registers."
             ),
             source="6.4 p.29",
         ),
@@ -1152,7 +1152,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="connector_free_pins",
-        title="The unused pins of the connectors are not listed",
+        title="The manual does not list the unused pins of the connectors",
         printed=(
             "The table has rows for six pins of the M12 and of the M23 connector, and two rows \"not connected\" with "
             "a dash for both connectors"
@@ -1295,7 +1295,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        title="The start value of the BiSS CRCs is missing",
+        title="The start value of the BiSS CRCs is missing from the manual",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
@@ -1317,7 +1317,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="cycle_counter",
-        title="A singleturn encoder has a cycle counter without explanation",
+        title="A singleturn encoder's cycle counter is mentioned without explanation",
         printed=(
             "Command 02 sets the cycle counter. Synchronization error is about \"the cycle counter and the "
             "interpolator\""
@@ -1365,7 +1365,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "frame fails, the other layout is likely."
         ),
         why=(
-            "nbitres+8 is the number of the top bit in the table, and the profile ID also has 25 + 1 bits. However, "
+            "In the table, nbitres+8 is the number of the top bit. The profile ID also gives 25 + 1 bits. However, "
             "the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without "
             "the 0 bit, and 33 is nbitres+8 as printed. A receiver that reads one bit too many or too few rejects "
             "every intact frame, because the inverted CRC never matches a frame shifted by one bit. This does not "
@@ -1385,7 +1385,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_id_data_length",
-        title="One profile ID is given for models with different data lengths",
+        title="The manual gives one profile ID for models with different data lengths",
         printed="The manual gives the profile ID 28 1A, data length 25 + 1 bits, for all models",
         used=(
             "The profile ID is 281Ah for all models, as printed. It does not indicate the resolution or the zero bit "
@@ -1410,8 +1410,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "The table lists the value for this encoder. In the SMA21 manual, 0-24 is used with 20 to 24 bits and "
             "0-24+++ with 25. In profilebiss.xml, bits 15:13 of a profile ID select the profile, and 0 is BP0. In "
-            "281Ah they are 001, which would be BP1. Its public opening ends within BP0, and no other public document "
-            "gives the meaning of the signs."
+            "281Ah they are 001, which would be BP1. The public part of profilebiss.xml ends within BP0, and no other "
+            "public document gives the meaning of the + signs."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -1420,7 +1420,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="serial_number_digits",
-        title="The meaning of the digits of the serial number is not given",
+        title="The manual does not say what the digits of the serial number mean",
         printed="The manual describes a serial number in ascending order, with the example 171256846",
         used="The serial number is a single number.",
         why=(
@@ -1486,7 +1486,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_under_error",
-        title="How errors and warnings affect the position is not described",
+        title="The manual does not say how errors and warnings affect the position",
         printed="nE and nW report an active error or warning. The effect on the position is not given.",
         used="Error bit active: the position is not usable. Warning bit active: the position is usable with a warning.",
         why=(
@@ -1552,7 +1552,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout",
-        title="The rule for the BiSS time-out is missing",
+        title="The rule for the BiSS time-out is missing from the manual",
         printed="BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz)",
         used="Only the printed value is used. The generated files have no rule for other clock frequencies.",
         why=(
@@ -1577,7 +1577,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="eds_bank_missing",
-        title="The registers of the EDS are not listed",
+        title="The manual does not list the registers of the EDS",
         printed="Status bit 3: write access permitted to the EDS memory area. No registers 40h and 41h are listed.",
         used="The generated files have no EDS.",
         why=(

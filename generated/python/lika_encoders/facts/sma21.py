@@ -256,7 +256,7 @@ SSI: Final = SsiFacts(
 # field, not of the position, and the variant with one more bit has one plus sign fewer. A master that takes the length
 # of the data from the profile ID would miss 4, 2 or 1 bits with this encoder.
 #
-# Erratum: The rule for the BiSS time-out is missing (open) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
+# Erratum: The rule for the BiSS time-out is missing from the manual (open) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
 # Printed: The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule.
 # Used: The time-out is at most 16 µs.
 
@@ -330,7 +330,7 @@ BISS: Final = BissFacts(
 # 40 µs or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
-# Erratum: The reply time over RS-485 is missing (open) [7.1 p.37, 7.2 p.37]:
+# Erratum: The reply time over RS-485 is missing from the manual (open) [7.1 p.37, 7.2 p.37]:
 # Printed: The manual describes requests and replies, but not the time between them.
 # Used: The generated files have no reply time and no time-out. The master chooses its time-out.
 
@@ -402,9 +402,9 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="error",
             printed_name="",
             meaning=(
-                "an error is present and the LED is red. Reading error (the tape is not read properly: mounted "
-                "wrongly, for instance reversed or upside down, surface damaged, or the sensor faulty) or frequency "
-                "error (sensor moves too fast over the tape)."
+                "an error is present and the LED is red. Reading error (the tape is not read properly because it is "
+                "mounted incorrectly, for instance reversed or upside down, its surface is damaged, or the sensor is "
+                "faulty) or frequency error (the sensor moves too fast over the tape)."
             ),
             makes_position=Verdict.NOT_USABLE,
             source="5.4 p.22",
@@ -529,15 +529,15 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
         "ssi_word": (
             FieldFacts(
                 name="position",
-                meaning="Position in counts. Multiplied by the resolution, it is a length",
+                meaning="Position in counts. Multiplied by the resolution, it gives a length",
                 unit="counts",
             ),
             FieldFacts(
                 name="error",
                 meaning=(
-                    "Reading error (the tape is not read properly: mounted wrongly, for instance reversed or upside "
-                    "down, surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the "
-                    "tape)"
+                    "Reading error (the tape is not read properly because it is mounted incorrectly, for instance "
+                    "reversed or upside down, its surface is damaged, or the sensor is faulty) or frequency error "
+                    "(the sensor moves too fast over the tape)"
                 ),
                 active="low",
                 when_active="an error is present and the LED is red",
@@ -550,14 +550,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="padding",
                 meaning=(
-                    "Zeros above the position, part of the manual's Posizione. There are none while an offset is "
-                    "selected"
+                    "Zeros above the position, which the manual counts as part of Posizione. There are none while an "
+                    "offset is selected"
                 ),
                 constant=0,
             ),
             FieldFacts(
                 name="position",
-                meaning="Position in counts. Multiplied by the resolution, it is a length",
+                meaning="Position in counts. Multiplied by the resolution, it gives a length",
                 unit="counts",
                 names=ReadOnly({"it": "Posizione"}),
                 source="6.2 p.25",
@@ -566,9 +566,9 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="error",
                 printed_name="nE",
                 meaning=(
-                    "Reading error (the tape is not read properly: mounted wrongly, for instance reversed or upside "
-                    "down, surface damaged, or the sensor faulty) or frequency error (sensor moves too fast over the "
-                    "tape)"
+                    "Reading error (the tape is not read properly because it is mounted incorrectly, for instance "
+                    "reversed or upside down, its surface is damaged, or the sensor is faulty) or frequency error "
+                    "(the sensor moves too fast over the tape)"
                 ),
                 active="low",
                 when_active="an error is present and the LED is red",
@@ -684,7 +684,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="position",
                 printed_name="ABS0, ABS1, ABS2",
-                meaning="Position in counts. Multiplied by the resolution, it is a length",
+                meaning="Position in counts. Multiplied by the resolution, it gives a length",
                 unit="counts",
             ),
             FieldFacts(name="position_padding", meaning="Always zero", constant=0),
@@ -819,7 +819,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="position",
                 printed_name="ABS0 ... ABS5",
-                meaning="Position in counts. Multiplied by the resolution, it is a length",
+                meaning="Position in counts. Multiplied by the resolution, it gives a length",
                 unit="counts",
                 signed=True,
             ),
@@ -886,7 +886,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="position",
                 printed_name="ABS0, ABS1, ABS2",
-                meaning="Position in counts. Multiplied by the resolution, it is a length",
+                meaning="Position in counts. Multiplied by the resolution, it gives a length",
                 unit="counts",
             ),
             FieldFacts(name="position_padding", meaning="Always zero", constant=0),
@@ -1448,9 +1448,9 @@ LEDS: Final[tuple[Led, ...]] = (
             LedState(
                 "red after power-on",
                 (
-                    "The tape is not read properly: mounted wrongly (for instance reversed relative to the sensor, or "
-                    "upside down), its surface is damaged, or the sensor is faulty. Wrong data may be sent. The LED "
-                    "goes off as soon as the fault is gone."
+                    "The tape is not read properly because it is mounted incorrectly (for instance reversed relative "
+                    "to the sensor, or upside down), its surface is damaged, or the sensor is faulty. Wrong data may "
+                    "be sent. The LED goes off as soon as the fault is gone."
                 ),
             ),
             LedState(
@@ -1535,7 +1535,7 @@ TABLES: Final[tuple[Table, ...]] = (
         rows=(
             (
                 "No output signals",
-                "Tape or sensor mounted wrongly: magnetic side not facing the sensor, or sensor turned (section 3)",
+                "Tape or sensor mounted incorrectly: magnetic side not facing the sensor, or sensor turned (section 3)",
             ),
             (
                 "No output signals",
@@ -1556,7 +1556,7 @@ TABLES: Final[tuple[Table, ...]] = (
                 "Wrong measurements or none at some positions",
                 "Coupling tolerances not met over the whole axis (section 3)",
             ),
-            ("Wrong measurements or none at some positions", "Sensor mounted wrongly on the tape (section 3)"),
+            ("Wrong measurements or none at some positions", "Sensor mounted incorrectly on the tape (section 3)"),
             (
                 "Wrong measurements or none at some positions",
                 "Electromagnetic noise: look for high-voltage cables nearby, check the ground",
@@ -1977,7 +1977,7 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="parts_of_the_manual",
-        title="The manual is said to have four parts and lists five",
+        title="The manual says that it has four parts, and lists five",
         printed="The manual can be divided into four parts (\"quattro parti\").",
         used="The manual has five parts.",
         why="The list that follows names five. The last one is about the incremental signals.",
@@ -2034,7 +2034,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        title="The start value of the BiSS CRCs is missing",
+        title="The start value of the BiSS CRCs is missing from the manual",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
@@ -2186,7 +2186,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="scd_length",
-        title="The frame is one bit longer than printed at 1 µm",
+        title="At 1 µm, the frame is one bit longer than printed",
         printed="SCD (32 bit), with a position of 24 or 25 bits",
         used="The frame has 32 bits at resolutions of 50 µm to 2 µm and 33 bits at 1 µm.",
         why=(
@@ -2231,7 +2231,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_below_zero",
-        title="The values of positions below zero are not given",
+        title="The manual does not give the values of positions below zero",
         printed=(
             "Positions before the preset get a value according to it. The manual does not give the values sent below "
             "zero or above the maximum"
@@ -2257,7 +2257,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="warning_level",
-        title="The level of an active warning is not given",
+        title="The manual does not give the level of an active warning",
         printed="The manual lists Warning, nW, but does not say which level means a warning",
         used="0 means a warning, as with the error bit.",
         why="The name nW and the BiSS documents make it active low. The bit is only for Lika's technicians.",
@@ -2286,7 +2286,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="serial_number_coding",
-        title="The coding of year, week and serial number is not given",
+        title="The manual does not give the coding of year, week and serial number",
         printed="The manual gives year, week and number in hexadecimal (\"in esadecimale\"), without an example",
         used="The values are three binary numbers: one byte, one byte, and two bytes with the high byte first.",
         why=(
@@ -2393,7 +2393,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout",
-        title="The rule for the BiSS time-out is missing",
+        title="The rule for the BiSS time-out is missing from the manual",
         printed=(
             "The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule"
         ),
@@ -2448,7 +2448,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="alarm_storage",
-        title="The sum of stored alarms is said not to be stored",
+        title="The manual says that the combined bit of stored alarms is not stored",
         printed=(
             "ALMC is kept until the errors are reset. The alarm bit ea0, the sum of its bits 6 and 7, is cleared as "
             "soon as the cause is gone"
@@ -2465,7 +2465,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_under_error",
-        title="How single alarms affect the position is not described",
+        title="The manual does not say how single alarms affect the position",
         printed=(
             "ea0: a fault may follow, but the position is correct. ea1: there is a fault or an error in the position, "
             "or the motor must stop. nE: the last valid position may be frozen, or wrong data may be sent. The manual "
@@ -2516,7 +2516,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="wide_position_sign",
-        title="High bits of the signed 48-bit position are said to be 0",
+        title="The manual says that high bits of the signed 48-bit position are 0",
         printed="Unused high bits are 0. The 48-bit position is signed.",
         used="The position is signed and uses all 48 bits.",
         why=(
@@ -2530,7 +2530,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_position_width",
-        title="The width of the position over RS-485 is not given by model",
+        title="The manual does not give the RS-485 position width by model",
         printed=(
             "SSI and BiSS have a table of the position by model. RS-485 has examples of 23, 22 and 20 bits without a "
             "model, and at most 24 bits"
@@ -2569,7 +2569,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="shaft",
-        title="A linear encoder is said to have a shaft",
+        title="The manual says that a linear encoder has a shaft",
         printed="Data ID F: while the shaft is at rest (\"mentre l'albero è in stop\")",
         used="The condition is that the sensor is at rest.",
         why="A linear encoder has no shaft.",
@@ -2580,7 +2580,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_reset_duration",
-        title="The duration of a reset over RS-485 is missing",
+        title="The duration of a reset over RS-485 is missing from the manual",
         printed=(
             "Send no request until the initialization is over. No request is accepted while the position is being "
             "reset. No time is given."
@@ -2649,7 +2649,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="error_bit_level",
-        title="The level of the error bit is given without its interface",
+        title="The manual gives an error bit level without naming the interface",
         printed="When the fault is gone the error bit goes to the high level (\"commuta al livello logico alto\").",
         used=(
             "This level applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error, and it "
@@ -2725,7 +2725,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_check_default",
-        title="One default is missing in the list of defaults",
+        title="One default is missing from the list of defaults",
         printed="Register 59h can be written and has the default 00h. The list of defaults omits it.",
         used="The default is 00h",
         why=(
@@ -2750,7 +2750,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_reply_time",
-        title="The reply time over RS-485 is missing",
+        title="The reply time over RS-485 is missing from the manual",
         printed="The manual describes requests and replies, but not the time between them",
         used="The generated files have no reply time and no time-out. The master chooses its time-out.",
         why=(

@@ -251,7 +251,7 @@ def _open_capture(
     timing.
 
     Raises:
-        UsageError: Captures of this encoder are not read, or an argument is invalid.
+        UsageError: Captures are not supported for this encoder, or an argument is invalid.
         InputError: The source is not a capture, or has no such signals.
     """
     if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:

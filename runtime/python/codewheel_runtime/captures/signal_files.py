@@ -400,7 +400,7 @@ def _convert_to_levels(cells: Any, threshold: float | None, path: str) -> Any:
 
 
 def _read_array_in(archive: zipfile.ZipFile, name: str, path: str) -> Any:
-    """Return an array of an archive."""
+    """Return an array from an archive."""
     try:
         return np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
     except Exception:  # The parser of the header raises many types.

@@ -132,7 +132,7 @@ def watch(
 def _wait_until(due: float) -> float:
     """Wait until a time, and return it, or the present time if that is later.
 
-    Readings therefore keep their interval, and after a late reading the interval is counted from that reading.
+    Readings therefore come at fixed intervals. After a late reading, the next interval starts at that reading.
     """
     sleep(max(0.0, due - monotonic()))
     return max(due, monotonic())

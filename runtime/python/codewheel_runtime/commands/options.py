@@ -18,7 +18,7 @@ _LONGEST_NUMBER: Final = 20
 
 
 def add_capture(parser: argparse.ArgumentParser) -> None:
-    """Add the options of captures."""
+    """Add the command-line options for captures."""
     add = parser.add_argument_group("capture").add_argument
     add("--biss", metavar="FIELDS", help="layout of BiSS frames of an encoder without a package")
     add("--clock", default="", metavar="CHANNEL", help="channel of the clock, MA")

@@ -59,7 +59,7 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
 
 
 def _convert_from_binary(number: int, shape: Shape) -> int:
-    """Return the number with digits that are sent separately, and with Gray code."""
+    """Convert a binary number to the codes that the frame sends: separate digits, and Gray code."""
     for coding in shape.digit_codings:
         number = to_digits(number, *coding)
     return number if shape.gray is None else to_gray(number, *shape.gray, shape.excess)

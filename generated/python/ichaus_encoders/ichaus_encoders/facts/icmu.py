@@ -429,7 +429,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="id_access",
-        title="The access to the identification registers is missing",
+        title="Access to the identification registers is missing from their tables",
         printed=(
             "Figure 47 has r for EDSBANK, PROFILE_ID, SERIAL, DEV_ID and MFG_ID, for protection level RP1. The tables "
             "of these registers have no R, unlike those of STATUS0 and STATUS1."
@@ -458,7 +458,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "there."
         ),
         used="The high byte is at 21h.",
-        why="A real EEPROM of an iC-MU has 52h at 21h and A8h at 22h, and the CRC of its bytes is 52A8h.",
+        why="The EEPROM of a real iC-MU has 52h at 21h and A8h at 22h, and the CRC of its bytes is 52A8h.",
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("crcs.configuration_16",),

@@ -270,7 +270,7 @@ class _Replies:
         return stretch._replace(kind=self.wanted, frames=np.zeros((0, length), np.uint8))
 
     def _find_valid_starts(self, shape: Shape) -> Any:
-        """Return an array that is True for each byte at which a valid frame begins, and for the end False.
+        """Return an array that is True for each byte at which a valid frame begins. Its last item is False.
 
         A valid frame has no error and no pause between its bytes, and each byte has its stop bit.
         """

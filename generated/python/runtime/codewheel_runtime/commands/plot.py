@@ -178,7 +178,8 @@ def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
 def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
     """Return at most about 20,000 points that look the same: the lowest and highest of each stretch, and the last.
 
-    Values that are NaN are left out. The points after the last whole stretch are left out too, except the last.
+    Values that are NaN are left out. All stretches have the same length. Of the points behind them, only the last
+    is kept.
     """
     is_finite = np.isfinite(values)
     times = times[is_finite]

@@ -185,7 +185,7 @@ class ArrowSink:
         self._writer.write(self._pa.RecordBatch.from_arrays([*columns.values()], schema=self._writer_schema))
 
     def _open_writer(self, schema: Any) -> Any:
-        """Return the writer of a file with these columns, and keep their schema for later tables."""
+        """Return a writer for a file with these columns, and keep their schema for later tables."""
         self._writer_schema = schema
         if not self._parquet:
             return self._pa.ipc.new_file(self._file, schema)
