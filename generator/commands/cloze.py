@@ -19,7 +19,8 @@ def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
     parser.description = (
         "Write FAMILY.words.yaml next to the spec: its texts with gaps instead of words such as not, before and high. "
-        "A reader fills them from the manual, and check compares. What is filled in texts that are the same is kept."
+        "A reader fills in the gaps from the manual, and check compares the words with the spec. Filled gaps are kept "
+        "in texts that have not changed."
     )
     parser.add_argument("family", metavar="FAMILY", help="a family name as shown by list")
     add_specs_option(parser, "")

@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-/** Return the texts that describe the lowest report in a mask. They are empty if no bit is set. */
+/** Return the texts for the lowest report bit set in a mask. They are empty if no bit is set. */
 static inline const cw_report_text *ichaus_icmu_biss_report_text(uint32_t reports)
 {
     static const cw_report_text texts[] = {
