@@ -1,8 +1,8 @@
 """The command line: arguments in, text and exit code out.
 
 Exit codes: 0 done. 1 problems in the input, a difference, a frame with an error, or a register value that does not
-match this encoder. 2 wrong usage, unknown order code, or text that is not a frame or needs --choose. 3 a valid frame
-whose position is not usable. With several frames, the worst one decides: 2, then 1, then 3.
+match this encoder. 2 incorrect usage, unknown order code, or input that is not a frame or needs --choose. 3 a valid
+frame whose position is not usable. With several frames, the worst one decides: 2, then 1, then 3.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ Reader = Callable[[Any, Path], Any]
 
 @dataclass(frozen=True, slots=True)
 class LocatedPart(Generic[Part]):
-    """A part that is the same in specs and in the model, with its place and its data. It has no sources."""
+    """A part that specs and the model share, with its place and its data. It has no sources."""
 
     part: Part
     path: Path

@@ -151,8 +151,7 @@ class WrittenSpiExchange(WrittenPart):
         "its new value. If address and data are in two words, list the words in order. other: anything else."
     )
     word_bits: Formula | None = key(
-        "Number of bits in the request and in its reply, 8 to 64, if it differs from the interface's word_bits.",
-        default=None,
+        "Number of bits in the request and in its reply, 8 to 64. Default: word_bits of the interface.", default=None
     )
     source: SourceText = key("", default="")
 

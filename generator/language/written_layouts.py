@@ -185,8 +185,8 @@ class WrittenField(WrittenPart):
         allowed_in=("parity_of",),
     )
     over: Literal["", "odd_bits", "even_bits"] = key(
-        "With parity_of: the bits of each covered field that count. odd_bits: bits 1, 3, 5 and so on. "
-        "even_bits: bits 0, 2, 4 and so on. Bit 0 is the least significant bit of the field. Default: "
+        "With parity_of: the bits of each covered field that count toward the parity. odd_bits: bits 1, 3, 5 and so "
+        "on. even_bits: bits 0, 2, 4 and so on. Bit 0 is the least significant bit of the field. Default: "
         "all bits.",
         default="",
         allowed_in=("parity_of",),

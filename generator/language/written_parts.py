@@ -329,7 +329,7 @@ class WrittenManualEdition(WrittenPart):
 )
 class WrittenSpec(WrittenPart):
     codewheel: LanguageVersion = key(
-        "Version of the spec language. 1 is the language of the first release. codewheel migrate updates older specs."
+        "Version of the spec language, which is 1 since the first release. codewheel migrate updates older specs."
     )
     device: Name = key("Name of the family, the same as the file's stem. Generated modules and prefixes use it.")
     manufacturer: Name = key(

@@ -120,6 +120,8 @@ def actual_value(name: str, record: EncoderFacts) -> str:
 def encoder_has(name: str, record: EncoderFacts) -> str:
     """Return a sentence with an item of a record, such as ``This encoder has 4 zero bits before the position.``"""
     value = actual_value(name, record)
+    if name == "frame_bits":
+        return f"This encoder sends frames of {count_with_unit(record.known_numbers[name], 'bit')}."
     if name == "movement":
         return f"This encoder is {value}."
     is_noun = name in record.words or name in _COUNTED_BITS or name == "crc_inverted"

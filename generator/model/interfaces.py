@@ -239,7 +239,7 @@ class DataId:
     """Data that a request can ask for. ``control`` is the first byte of the request and of the reply."""
 
     name: Name = name_key("Name of the data ID.")
-    id: Hex = key("Number of the data ID.", minimum=0, maximum=31, rule="data-id-changed", label="number")
+    id: Hex = key("The data ID as a number.", minimum=0, maximum=31, rule="data-id-changed", label="number")
     control: Hex = key(
         "Byte of the control field as printed. 'check' compares it with sync code, ID and parity.",
         data="Byte of the control field.",

@@ -227,7 +227,9 @@ def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
         yield describe_reserved_bits(frame_field.reserved)
     if frame_field.equals is not None:
         expected = _expected_value(frame_field.equals, frame_field.widest)
-        yield statement("Holds ", expected, ", which identifies the encoder. The decoder also accepts other values")
+        yield statement(
+            "Holds ", expected, ", which helps to identify the encoder. The decoder also accepts other values"
+        )
     if frame_field.default is not None:
         yield statement(Expression(frame_field.default), label="Default")
     if frame_field.explained_by:
@@ -332,10 +334,10 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
     if is_implemented:
         yield from _flag_verdict(flag)
     if flag.only:
-        remark = ". For other order codes the manual does not explain the flag"
+        remark = ". For other order codes, the manual does not explain the flag"
         verdict_without_meaning = flag.unexplained.makes_position
         if verdict_without_meaning is not None:
-            remark += f", and {VERDICT_CLAUSES[verdict_without_meaning]}"
+            remark += f". While it is active there, {VERDICT_CLAUSES[verdict_without_meaning]}"
         yield statement("This applies only to ", CodeText(flag.only), remark)
 
 

@@ -87,7 +87,7 @@ def record_with(record: EncoderFacts, **items: int | str | None) -> EncoderFacts
             "linuxcnc_hostmot2",
             {"frame_bits": 96},
             {"frame_bits": 97},
-            "A BiSS channel has at most 96 bits. This encoder has 97 bits in the frame.",
+            "A BiSS channel has at most 96 bits. This encoder sends frames of 97 bits.",
         ),
         (
             "linuxcnc_hostmot2",

@@ -425,12 +425,12 @@ def test_example_of_siemens(values_of: ValuesOf) -> None:
         (
             "omron_nx",
             "AMM5A23/65KBG1",
-            "A frame has at most 32 data bits in total. This encoder has 39 bits in the frame.",
+            "A frame has at most 32 data bits in total. This encoder sends frames of 39 bits.",
         ),
         (
             "omron_nx",
             "AMM5A17/65KBG1",
-            "A frame has at most 32 data bits in total. This encoder has 33 bits in the frame.",
+            "A frame has at most 32 data bits in total. This encoder sends frames of 33 bits.",
         ),
         (
             "keb_f5",

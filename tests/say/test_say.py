@@ -84,8 +84,8 @@ FIELDS = [
     ("fields.fixed", "Always 2."),
     ("fields.digits", "Decimal digits, most significant first: tens 1, ones 1."),
     ("maker.letters", "ASCII text."),
-    ("maker.letters", "Holds Ac, which identifies the encoder. The decoder also accepts other values."),
-    ("kind_of.kind", "Holds 20h, which identifies the encoder. The decoder also accepts other values."),
+    ("maker.letters", "Holds Ac, which helps to identify the encoder. The decoder also accepts other values."),
+    ("kind_of.kind", "Holds 20h, which helps to identify the encoder. The decoder also accepts other values."),
 ]
 INTERFACES = [
     ("ssi", "Clock: 100 kHz to 4 MHz [5.1]."),

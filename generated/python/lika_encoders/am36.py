@@ -933,8 +933,8 @@ class ProfileId(FixedRegister, _ProfileId):
     """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.5 p.24].
 
     Attributes:
-        profile: Printed as 00 00 for AMx36. Holds 0000h, which identifies the encoder. The decoder also accepts other
-            values.
+        profile: Printed as 00 00 for AMx36. Holds 0000h, which helps to identify the encoder. The decoder also accepts
+            other values.
 
     Identification code of the profile.
 
@@ -1373,8 +1373,8 @@ class DeviceType(FixedRegister, _DeviceType):
     """Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
-        device_type: 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder. The
-            decoder also accepts other values.
+        device_type: 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which helps to identify the encoder.
+            The decoder also accepts other values.
 
     Type of the device.
 
@@ -1527,11 +1527,11 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
-        model: Encoder model, AMx36 (41 4D in hexadecimal). ASCII text. Holds ``AM``, which identifies the encoder. The
-            decoder also accepts other values.
-        interface_code: Interface, BiSS C (49 37 in hexadecimal). ASCII text. Holds ``I7``, which identifies the
+        model: Encoder model, AMx36 (41 4D in hexadecimal). ASCII text. Holds ``AM``, which helps to identify the
             encoder. The decoder also accepts other values.
-        enclosure: Enclosure of 36 mm diameter (32 in hexadecimal). ASCII text. Holds ``2``, which identifies the
+        interface_code: Interface, BiSS C (49 37 in hexadecimal). ASCII text. Holds ``I7``, which helps to identify the
+            encoder. The decoder also accepts other values.
+        enclosure: Enclosure of 36 mm diameter (32 in hexadecimal). ASCII text. Holds ``2``, which helps to identify the
             encoder. The decoder also accepts other values.
         software_version: Software version, printed as XX. ASCII text.
 
@@ -1591,7 +1591,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. The
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which helps to identify the encoder. The
             decoder also accepts other values.
 
     Manufacturer.
@@ -1992,8 +1992,8 @@ def set_resolution(
 
     Precondition: The manual suggests doing this with the shaft at a standstill.
 
-    Result: The new resolution is saved. The position at the moment of the last command becomes the preset value. Frames
-    have the widths read in the last two steps.
+    Result: The new resolution is saved. The position at the moment of the last command becomes the preset value. From
+    then on, the two parts of the position have the widths read in the last two steps.
 
     The frame length changes as soon as the resolution is written. The master must use the new length before it can read
     a position again. The order of the steps follows from the warnings of registers 48h, 4Bh, 4Eh and 50h.

@@ -905,9 +905,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             revolutions wrong, or a low battery. The bit does not distinguish the two (erratum position_under_error).
             True when 0: warning active in the system. False when 1: no active warning. While it is True, the position
             is not usable. If you set ``low_battery_only`` to 1, the position is usable, with a warning. This applies
-            only to ``.../65K...``. For other order codes the manual does not explain the flag, and the position is
-            usable, with a warning. Remedy: Replace a low battery as soon as possible. For an error in the multiturn
-            system, the manual gives no remedy. Steps: ``battery_replacement_without_error``.
+            only to ``.../65K...``. For other order codes, the manual does not explain the flag. While it is active
+            there, the position is usable, with a warning. Remedy: Replace a low battery as soon as possible. For an
+            error in the multiturn system, the manual gives no remedy. Steps: ``battery_replacement_without_error``.
 
     In the manual: Single Cycle Data SCD.
 
@@ -1767,8 +1767,8 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
             ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag that it combines
             is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC shows the active
             error.
-        encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
-            identifies the encoder. The decoder also accepts other values.
+        encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which helps
+            to identify the encoder. The decoder also accepts other values.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 CRC.
@@ -1902,8 +1902,8 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             error.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
             above it.
-        encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
-            identifies the encoder. The decoder also accepts other values.
+        encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which helps
+            to identify the encoder. The decoder also accepts other values.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have this field. Unit:
             revolutions. Right-aligned in 24 bits, with zeros above it.
         busy: BUSY. True when 1: not ready after power-on or during a reset. All position data are 0. False when 0:
@@ -1913,11 +1913,11 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         ps_error: PSERR. True when 1: singleturn and multiturn count inconsistent, or a counting error. False when 0: no
             PS error. While it is True, the position is not usable.
         mt_error: MTERR. True when 1: external battery below 3.05 V. False when 0: no MT error. While it is True, the
-            position is not usable. This applies only to ``.../65K...``. For other order codes the manual does not
-            explain the flag, and the position is usable, with a warning.
+            position is not usable. This applies only to ``.../65K...``. For other order codes, the manual does not
+            explain the flag. While it is active there, the position is usable, with a warning.
         battery_alarm: BATT. True when 1: external battery below 3.15 V. False when 0: no battery alarm. While it is
-            True, the position is usable, with a warning. This applies only to ``.../65K...``. For other order codes the
-            manual does not explain the flag, and the position is usable, with a warning.
+            True, the position is usable, with a warning. This applies only to ``.../65K...``. For other order codes,
+            the manual does not explain the flag. While it is active there, the position is usable, with a warning.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF7 CRC.
@@ -1934,8 +1934,8 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     what other values of the unused bits mean; Which errors affect the position is only partly described; The manual
     does not describe the structure of the control field; One bit combines BUSY with errors that keep the position;
     Turning on the power twice can mean one or two power cycles; Battery alarms are printed for models without a
-    battery; The battery alarm is missing from one list of errors to be reset; The condition that clears BUSY differs
-    within the manual.
+    battery; The battery alarm is missing from one list of errors to be reset; The manual's two conditions that clear
+    BUSY differ.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -2864,8 +2864,8 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
 
     Attributes:
-        name: Name of the device (41 4D 4D 35 in hexadecimal). ASCII text. Holds ``AMM5``, which identifies the encoder.
-            The decoder also accepts other values.
+        name: Name of the device (41 4D 4D 35 in hexadecimal). ASCII text. Holds ``AMM5``, which helps to identify the
+            encoder. The decoder also accepts other values.
         release: Hardware-software release, printed as xx xx.
 
     Name of the device and its hardware-software release.
@@ -2918,7 +2918,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.39, it: 6.4 p.40].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. The
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which helps to identify the encoder. The
             decoder also accepts other values.
 
     Manufacturer.

@@ -812,8 +812,8 @@ class ProfileId(FixedRegister, _ProfileId):
     """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
 
     Attributes:
-        variant_: Singleturn resolution, Variant 0-24++. Holds 28h, which identifies the encoder. The decoder also
-            accepts other values.
+        variant_: Singleturn resolution, Variant 0-24++. Holds 28h, which helps to identify the encoder. The decoder
+            also accepts other values.
         data_length: Data length, printed as 1Ah for 25 + 1 bits: position and constant 0 bit. Unit: bits.
 
     Identification code of the encoder profile, BP1 (Standard Encoder Profile).
@@ -880,7 +880,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata, with their full text in ERRATA:
-        The manual does not say what the digits of the serial number mean (open): The serial number is a single number.
+        The manual does not say what the digits of the serial number mean (open): The serial number is decoded as a
+            single number.
     """
 
     __slots__ = ()
@@ -1294,7 +1295,7 @@ class DeviceId(FixedRegister, _DeviceId):
 
     Attributes:
         name: Name of the device, ASC85 without its C (41 53 38 35 in hexadecimal). ASCII text. Holds ``AS85``, which
-            identifies the encoder. The decoder also accepts other values.
+            helps to identify the encoder. The decoder also accepts other values.
         release: Hardware-software release, printed as 30 31. ASCII text.
 
     Name of the device and its hardware-software release.
@@ -1348,7 +1349,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.32].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. The
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which helps to identify the encoder. The
             decoder also accepts other values.
 
     Manufacturer.
@@ -1600,7 +1601,7 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
             Address.ERROR_REGISTER,
             length=1,
             register="error_register",
-            meaning="should be 0. Also read it if you stopped polling and the encoder still answers",
+            meaning="should be 0, also to be read if you stopped polling and the encoder still answers",
         ),
     )
 

@@ -1858,7 +1858,7 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
 
     Attributes:
         variant: Encoder to which the register belongs.
-        profile_id: 28h, then the number of position bits in decimal. Holds ``profile_id``, which identifies the
+        profile_id: 28h, then the number of position bits in decimal. Holds ``profile_id``, which helps to identify the
             encoder. The decoder also accepts other values.
 
     Code of the profile used.
@@ -2087,8 +2087,8 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
 
     Attributes:
         variant: Encoder to which the register belongs.
-        absolute_resolution: Length of one count. Unit: µm. Holds ``resolution_um``, which identifies the encoder. The
-            decoder also accepts other values.
+        absolute_resolution: Length of one count. Unit: µm. Holds ``resolution_um``, which helps to identify the
+            encoder. The decoder also accepts other values.
 
     Resolution of the absolute position.
 
@@ -2220,7 +2220,7 @@ class DeviceType(FixedRegister, _DeviceType):
     """Device type (it: Tipo di dispositivo), register 55h, read only, over BiSS C-mode [6.4 p.33].
 
     Attributes:
-        type: 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. Holds 08h, which identifies the
+        type: 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. Holds 08h, which helps to identify the
             encoder. The decoder also accepts other values.
 
     Type of the device.
@@ -2268,8 +2268,8 @@ class SineCosineResolution(FixedRegister, _SineCosineResolution):
     """Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read only, over BiSS C-mode [6.4 p.33].
 
     Attributes:
-        period: 00h: no sine and cosine signals. Holds 00h, which identifies the encoder. The decoder also accepts other
-            values.
+        period: 00h: no sine and cosine signals. Holds 00h, which helps to identify the encoder. The decoder also
+            accepts other values.
 
     Period of the sine and cosine signals.
 
@@ -2364,8 +2364,8 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
 
     Attributes:
-        name: Name of the device (53 4D 32 31 in hexadecimal). ASCII text. Holds ``SM21``, which identifies the encoder.
-            The decoder also accepts other values.
+        name: Name of the device (53 4D 32 31 in hexadecimal). ASCII text. Holds ``SM21``, which helps to identify the
+            encoder. The decoder also accepts other values.
         release: Hardware-software release, printed as xx xx.
 
     Name of the device and its hardware-software release.
@@ -2417,7 +2417,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.34].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which identifies the encoder. The
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which helps to identify the encoder. The
             decoder also accepts other values.
 
     Manufacturer.
@@ -2766,9 +2766,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Load and save all default parameters [6.4 p.29].
 
-    Precondition: All previously set parameters are lost.
-
-    Result: The default parameters are active and saved.
+    Result: The default parameters are active and saved. All previously set parameters are lost.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2859,7 +2857,8 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     manual does not say how long it takes.
 
     Errata, with their full text in ERRATA:
-        Zero setting over RS-485 is denied and described (open): Data ID F is used as described in 7.3.1 and 7.3.3.2.
+        Zero setting over RS-485 is both ruled out and described (open): Data ID F is used as described in 7.3.1 and
+            7.3.3.2.
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.
         The duration of a reset over RS-485 is missing from the manual (open): The generated files specify no wait time.

@@ -27,7 +27,7 @@ _ABOUT_FRAMES = (
     "programs and logs are also accepted, such as 0F:42, [0x0F, 0x42], \\x0F\\x42, F4243D3h and 7FFE. Over "
     "SPI, several words of the frame's size are several frames. With -, lines may begin with a time, and "
     "empty lines and text after # are skipped. The exit code is 0 on success, 1 for a frame with an error or a "
-    "register value that this encoder cannot have, 2 for wrong usage, text that is not a frame, or a missing "
+    "register value that this encoder cannot have, 2 for incorrect usage, input that is not a frame, or a missing "
     "--choose, and 3 for a valid frame whose position is not usable. With "
     "several frames, the exit code is that of the worst one, in the order 2, 1, 3."
 )

@@ -290,7 +290,8 @@ def check_equal_answers(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
         answers = list(alternative.values.items())
         if len(answers) != 2:
             continue
-        (first_name, first_answer), (_, second_answer) = answers
+        (first_name, first_answer), (second_name, second_answer) = answers
         if first_answer.sets and first_answer.sets == second_answer.sets:
-            message = f"{quoted(first_name)} sets the same numbers; correct one of the two answers"
+            names = f"{quoted(first_name)} and {quoted(second_name)}"
+            message = f"{names} set the same numbers; correct one of the two answers"
             report.add("same-answers", second_answer.place_of("sets"), message)

@@ -168,8 +168,9 @@ def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
     named_alignment = named_alignments.pop()
     if ssi.alignment and ssi.alignment != named_alignment:
         message = (
-            f"the table of contents or the order code names {quoted(named_alignment)}; correct one of the two. If"
-            " both are right, add an erratum that affects interfaces.ssi.alignment"
+            f"the table of contents or the order code says {quoted(named_alignment)}, but 'alignment' is"
+            f" {quoted(ssi.alignment)}; correct one of the two. If both are right, add an erratum that affects"
+            " interfaces.ssi.alignment"
         )
         report.add("alignment-mismatch", ssi.place_of("alignment"), message)
 

@@ -33,14 +33,14 @@
  *    CDM is one frame late, this happens only if the slave is busy and CDS is disturbed at the same
  *    time. Therefore, read written values back before a command uses them, as the VERIFY steps of
  *    procedures do.
- *  - Zeros can complete a byte. If a write is aborted within a byte, the slave can store the bits
- *    sent so far, followed by zeros, if their CRC is 0 (one in 68 combinations of bit position and
- *    value). Write such a register again, and take special care if any value in it starts an
+ *  - An incomplete byte can be stored. If a write is aborted within a byte, the slave can store the
+ *    bits sent so far, followed by zeros, if their CRC is 0 (one in 68 combinations of bit position
+ *    and value). Write such a register again, and take special care if any value in it starts an
  *    action.
  *
  * Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18.
  * Three details come from two published masters: the CRC covers CTS, each response comes in the
- * frame described above, and P comes before a further S. The masters are lenzencoders/BISS-C
+ * frame described above, and P comes before another S. The masters are lenzencoders/BISS-C
  * (BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk
  * (source/position_sense/bissc). Two details are inferred: the end of a chain that has ID 0, and
  * the reaction of a slave to a disturbed byte or to R W = 00 or 11. Not yet tested on hardware.
@@ -102,13 +102,13 @@ extern "C" {
 /** R W to write. */
 #define CW_BISS_RW_WRITE 0x1U
 
-/** Place of CTS, ID and ADR in the word of a request. */
+/** Place of CTS, ID and ADR in a request word. */
 #define CW_BISS_WORD_HEAD_SHIFT 21U
-/** Place of their CRC in the word of a request. */
+/** Place of their CRC in a request word. */
 #define CW_BISS_WORD_CRC_SHIFT 17U
-/** Place of R W in the word of a request. */
+/** Place of R W in a request word. */
 #define CW_BISS_WORD_RW_SHIFT 15U
-/** Place of DATA and CRC in the word of a request. */
+/** Place of DATA and CRC in a request word. */
 #define CW_BISS_WORD_BYTE_SHIFT 2U
 /** R, W and S in the word of a read request. */
 #define CW_BISS_READS 0x00014000U
@@ -219,7 +219,7 @@ static inline cw_result cw_biss_request_encode(const cw_biss_request *request, u
 }
 
 /**
- * Decode the word of a request.
+ * Decode a request word.
  *
  * @param word  the word, in the format of _request_encode
  * @param request  the access

@@ -162,7 +162,7 @@ static inline void cw_received_halves(
     *lower = low << shift;
 }
 
-/** Return the highest 1 to 63 bits of two halves as a number. */
+/** Return the top 1 to 63 bits of a 64-bit value, which is given as two 32-bit halves. */
 CW_CONSTEXPR
 static inline uint64_t cw_received_highest(uint32_t high, uint32_t low, uint32_t bits)
 {
@@ -615,8 +615,8 @@ static inline cw_result cw_ssi_repeats(
  *
  * A reply begins with the control byte of its request. Bytes before that are dropped. If the
  * decoder rejects the bytes, _resume searches them for a later start of the reply, so a disturbed
- * byte before it does no harm. Without _resume a rejected reply counts as complete, and no time-out
- * ends it. See the polling program in examples/ for each encoder with RS-485.
+ * byte before it does no harm. Without _resume, a rejected reply stays complete, so _late
+ * never returns true. See the polling program in examples/ for each encoder with RS-485.
  */
 typedef struct cw_rs485_line {
     uint8_t bytes[CW_RECEIVE_RS485_BYTES]; /**< the reply, complete once _take returns true */
@@ -726,7 +726,7 @@ static inline bool cw_rs485_late(const cw_rs485_line *line, uint32_t now_us)
 }
 
 /**
- * Return the reason that there is no reply. Call it once _late returns true. If a decoder rejected
+ * Return the reason why there is no reply. Call it once _late returns true. If a decoder rejected
  * a reply in the meantime, the result of the decoder is the reason instead.
  *
  * @param line  the reply and its state

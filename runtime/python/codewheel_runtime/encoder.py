@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Base classes of all encoders and of the frames that they send."""
+"""Base classes for all encoders and the frames that they send."""
 
 from __future__ import annotations
 

@@ -194,7 +194,7 @@ class Link:
 
         Raises:
             PortError: The transport failed.
-            LinkError: The session raised it.
+            LinkError: Raised by the session.
         """
         with self.lock:
             try:

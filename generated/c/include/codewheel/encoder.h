@@ -148,7 +148,7 @@ static inline size_t cw_label_match(const char *label, const char *code)
 
 /** A pattern for labels, the index of its order code, and the parts that it leaves open. */
 typedef struct cw_open_code {
-    const char *pattern; /**< order code with the marks # ~ @ % of cw_label_match */
+    const char *pattern; /**< order code with # ~ @ % as in cw_label_match */
     uint16_t code; /**< index of the order code, or CW_NO_CODE */
     uint16_t unlisted; /**< bits of the parts that are left open */
 } cw_open_code;

@@ -186,8 +186,8 @@ typedef enum ichaus_icmu_biss_report {
 /**
  * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its buffer.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
- * assumption about all encoders. Any other size works too: make it smaller if yours answers sooner,
- * larger if you get NO_START or LENGTH.
+ * assumption about all encoders. Any other size works too: choose a smaller one if your encoder
+ * answers sooner, or a larger one if you get NO_START or LENGTH.
  */
 #define ICHAUS_ICMU_BISS_IC_MU_16_0_BITS 24U /**< number of bits in its frame */
 #define ICHAUS_ICMU_BISS_IC_MU_16_0_RX_BYTES 9U /**< number of bytes in its buffer */

@@ -976,7 +976,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="The inputs are connected to 0VDC or +VDC, low and high logic level.",
         used="0VDC is the low level. +VDC is the high level.",
         why=(
-            "The table of connections lists +10VDC +30VDC but not +VDC. The supply is probably meant. The manual does "
+            "The table of connections lists +10VDC +30VDC but not +VDC, which is probably the supply. The manual does "
             "not give the threshold voltages or the input current. It does not say whether an input may be left open."
         ),
         status=Status.OPEN,
@@ -1164,7 +1164,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         why=(
             "The preset, which becomes the position, is one number from 0 to \"Information per revolution\" × "
-            "\"Number of revolutions\" − 1. Figures that might show the order are lost."
+            "\"Number of revolutions\" − 1. Figures that might show the order are lost in the text of the manual."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1266,7 +1266,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_data_bit",
-        title="The bit of the control frame is described at the wrong place",
+        title="The control frame bit is described in the wrong place",
         printed="Control Data is the \"transmission of a single bit\" that follows the SCD data.",
         used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(

@@ -1997,7 +1997,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="Multiturn comes first, as the more significant part. Singleturn follows.",
         why=(
             "The Preset registers contain one number with multiturn above singleturn (6.4). Figures that might show "
-            "the order are lost."
+            "the order are lost in the text of the manual."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2049,7 +2049,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_data_bit",
-        title="The bit of the control frame is described at the wrong place",
+        title="The control frame bit is described in the wrong place",
         printed="Control Data is the \"transmission of a single bit\" that follows the SCD data.",
         used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
@@ -2411,7 +2411,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="reset_ids_singleturn_value",
         title="The manual says that three reset requests concern the singleturn value",
         printed="Resetting data/errors: Data ID 7, 8 and C, each (singleturn value)",
-        used="The parenthesis describes the content of the reply. The reset data are described in 7.4.2.",
+        used="The parenthesis describes the content of the reply. Section 7.4.2 describes which data are reset.",
         why=(
             "In 7.4, the replies carry ABS0 to ABS2. Data ID 7 resets errors only, and C does not change the "
             "singleturn data."
@@ -2746,7 +2746,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="busy_clear",
-        title="The condition that clears BUSY differs within the manual",
+        title="The manual's two conditions that clear BUSY differ",
         printed=(
             "BUSY flag: returns to 0 when the delay is over. How to clear: by itself (turning speed \"decreased to "
             "300 rpm or less\")"

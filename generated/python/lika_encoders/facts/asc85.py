@@ -1043,7 +1043,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="cable_resistance",
-        value="Per conductor at most 90 Ω/km (0.22 mm²) and 148 Ω/km (0.14 mm²)",
+        value="At most 90 Ω/km (0.22 mm²) and 148 Ω/km (0.14 mm²) per conductor",
         source="4.3 p.14",
         values=(
             Quantity(quantity="resistance_per_length", unit="Ω/km", max=90, where="wires of 0.22 mm²"),
@@ -1340,7 +1340,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_data_bit",
-        title="The bit of the control frame is described at the wrong place",
+        title="The control frame bit is described in the wrong place",
         printed="Control Data is the \"transmission of a single bit\" that follows the SCD data.",
         used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
@@ -1422,7 +1422,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="serial_number_digits",
         title="The manual does not say what the digits of the serial number mean",
         printed="The manual describes a serial number in ascending order, with the example 171256846",
-        used="The serial number is a single number.",
+        used="The serial number is decoded as a single number.",
         why=(
             "In the AMM5 manual, the same register contains year, week and number as decimal digits. Read this way, "
             "the example is 17 12 56846, week 12 of 2017, two months before this manual. The SMA21 manual has the "

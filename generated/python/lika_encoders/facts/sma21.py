@@ -320,7 +320,7 @@ BISS: Final = BissFacts(
 
 # RS-485
 #
-# Erratum: Zero setting over RS-485 is denied and described (open) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
+# Erratum: Zero setting over RS-485 is both ruled out and described (open) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
 # Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and RS-485.
 # 7.3.3.2: data ID F resets the position to 0.
 # Used: Data ID F is used as described in 7.3.1 and 7.3.3.2.
@@ -1925,7 +1925,7 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure(
         (
             "Figure 1: pairing of sensor and tape, the tracks of the tape, the white arrow of the counting direction, "
-            "and the sizes 1 to 4 of the measuring length, which 3.4 describes in words."
+            "and the dimensions 1 to 4 of the measuring length, which section 3.4 describes in words."
         ),
         source="3.3 p.12",
     ),
@@ -2068,7 +2068,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="tape_length",
         title="The travel is printed as the length of the tape",
         printed="Maximum length of the tape (\"lunghezza massima della banda\"): 16.339, without a unit, and 32.749 mm",
-        used="The tape is at most 16,410 mm and 32,820 mm long. 16,339 mm and 32,749 mm are the travel.",
+        used="The tape is at most 16,410 mm and 32,820 mm long. The travel is 16,339 mm and 32,749 mm.",
         why=(
             "Section 4.10 lists both. The preliminary information, 5.2 and the cover print the smaller numbers as the "
             "measuring length. The difference of 71 mm is made up of the head of 63 mm and 4 mm at each end."
@@ -2080,7 +2080,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="zero_setting_rs485",
-        title="Zero setting over RS-485 is denied and described",
+        title="Zero setting over RS-485 is both ruled out and described",
         printed=(
             "3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and "
             "RS-485. 7.3.3.2: data ID F resets the position to 0"
@@ -2172,7 +2172,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_data_bit",
-        title="The bit of the control frame is described at the wrong place",
+        title="The control frame bit is described in the wrong place",
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
         used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
@@ -2369,8 +2369,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="The manual gives one device ID, SM21 with the release, for all models",
         used="The device ID is used as printed.",
         why=(
-            "BiSS requires a different device ID for each data length, and 1 µm has one more bit. Unless the release "
-            "bytes, printed as xx, differ, only the profile ID distinguishes the models."
+            "BiSS requires a different device ID for each data length, and the models with 1 µm have one more bit. "
+            "Unless the release bytes, printed as xx, differ, only the profile ID distinguishes the models."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,

@@ -28,12 +28,12 @@ Therefore:
 * If the slave's S bit is lost on its way to the master, master and slave stay out of step by one bit. A byte read then
   fails its CRC. A byte written is not stored, but values whose CRC ends in 0 (half of all values) are echoed as if they
   had been stored. Read back what you write.
-* Zeros can complete a byte: if a write is aborted within a byte, the slave can store the bits that it has received,
-  followed by zeros, if the CRC of that value is 0 (one in 68 combinations of bit position and value). Write such a
-  register again, and take special care if any value in it starts an action.
+* An incomplete byte can be stored: if a write is aborted within a byte, the slave can store the bits that it has
+  received, followed by zeros, if the CRC of that value is 0 (one in 68 combinations of bit position and value). Write
+  such a register again, and take special care if any value in it starts an action.
 
 Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18. Three details come from
-two published masters: the CRC covers CTS, each answer comes in the frame described above, and P comes before a further
+two published masters: the CRC covers CTS, each answer comes in the frame described above, and P comes before another
 S. The masters are lenzencoders/BISS-C (BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk
 (source/position_sense/bissc). Two details are inferred: the end of a chain that has ID 0, and the reaction of a slave
 to a disturbed byte or to R W = 00 or 11. Not yet tested on hardware. Commands (CTS = 0) are not covered: a

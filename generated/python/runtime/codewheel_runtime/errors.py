@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Errors of encoders and files. Each is a ``ValueError``, and errors of frames are a ``FrameError``."""
+"""Encoder and file errors. Each is a ``ValueError``, and a frame error is a ``FrameError``."""
 
 from __future__ import annotations
 

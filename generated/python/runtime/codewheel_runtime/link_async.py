@@ -112,7 +112,7 @@ async def _finish_in_thread(function: Callable[[_Argument], _Result], argument: 
 
 
 class AsyncLink:
-    """Link to an encoder, for asyncio. Requests of several tasks are sent one after the other.
+    """Link to an encoder, for asyncio. Requests from several tasks are sent one at a time.
 
     ``position``, ``read``, ``exchange``, ``run`` and ``close`` are coroutines that do the same as the methods of
     :class:`codewheel_runtime.link.Link`.
@@ -184,7 +184,7 @@ class AsyncLink:
 
         Raises:
             PortError: The transport failed.
-            LinkError: The session raised it.
+            LinkError: Raised by the session.
         """
         async with self._lock:
             try:

@@ -153,7 +153,7 @@ def _read_list_of_rows(frames: Iterable[Any], length: int) -> ReadFrames:
 
 
 def _read_words(frames: Any, bits: int) -> ReadFrames:
-    """Return frames as 64-bit numbers. A missing frame has a wrong length.
+    """Return frames as 64-bit numbers. A missing frame is listed as one of the wrong length.
 
     A buffer of bytes has eight bytes per frame, least significant first. A buffer of other items is an array. ``bits``
     is the length of a frame.

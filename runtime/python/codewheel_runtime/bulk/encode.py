@@ -156,8 +156,8 @@ def _check_names(
 ) -> None:
     """Raise TypeError if a column is missing or unknown.
 
-    ``fields`` contains the field of each column by name. Flags, fields without bits, and unused bits may be missing, as
-    may the fields of a joined number that is present. Additional columns of a decoded table are ignored.
+    ``fields`` contains the field of each column by name. Flags, fields without bits, and unused bits may be omitted. If
+    a joined number is given, its fields may be omitted too. Additional columns of a decoded table are ignored.
     """
     optional = {"unused"}
     for name, column in fields.items():

@@ -106,7 +106,7 @@ def biss_layout(text: str) -> BissLayout:
     that degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` describes two bits that
     are always 0, and ``unused=2`` two bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6 bits with this
     polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any other name with a
-    width in bits is a number.
+    width in bits is a numeric field.
 
     Args:
         text: The layout.

@@ -48,7 +48,7 @@ class _EdgeLines(NamedTuple):
 
 
 def refine_timing(timing: BitTiming, has_edge: Any, data_edges: Any) -> BitTiming:
-    """Return the timing of cycles with few samples per period, exact to a fraction of a sample.
+    """Refine the timing of cycles with few samples per period to a fraction of a sample.
 
     The edges lie on a straight line through all edges of a cycle, and the delay is the mean delay of all bits.
     ``has_edge`` is False for times after the last edge, and ``data_edges`` are the edges of the data line. Cycles whose

@@ -247,8 +247,8 @@ def _open_capture(
 ) -> Generator[_CaptureFrames, None, None]:
     """Open a capture, and yield its frames. With ``exchanged``, the clock and the data line are exchanged.
 
-    For the other arguments, see ``read_capture``. ``probes`` contains the arguments about the connection and the
-    timing.
+    For the other arguments, see ``read_capture``. ``probes`` contains the connection and timing
+    arguments.
 
     Raises:
         UsageError: Captures are not supported for this encoder, or an argument is invalid.
@@ -317,7 +317,7 @@ def _find_frames(
 ) -> _CaptureFrames:
     """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate.
 
-    ``name`` is the name of the file, for errors. ``probes`` has the arguments about the connection and the timing. For
+    ``name`` is the name of the file, for errors. ``probes`` has the connection and timing arguments. For
     the other arguments, see ``read_capture``.
 
     Raises:
@@ -371,7 +371,7 @@ def _find_baud_rate(encoder: Encoder, probes: Probes) -> float:
 
 
 class Captures(NamedTuple):
-    """Functions that decode captures. A label denotes an encoder of the package ``package``."""
+    """Functions that decode captures. Labels are looked up in the package ``package``."""
 
     package: str
 

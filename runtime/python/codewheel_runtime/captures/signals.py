@@ -66,7 +66,7 @@ class SignalNames(NamedTuple):
 
         Raises:
             InputError: There is no such channel, or it is not clear which one to use.
-            UsageError: Both signals have the same channel.
+            UsageError: Both signals are on the same channel.
         """
         places = self._places(channels, file)
         return places[::-1] if self.exchanged else places

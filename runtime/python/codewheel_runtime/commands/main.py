@@ -59,7 +59,7 @@ exit codes:
   0    success
   1    a file cannot be read or written, FILE does not contain such frames, more
        frames have an error than --max-errors allows, or the frame has an error
-  2    wrong usage, or an unknown order code
+  2    incorrect usage, or an unknown order code
   3    the frame is valid, but its position is not usable
   130  interrupted
 With too many errors (--max-errors) the output is still written. With any
@@ -89,7 +89,7 @@ exit codes:
   0    success
   1    a file cannot be read or written, or is not a capture, it contains no
        frame, or more cycles have an error or no frame than --max-errors allows
-  2    wrong usage, or an unknown order code
+  2    incorrect usage, or an unknown order code
   130  interrupted
 """
 
@@ -104,7 +104,7 @@ exit codes:
   0    success
   1    the port cannot be opened, the encoder never answers, the file cannot be
        written, or more readings failed than --max-errors allows
-  2    wrong usage, or an unknown order code
+  2    incorrect usage, or an unknown order code
 With too many errors (--max-errors), the table is still written. Ctrl-C ends it.
 """
 

@@ -93,7 +93,7 @@ class JoinedBlocks(io.RawIOBase):
         return True
 
     def readinto(self, buffer: Any) -> int:
-        """Put bytes into the buffer, and return their number: 0 at the end of the blocks."""
+        """Fill the buffer, and return the number of bytes written, or 0 at the end of the blocks."""
         if not self._data:
             self._data = next(self._blocks, b"")
         part = self._data[: len(buffer)]

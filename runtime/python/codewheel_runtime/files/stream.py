@@ -91,7 +91,7 @@ def count_units(count: int, word: str) -> str:
 
 
 class Files(NamedTuple):
-    """Functions that decode files and partitions. A label denotes an encoder of the package ``package``."""
+    """Functions that decode files and partitions. Labels are looked up in the package ``package``."""
 
     package: str
 

@@ -11,7 +11,7 @@ from ..facts import Scale
 from ..packages import load
 from ..reports import Verdict
 
-#: Words that replace the numbers of a column, because readers of a file may not have this package.
+#: Words that replace the numbers of a column, so that a file can be read without this package.
 WORDS: Final[Mapping[str, tuple[str, ...]]] = {
     "fault": tuple(kind.name.lower() for kind in ErrorKind),
     "verdict": tuple(verdict.value for verdict in Verdict),

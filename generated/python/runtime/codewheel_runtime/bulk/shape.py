@@ -332,8 +332,8 @@ def find_deferred_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]
 def find_position_columns(shape: Shape) -> frozenset[str]:
     """Return the columns whose values have no meaning if the position is not usable.
 
-    These are the position and its parts. A frame with a verdict but without the whole position contains only a part of
-    it, so all its numbers count. Other frames have none.
+    These are the position and its parts. If a frame has a verdict but not the whole position, it contains only a part
+    of the position, so the result is all its numbers. Other frames have no such columns.
     """
     if shape.position:
         parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)

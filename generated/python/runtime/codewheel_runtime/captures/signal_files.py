@@ -44,7 +44,7 @@ def open_signals(
     Raises:
         InputError: The file is not a capture, or does not have these channels.
         UsageError: The number of files differs from the number of signals in binary files of Saleae, or not 1 in other
-            formats. Or both signals have the same channel.
+            formats. Or both signals are on the same channel.
         OSError: A file cannot be read.
     """
     with ExitStack() as stack:

@@ -126,7 +126,7 @@ def save(
         table, lost, title: See ``figure``.
         target: The file to write: ``.png``, ``.svg`` or ``.pdf``.
         force: Replace an existing file.
-        sources: Files that were read, which are not replaced.
+        sources: Input files, which are never replaced.
 
     Raises:
         UsageError: The format is unknown, the file exists, or the table has no times or no positions.
