@@ -164,26 +164,25 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
             _check_positions(device, interface, report)
             _check_numbers(device, interface, report)
     check_channels(device, report)
-    for interface in device.interfaces:
-        _check_verdicts_without_position(device, interface, report)
+    _check_verdicts_without_position(device, report)
 
 
-def _check_verdicts_without_position(device: Device, interface: Interface, report: DocumentReport) -> None:
-    """Report the first flag with a verdict on the position if no frame of the encoder sends the position.
+def _check_verdicts_without_position(device: Device, report: DocumentReport) -> None:
+    """Report the first flag with a verdict on the position if no SSI word sends the position.
 
-    Decoders give no verdict for such frames, so the flag would have no effect.
+    An SSI encoder has no other frames. Decoders give no verdict for them, so the flag would have no effect.
     """
-    frames = [layout for layout in interface.layouts if layout.sender == "encoder"]
-    if any(device.sends_position(interface.name, layout) for layout in frames):
+    ssi = device.find_interface(Ssi)
+    if ssi is None or any(device.sends_position(ssi.name, layout) for layout in ssi.layouts):
         return
-    for layout in frames:
+    for layout in ssi.layouts:
         flags = [field for field in layout.fields if isinstance(field.kind, Flag) and field.kind.makes_position]
         if flags:
             message = (
-                f"'{flags[0].name}' has a verdict on the position, but no frame of the encoder sends the position, so"
+                f"'{flags[0].name}' has a verdict on the position, but no SSI word sends the position, so"
                 " decoders give no verdict; call the field with the position 'position', or name it in 'measurement'"
             )
-            path: Path = ("interfaces", interface.name, "layouts", layout.name, "fields", flags[0].name)
+            path: Path = ("interfaces", ssi.name, "layouts", layout.name, "fields", flags[0].name)
             report.add("verdict-without-position", (*path, "makes_position"), message)
             return
 
