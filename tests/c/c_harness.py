@@ -49,6 +49,7 @@ _SPECS = _HERE.parents[1] / "specs"
 MADE_UP = {
     "banks": SPECS / "banks.yaml",
     "bits22": SPECS / "bits22.yaml",
+    "digits": SPECS / "digits.yaml",
     "gray": SPECS / "gray.yaml",
     "gray_excess": SPECS / "gray_excess.yaml",
     "gray_parity": SPECS / "gray_parity.yaml",

@@ -18,6 +18,7 @@ from codewheel.model import (
     Field,
     Flag,
     Layout,
+    Number,
     PlacedLayout,
     Register,
     Rs485,
@@ -194,6 +195,9 @@ def encoded_sample(
         raw = fixed.get(name, random_.choice(possible))
         placed_field = placed.field(name)
         values[name] = value_of_raw(placed_field.field, placed_field.width, raw)
+        code = placed_field.field.kind.code_of_digits if isinstance(placed_field.field.kind, Number) else None
+        if code is not None:
+            values[name] = min(int(values[name]), code.highest(placed_field.width))
         valid = device.range_in(placed.layout)
         if valid is not None and valid.field.name == name:
             lowest, highest = valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
@@ -263,6 +267,7 @@ def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Devic
             "sma21": 45,
             "banks": 1,
             "bits22": 1,
+            "digits": 2,
             "gray": 1,
             "gray_excess": 12,
             "gray_parity": 6,
@@ -303,6 +308,7 @@ def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Dev
     assert kinds >= {
         "banks": {"0", "2"},
         "bits22": {"0", "2"},
+        "digits": {"0", "4"},
         "gray": {"0"},
         "gray_excess": {"0", "2", "4"},
         "long": {"0", "2", "3"},
