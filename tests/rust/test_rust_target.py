@@ -182,6 +182,7 @@ def test_a_layout_that_is_too_wide_has_its_place(codewheel: Run, tmp_path: Path)
 @pytest.mark.parametrize(
     ("spec", "rule", "part"),
     [
+        ("digits", "rust-digits", "digits that are sent separately"),
         ("gray_parity", "rust-parity", "a parity bit over Gray code"),
         ("options", "rust-parity", "a flag that order codes lack"),
     ],

@@ -182,7 +182,7 @@ class Family:
             problem = f"'{layout.name}' has {part}, which this target does not compute"
             self._wide.append(TargetProblem(self.device, "rust-parity", place, problem))
         if struct.codec.digit_codings:
-            problem = f"'{layout.name}' has digits that are sent separately, which this target does not convert"
+            problem = f"'{layout.name}' has digits that are sent separately, which this target does not compute"
             self._wide.append(TargetProblem(self.device, "rust-digits", place, problem))
         return struct
 
