@@ -43,8 +43,8 @@ def _specs() -> Iterator[str]:
     """Yield the specs of the families that the target can express.
 
     It cannot express a CRC that is not whole bytes at the end of a frame in bytes, a parity bit over Gray code, digits
-    that are sent separately, or a flag that some order codes lack. The words of ``lowfirst`` have 64 bits, so no number is
-    too long for them.
+    that are sent separately, or a flag that some order codes lack. The words of ``lowfirst`` have 64 bits, so no number
+    is too long for them.
     """
     for folder in ("specs/ichaus", "specs/lika", "tests/specs", "tests/c/specs", "tests/rust/specs", "docs/example"):
         for path in sorted((ROOT / folder).rglob("*.yaml")):
