@@ -306,7 +306,23 @@ def packages(generated_python: tuple[Path, ModuleType], library: Library) -> Map
     with pytest.MonkeyPatch.context() as patch:
         for device in library.devices:
             maker = device.manufacturer
-            if not maker.main:
+            if maker.main:
+                packages[device.name] = main
+            else:
                 patch.syspath_prepend(folder / maker.python_package)
-            packages[device.name] = main if maker.main else importlib.import_module(maker.python_package)
+                packages[device.name] = _import_from(folder, maker.python_package)
     return packages
+
+
+def _import_from(folder: Path, package: str) -> ModuleType:
+    """Import a package that is in the folder, even if another test has imported a package of this name."""
+    imported = sys.modules.get(package)
+    if imported is not None and not Path(imported.__file__ or "").is_relative_to(folder):
+        older_modules = {name: module for name, module in sys.modules.items() if name.partition(".")[0] == package}
+        for name in older_modules:
+            del sys.modules[name]
+        imported = importlib.import_module(package)
+        # Frames of the other package find their modules by name.
+        for name, module in older_modules.items():
+            sys.modules.setdefault(name, module)
+    return importlib.import_module(package)

@@ -48,7 +48,7 @@ class Driver:
         rows = self.view.variants.rows
         if self.bus == "spi":
             return [str(_bits(self.frame, row.variant) // 8) for row in rows]
-        return [self.view.reading.buffer_of(row.code) for row in rows]
+        return [self.view.reading.buffer_of(row) for row in rows]
 
     @property
     def request(self) -> StructCodec | None:
