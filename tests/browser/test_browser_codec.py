@@ -462,7 +462,7 @@ def common_mistakes(case: Case, texts: Iterable[str]) -> list[CommonMistake] | N
     if any(mistake.kind in COMMAND_KINDS for _, why in frames for mistake in why.explanations):
         return None
     mistakes = judge_together([of_page(why) for _, why in frames])
-    if mistakes and mistakes[0].frames == len(frames):
+    if mistakes and mistakes[0].frames == len(frames) and not mistakes[0].hides_shift:
         return mistakes
     with_pairs = [why_of(case, text, with_pairs=True) for text, _ in frames]
     return judge_together([of_page(why) for why in with_pairs if why is not None])
