@@ -57,7 +57,7 @@ def test_it_is_installed_and_generates(codewheel: Run, tmp_path: Path) -> None:
     assert "rust crates without the standard library, in Rust 1.56 --option rust.edition=2018|2021: the" in help_text
     specs = [
         argument
-        for path in ("ichaus/icmhm.yaml", "ichaus/icmn.yaml", "ichaus/icmu.yaml", "lika")
+        for path in (*(f"ichaus/{name}.yaml" for name in ("icmhm", "icmn", "icmr", "icmu")), "lika")
         for argument in ("--specs", f"specs/{path}")
     ]
     assert codewheel("generate", *specs, "-o", tmp_path, "--target", "rust", "--option", "rust.edition=2018")[0] == 0
