@@ -251,6 +251,11 @@ int main(void)
     printf("%d\\n", (int)ICHAUS_ICMU_BISS_READ_BYTES(IC_MU_16_0, low, sizeof low, &bits));
     printf("%d\\n", (int)ICHAUS_ICMU_BISS_READ_BYTES(IC_MU_16_0, zeros, sizeof zeros, &bits));
     printf("%d\\n", (int)cw_with_field(5U, 64U, 3U, 7U));
+    /* Arguments that no spec leads to: a field that is too long, no digits, and too many of them. */
+    printf("%d\\n", (int)cw_from_digits(5U, 0U, 65U, 4U, 10U, 0U));
+    printf("%d\\n", (int)cw_to_digits(5U, 0U, 8U, 0U, 10U, 0U));
+    printf("%d\\n", (int)cw_to_digits(5U, 0U, 8U, 4U, 0U, 0U));
+    printf("%d\\n", (int)cw_digit(5U, 4U, 17U, 0U));
     return 0;
 }
 """
@@ -269,5 +274,5 @@ def test_no_answer_to_an_open_question_and_no_other_length_is_taken(include: Pat
     program = compile_c([*GCC, "-O1", *SANITIZED], REFUSED.replace("@calls@", calls), tmp_path, include)
     assert runner(program)([]) == [str(RANGE)] * (2 * len(ENCODED) + 2) + [
         *(str(LENGTH), str(NO_START), str(OK)),
-        *(str(NOT_USABLE), str(NOT_USABLE), "5"),
+        *(str(NOT_USABLE), str(NOT_USABLE), "5", "5", "5", "5", "17"),
     ]

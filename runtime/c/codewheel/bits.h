@@ -145,6 +145,13 @@ static inline uint64_t cw_to_gray_excess(
     return cw_to_gray(cw_with_field(word, low, bits, sum), low, bits);
 }
 
+/** Return true if 64 bits have room for a field of bits bits, and for the codes of base digits. */
+CW_CONSTEXPR
+static inline bool cw_digits_fit(uint32_t bits, uint32_t digit_bits, uint32_t base)
+{
+    return (bits <= 64U) && (digit_bits != 0U) && (base != 0U) && (base <= (64U / digit_bits));
+}
+
 /**
  * Return the digit with this code, or base if no digit has it. codes has the code of the digit 0 in
  * its lowest bits.
@@ -152,7 +159,7 @@ static inline uint64_t cw_to_gray_excess(
 CW_CONSTEXPR
 static inline uint32_t cw_digit(uint64_t code, uint32_t digit_bits, uint32_t base, uint64_t codes)
 {
-    uint32_t digit = 0U;
+    uint32_t digit = cw_digits_fit(0U, digit_bits, base) ? 0U : base;
     while ((digit < base) && (cw_field(codes, digit * digit_bits, digit_bits) != code)) {
         digit++;
     }
@@ -172,6 +179,9 @@ static inline uint64_t cw_from_digits(
     const uint64_t digits = cw_field(word, low, bits);
     uint64_t number = 0U;
     uint64_t weight = 1U;
+    if (!cw_digits_fit(bits, digit_bits, base)) {
+        return word;
+    }
     for (uint32_t place = 0U; place < bits; place += digit_bits) {
         const uint64_t code = cw_field(digits, place, digit_bits);
         const uint32_t digit = cw_digit(code, digit_bits, base, codes);
@@ -192,6 +202,9 @@ static inline uint64_t cw_to_digits(
 {
     uint64_t number = cw_field(word, low, bits);
     uint64_t digits = 0U;
+    if (!cw_digits_fit(bits, digit_bits, base)) {
+        return word;
+    }
     for (uint32_t place = 0U; place < bits; place += digit_bits) {
         const uint32_t digit = (uint32_t)(number % base);
         digits |= cw_field(codes, digit * digit_bits, digit_bits) << place;
