@@ -84,7 +84,7 @@ def test_an_erratum_is_a_badge_with_one_line_on_the_page_of_an_order_code(pages:
     ground = '<a href="#erratum-ground_wire">The ground pin must be used, but the cable has no wire for it</a>'
     polarity = "The manual does not give the polarity of the RS-485 lines A and B"
     links = f'{ground} · <a href="#erratum-rs485_polarity">{polarity}</a>'
-    assert f"<details><summary>Errata: ⚠ 2 open</summary>⚠ open: {links}</details>\n" in wiring
+    assert f"<details><summary>⚠ 2 open errata</summary>⚠ open: {links}</details>\n" in wiring
     line = (
         f'- <a id="erratum-rs485_polarity"></a>⚠ **open** [{polarity}](errata.md#erratum-rs485_polarity): '
         "The names are given as printed. No polarity is assumed.\n"

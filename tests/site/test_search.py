@@ -153,7 +153,7 @@ power consumption               | Wiring              | am36/biss-wiring.html#wi
 rs485 baud                      | AMM5: RS-485        | amm5/rs485.html
 2.5 Mbit                        | Clocks, ports and codes | #clocks-ports-and-codes
 gray code                       | Gray code or binary | docs/encoder/questions-gray-or-binary.html
-counting direction reverse | Input: Counting direction (Complementary input) | -direction-complementary-input
+counting direction reverse      | The position counts backwards | docs/encoder/questions-counts-backwards.html
 factory reset                   | Load and save the default parameters | #load-and-save-the-default-parameters
 crc wrong                       | The BiSS CRC is always wrong | docs/encoder/questions-crc-always-wrong.html
 crc fails                       | The BiSS CRC is always wrong | docs/encoder/questions-crc-always-wrong.html

@@ -125,7 +125,7 @@ class ErrataLinks:
                 links.append(f"{mark} {status}: {link_list(map(_html_link, with_status))}")
         if not links:
             return ""
-        return f"<details><summary>Errata: {', '.join(counts)}</summary>{' '.join(links)}</details>"
+        return f"<details><summary>{', '.join(counts)} errata</summary>{' '.join(links)}</details>"
 
     def count_by_status(self) -> str:
         """Return the number of errata on the page so far, such as ``1 open, 3 settled``, or that there are none."""
