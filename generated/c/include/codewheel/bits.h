@@ -195,7 +195,11 @@ static inline uint64_t cw_from_digits(
     return cw_with_field(word, low, bits, number);
 }
 
-/** Convert the field at bit low from a number to separate digits and return the word. */
+/**
+ * Convert the field at bit low from a number to separate digits and return the word.
+ *
+ * Weights are subtracted, because some compilers have no division of 64 bits.
+ */
 CW_CONSTEXPR
 static inline uint64_t cw_to_digits(
     uint64_t word, uint32_t low, uint32_t bits, uint32_t digit_bits, uint32_t base, uint64_t codes)
@@ -205,10 +209,18 @@ static inline uint64_t cw_to_digits(
     if (!cw_digits_fit(bits, digit_bits, base)) {
         return word;
     }
-    for (uint32_t place = 0U; place < bits; place += digit_bits) {
-        const uint32_t digit = (uint32_t)(number % base);
-        digits |= cw_field(codes, digit * digit_bits, digit_bits) << place;
-        number /= base;
+    /* The highest digit can have fewer bits. */
+    for (uint32_t left = ((bits + digit_bits) - 1U) / digit_bits; left > 0U; left--) {
+        uint64_t weight = 1U;
+        uint32_t digit = 0U;
+        for (uint32_t lower = 1U; lower < left; lower++) {
+            weight *= base;
+        }
+        while (((digit + 1U) < base) && (number >= weight)) {
+            number -= weight;
+            digit++;
+        }
+        digits |= cw_field(codes, digit * digit_bits, digit_bits) << ((left - 1U) * digit_bits);
     }
     return cw_with_field(word, low, bits, digits);
 }
