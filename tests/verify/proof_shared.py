@@ -142,9 +142,13 @@ def shared_proofs() -> Iterable[Proof]:
         "difference_of_bytes",
         "difference_of_anything",
     ):
-        # A digit is one of ten codes.
-        rounds = 12 if function == "digits" else 66
-        yield Proof(f"cw {function}", harness=text, function=function, unwind=rounds, options=tuple(UNDEFINED))
+        rounds = 66
+        options = tuple(UNDEFINED)
+        if function == "digits":
+            # There are at most two digits, and each is one of ten codes.
+            rounds = 12
+            options += ("--unwindset", "cw_from_digits.0:3,cw_to_digits.0:3,cw_to_digits.2:3")
+        yield Proof(f"cw {function}", harness=text, function=function, unwind=rounds, options=options)
     for power in range(0, 64, POWERS):
         options = (f"-DPOWER={power}", *UNDEFINED)
         yield Proof(f"cw difference by 2^{power} and on", harness=text, function="difference", options=options)
