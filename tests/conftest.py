@@ -256,38 +256,47 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
     """Write the Python package of a library to a folder of its own, import it, and return folder and package."""
     from codewheel.targets.python.files import generate
 
-    folders: dict[str, list[Path]] = {}
-
     def import_package(library: Library, package: str) -> tuple[Path, ModuleType]:
         folder = tmp_path_factory.mktemp("generated")
         for path, text in generate(library).items():
             target = folder / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")
-        older_modules = {name: module for name, module in sys.modules.items() if name.partition(".")[0] == package}
-        for name in older_modules:
-            del sys.modules[name]
-        sys.path.insert(0, str(folder / "python"))
-        importlib.invalidate_caches()
-        try:
-            imported = importlib.import_module(package)
-        finally:
-            sys.path.remove(str(folder / "python"))
-        # Families of an older package of this name keep their modules, because frames find their descriptions by name.
-        for name, module in older_modules.items():
-            path = folder / "python" / name.replace(".", "/")
-            if not path.is_dir() and not path.with_suffix(".py").exists():
-                sys.modules.setdefault(name, module)
-        # Some modules are loaded on first use, so modules of an older package with this name must be found.
-        inner = {name: importlib.import_module(f"{package}.{name}") for name in ("facts", "_shapes")}
-        for older in folders.setdefault(package, []):
-            imported.__path__.append(str(older))
-            for name, module in inner.items():
-                module.__path__.append(str(older / name))
-        folders[package].insert(0, folder / "python" / package)
-        return folder / "python", imported
+        return folder / "python", _import_from(folder / "python", package)
 
     return import_package
+
+
+#: Folders from which tests of this process have imported each package, the last one first.
+_FOLDERS_OF_PACKAGES: dict[str, list[Path]] = {}
+
+
+def _import_from(folder: Path, package: str) -> ModuleType:
+    """Import a package from a folder, also if other tests have imported packages of this name.
+
+    Frames find the descriptions of their families by name, some of them on first use, so the modules of the older
+    packages are still found.
+    """
+    older_modules = {name: module for name, module in sys.modules.items() if name.partition(".")[0] == package}
+    for name in older_modules:
+        del sys.modules[name]
+    sys.path.insert(0, str(folder))
+    importlib.invalidate_caches()
+    try:
+        imported = importlib.import_module(package)
+    finally:
+        sys.path.remove(str(folder))
+    for name, module in older_modules.items():
+        path = folder / name.replace(".", "/")
+        if not path.is_dir() and not path.with_suffix(".py").exists():
+            sys.modules.setdefault(name, module)
+    inner = {name: importlib.import_module(f"{package}.{name}") for name in ("facts", "_shapes")}
+    for older in _FOLDERS_OF_PACKAGES.setdefault(package, []):
+        imported.__path__.append(str(older))
+        for name, module in inner.items():
+            module.__path__.append(str(older / name))
+    _FOLDERS_OF_PACKAGES[package].insert(0, folder / package)
+    return imported
 
 
 @pytest.fixture(scope="session")
@@ -302,27 +311,8 @@ def generated_python(
 def packages(generated_python: tuple[Path, ModuleType], library: Library) -> Mapping[str, ModuleType]:
     """The generated package of each family."""
     folder, main = generated_python
-    packages = {}
-    with pytest.MonkeyPatch.context() as patch:
-        for device in library.devices:
-            maker = device.manufacturer
-            if maker.main:
-                packages[device.name] = main
-            else:
-                patch.syspath_prepend(folder / maker.python_package)
-                packages[device.name] = _import_from(folder, maker.python_package)
-    return packages
-
-
-def _import_from(folder: Path, package: str) -> ModuleType:
-    """Import a package that is in the folder, even if another test has imported a package of this name."""
-    imported = sys.modules.get(package)
-    if imported is not None and not Path(imported.__file__ or "").is_relative_to(folder):
-        older_modules = {name: module for name, module in sys.modules.items() if name.partition(".")[0] == package}
-        for name in older_modules:
-            del sys.modules[name]
-        imported = importlib.import_module(package)
-        # Frames of the other package find their modules by name.
-        for name, module in older_modules.items():
-            sys.modules.setdefault(name, module)
-    return importlib.import_module(package)
+    makers = {device.manufacturer for device in library.devices if not device.manufacturer.main}
+    imported = {
+        maker.python_package: _import_from(folder / maker.python_package, maker.python_package) for maker in makers
+    }
+    return {device.name: imported.get(device.manufacturer.python_package, main) for device in library.devices}

@@ -80,7 +80,9 @@ class Driver:
     @property
     def is_supported(self) -> bool:
         """True if the templates can express the interface."""
-        is_angle = self.device.movement == "rotary" and self.position_type.startswith("u")
+        measurement = self.device.measurement_of(self.bus)
+        has_counts = measurement is not None and measurement.counts_per_turn is not None
+        is_angle = self.device.movement == "rotary" and has_counts and self.position_type.startswith("u")
         has_choice = bool(self.view.reading.questions)
         sizes = [_bits(self.frame, row.variant) for row in self.view.variants.rows]
         is_whole = self.bus != "spi" or all(size % 8 == 0 for size in sizes)

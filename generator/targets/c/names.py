@@ -246,8 +246,6 @@ class CCast(CExpression):
 
 
 _SUM_OPERATORS = frozenset("+-")
-#: Highest multiple of a parameter that is written as a sum.
-_MOST_SUMMANDS = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,7 +294,16 @@ def shifted_left(value: CExpression, by: int | CExpression) -> CExpression:
     if not by:
         return value
     distance = CNumber(by) if isinstance(by, int) else by
+    if _has_product(distance):
+        # Checkers of MISRA C:2012 10.7 compare the types of both operands, although a shift does not convert them.
+        distance = CCast("uint32_t", distance)
     return COperation("<<", (value, distance))
+
+
+def _has_product(expression: CExpression) -> bool:
+    if not isinstance(expression, COperation):
+        return False
+    return expression.operator == "*" or any(map(_has_product, expression.operands))
 
 
 def masked(value: CExpression, mask: int) -> CExpression:
@@ -369,8 +376,8 @@ class ParameterSpelling:
                 # 2 to the power of the parameter, minus 1.
                 return CCall("cw_mask", (self.atom(exponent),))
         # Terms with positive multiples come first, so that no intermediate result is negative.
-        added = [operand for term in expression.terms if term.multiple > 0 for operand in self._summands(term)]
-        subtracted = [operand for term in expression.terms if term.multiple < 0 for operand in self._summands(term)]
+        added = [self._express_term(term) for term in expression.terms if term.multiple > 0]
+        subtracted = [self._express_term(term) for term in expression.terms if term.multiple < 0]
         is_single_operand = len(expression.terms) == 1 and expression.constant >= 0
         if expression.constant > 0 or not added:
             # Without terms to add, the subtraction begins with 0.
@@ -408,15 +415,6 @@ class ParameterSpelling:
         for sign, product in further:
             total = COperation(sign, (total, product))
         return total
-
-    def _summands(self, term: Term) -> list[CExpression]:
-        """Return the operands of a sum that a term is, without its sign.
-
-        A small multiple of one parameter is several operands, since MISRA C:2012 10.7 rejects a product in a sum.
-        """
-        if term.is_power or term.is_product or abs(term.multiple) > _MOST_SUMMANDS:
-            return [self._express_term(term)]
-        return [self._express_factor(term.factors[0])] * abs(term.multiple)
 
     def _express_term(self, term: Term) -> CExpression:
         """Return the product of a term without its sign, in 64 bits if 32 may be too few.
