@@ -32,6 +32,8 @@ _MARGIN, _ROW, _LINE, _SIZE = 10.0, 28.0, 15.0, 12
 #: Left edges of the names of wires, and of the signals in a table with wires and in one with pins only.
 _NAME, _SIGNAL_AFTER_WIRES, _SIGNAL_AFTER_PINS = 46.0, 136.0, 52.0
 _BETWEEN_COLOURS = re.compile(r"[^a-z]+")
+#: Most shapes of a frame in one picture.
+MOST_SHAPES = 12
 FACE_UNKNOWN = "Pins in the order of the manual's table. Their arrangement on the connector face is not known."
 
 
@@ -105,11 +107,12 @@ def _contact_elements(contact: Contact, top: float) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Picture:
-    """Image file in the family's folder, with its alt text."""
+    """Image file in the family's folder, with its alt text, and a note below it on what is not drawn."""
 
     name: str
     text: str
     svg: str
+    note: str = ""
 
 
 #: Pictures by subject: ``layout-NAME``, ``wide-NAME``, ``group-NAME``, ``register-NAME``, ``connector-NAME``.
@@ -121,7 +124,7 @@ def pictures_of_family(device: Device) -> Pictures:
     pictures: Pictures = {}
     for interface, layout in device.layouts():
         stacks = layout_tables.layout_stacks(device, interface, layout)
-        pictures[_layout_key(layout)] = _draw_picture(f"{layout.name}.svg", layout, stacks)
+        pictures[_layout_key(layout)] = _draw_shortest_and_longest(f"{layout.name}.svg", layout, stacks)
     groups = {group.name: group for group in device.field_groups}
     for interface in device.interfaces:
         for name in layout_tables.used_groups(interface):
@@ -174,6 +177,17 @@ def _register_key(register: Register) -> str:
 
 def _draw_picture(name: str, titled: Titled, stacks: Sequence[Stack]) -> Picture:
     return Picture(name, text_alternative(stacks), stacks_picture(title_of(titled), stacks))
+
+
+def _draw_shortest_and_longest(name: str, layout: Layout, stacks: Sequence[Stack]) -> Picture:
+    """Return a picture of all shapes of a layout, or of only the shortest and the longest if there are many."""
+    if len(stacks) <= MOST_SHAPES:
+        return _draw_picture(name, layout, stacks)
+    picture = _draw_picture(name, layout, [stacks[0], stacks[-1]])
+    note = (
+        f"The picture has the shortest and the longest of {len(stacks)} frames. The table of positions has all of them."
+    )
+    return replace(picture, note=note)
 
 
 def _without_only_caption(stacks: Sequence[Stack]) -> list[Stack]:
