@@ -400,7 +400,9 @@ def _nearest_codes_text(device: Device, label: str) -> str:
 
 
 def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> list[str]:
-    """Return at most three listed codes, those most similar to ``text`` or to ``text`` without its tail.
+    """Return at most three similar listed codes, those that begin with ``text`` first.
+
+    Codes are compared with ``text`` or with ``text`` without its tail.
 
     Args:
         devices: The families.
@@ -411,17 +413,19 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
 
     # A text may go on after the code, with another hyphen, so it is compared up to the hyphens that the code has.
     # People confuse hyphens and slashes.
-    pieces = text.upper().replace("/", "-").split("-")
-    similarities: list[tuple[float, str]] = []
+    text_with_hyphens = text.upper().replace("/", "-")
+    pieces = text_with_hyphens.split("-")
+    ranked_codes: list[tuple[bool, float, str]] = []
     for device in devices:
         for variant in device.variants:
-            code_with_hyphens = variant.code.replace("/", "-")
+            code_with_hyphens = variant.code.upper().replace("/", "-")
             pieces_of_code = code_with_hyphens.count("-") + 1
             text_without_tail = "-".join(pieces[:pieces_of_code])
+            begins_with_text = code_with_hyphens.startswith(text_with_hyphens)
             similarity = SequenceMatcher(None, code_with_hyphens, text_without_tail).ratio()
-            similarities.append((similarity, variant.code))
-    similarities.sort(key=lambda similarity_and_code: similarity_and_code[0], reverse=True)
-    return [code for similarity, code in similarities[:3] if similarity >= least]
+            ranked_codes.append((begins_with_text, similarity, variant.code))
+    ranked_codes.sort(key=lambda ranked_code: ranked_code[:2], reverse=True)
+    return [code for _, similarity, code in ranked_codes[:3] if similarity >= least]
 
 
 def edition_before(device: Device, revision: str) -> str:

@@ -180,17 +180,22 @@ function describeUnknownLabel(text) {
   return messageFor("unknown", text) + (nearestCodes ? messageFor("nearest", nearestCodes) : "");
 }
 
-/** List the three most similar codes, with commas. ``leastLikeness`` is from 0 to 1. */
+/** List three similar codes with commas, those that begin with the text first. ``leastLikeness`` is from 0 to 1. */
 function listNearestCodes(families, text, leastLikeness = 0) {
   // People confuse hyphens and slashes.
-  const pieces = text.toUpperCase().replaceAll("/", "-").split("-");
-  const likeness = (code) => {
-    const codeWithHyphens = code.replaceAll("/", "-");
-    return computeSimilarity(codeWithHyphens, pieces.slice(0, codeWithHyphens.split("-").length).join("-"));
+  const textWithHyphens = text.toUpperCase().replaceAll("/", "-");
+  const pieces = textWithHyphens.split("-");
+  const rank = ([code]) => {
+    const codeWithHyphens = code.toUpperCase().replaceAll("/", "-");
+    const textWithoutTail = pieces.slice(0, codeWithHyphens.split("-").length).join("-");
+    return {
+      code, begins: codeWithHyphens.startsWith(textWithHyphens),
+      likeness: computeSimilarity(codeWithHyphens, textWithoutTail),
+    };
   };
-  return families.flatMap((family) => family.codes.map((row) => [likeness(row[0]), row[0]]))
-    .sort(([ratio], [otherRatio]) => otherRatio - ratio).slice(0, 3).filter(([ratio]) => ratio >= leastLikeness)
-    .map(([, code]) => code).join(", ");
+  return families.flatMap((family) => family.codes.map(rank))
+    .sort((one, other) => other.begins - one.begins || other.likeness - one.likeness).slice(0, 3)
+    .filter(({ likeness }) => likeness >= leastLikeness).map(({ code }) => code).join(", ");
 }
 
 /** Return the similarity of two texts from 0 to 1, as difflib.SequenceMatcher computes it. */

@@ -51,3 +51,8 @@ def test_marks_alone_are_not_like_a_family_of_one_part(capsys: pytest.CaptureFix
 def test_hyphens_and_slashes_are_alike_in_the_nearest_codes(capsys: pytest.CaptureFixture[str]) -> None:
     assert "the nearest are AMM5A21/65KSC1," in refusal(capsys, "AMM5A21-65KSC1", "lika")
     assert "the nearest are SMA21-JP1-0050," in refusal(capsys, "SMA21/JP1/0050", "lika")
+
+
+def test_codes_that_begin_with_the_label_come_first(capsys: pytest.CaptureFixture[str]) -> None:
+    """``iC-MU150`` is written like the shorter ``iC-MU-16-0``, but names the other chip."""
+    assert "the nearest are iC-MU150-16-0, iC-MU150-16-2, iC-MU150-16-7" in refusal(capsys, "iC-MU150", "ichaus")

@@ -315,19 +315,20 @@ def check_label(label: str) -> str:
 
 
 def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
-    """Return the codes most similar to ``text`` without its tail, at most three, the most similar first.
+    """Return at most three codes: those that begin with ``text``, then those most similar to ``text`` without its tail.
 
     ``X-24-TAIL`` is compared with the code ``X-25`` as ``X-24``, because the code has two pieces.
     """
     from difflib import SequenceMatcher
 
-    pieces = text.upper().split("-")
+    upper_text = text.upper()
+    pieces = upper_text.split("-")
 
-    def likeness(code: str) -> float:
-        """Return the similarity, from 0 to 1, of a code to the same number of pieces of the text."""
-        piece_count = code.count("-") + 1
-        text_without_tail = "-".join(pieces[:piece_count])
-        return SequenceMatcher(None, code, text_without_tail).ratio()
+    def likeness(code: str) -> tuple[bool, float]:
+        """Return whether a code begins with the text, and its similarity to as many pieces of the text, from 0 to 1."""
+        upper_code = code.upper()
+        text_without_tail = "-".join(pieces[: code.count("-") + 1])
+        return upper_code.startswith(upper_text), SequenceMatcher(None, upper_code, text_without_tail).ratio()
 
     most_similar_first = sorted(codes, key=likeness, reverse=True)
     return tuple(most_similar_first[:3])
