@@ -381,10 +381,24 @@ def _with_numbers(part: Any, known_parameters: Mapping[str, int]) -> Any:
         if member_with_numbers is not member:
             changed[member_name] = member_with_numbers
     part_with_numbers = replace(part, **changed) if changed else part
+    if isinstance(part_with_numbers, Field):
+        return _with_decided_flag(part_with_numbers, known_parameters)
     if isinstance(part_with_numbers, Layout):
         layout = _with_fixed_code(part_with_numbers, known_parameters)
         return _without_empty_fields(layout)
     return part_with_numbers
+
+
+def _with_decided_flag(field: Field, known_parameters: Mapping[str, int]) -> Field:
+    """Return a flag without the condition ``only_while`` if its parameter is known, and any other field unchanged.
+
+    For an order code without the flag, it is unexplained.
+    """
+    if not isinstance(field.kind, Flag) or field.kind.only_while not in known_parameters:
+        return field
+    if not known_parameters[field.kind.only_while]:
+        return field.unexplained
+    return replace(field, kind=replace(field.kind, only_while=""))
 
 
 def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Layout:
@@ -401,35 +415,36 @@ def _without_empty_fields(layout: Layout) -> Layout:
 
     If no remaining field judges the position, reserved bits lead to UNKNOWN instead of a warning.
     """
-    empty_names = {field.name for field in layout.fields if field.width == Expression(0)}
-    if not empty_names:
+    empty_fields = {field.name: field for field in layout.fields if field.width == Expression(0)}
+    if not empty_fields:
         return layout
-    joins = [_without_fields(join, empty_names) for join in layout.joins]
-    remaining_fields = [field for field in layout.fields if field.name not in empty_names]
-    # If one field of a join remains, the join is replaced by that field.
-    field_by_join = {join.name: join.fields[0] for join in joins if len(join.fields) == 1}
+    joins = [_without_fields(join, empty_fields) for join in layout.joins]
+    remaining_fields = [field for field in layout.fields if field.name not in empty_fields]
     reduced = replace(
         layout,
-        fields=tuple(_with_parity_of_others(field, empty_names) for field in remaining_fields),
-        joins=tuple(join for join in joins if len(join.fields) > 1),
-        gray_of=field_by_join.get(layout.gray_of, layout.gray_of),
+        fields=tuple(_without_references(field, empty_fields) for field in remaining_fields),
+        joins=tuple(join for join in joins if join.fields),
     )
     has_lost_validity = reduced.judges_position != layout.judges_position
     return reduced.with_unknown_verdicts() if has_lost_validity else reduced
 
 
-def _with_parity_of_others(field: Field, removed_names: set[str]) -> Field:
-    """Return a parity bit without the removed fields, and any other field unchanged.
+def _without_references(field: Field, removed_fields: Mapping[str, Field]) -> Field:
+    """Return the field without references to removed fields: a parity bit covers only the others.
 
-    If it covers no other field, it is a constant: 0 for even parity, 1 for odd.
+    If it covers no other field, it is a constant: 0 for even parity, 1 for odd. The padding of a removed field is a
+    constant in the bytes of both.
     """
-    parity = field.kind
-    if not isinstance(parity, Parity) or removed_names.isdisjoint(parity.of):
-        return field
-    covered_names = tuple(name for name in parity.of if name not in removed_names)
-    if not covered_names:
-        return replace(field, kind=Constant(int(parity.odd)))
-    return replace(field, kind=replace(parity, of=covered_names))
+    match field.kind:
+        case Parity(of=covered_names) as parity if not removed_fields.keys().isdisjoint(covered_names):
+            remaining_names = tuple(name for name in covered_names if name not in removed_fields)
+            if not remaining_names:
+                return replace(field, kind=Constant(int(parity.odd)))
+            return replace(field, kind=replace(parity, of=remaining_names))
+        case Constant(padding_of=padded_name) as padding if padded_name in removed_fields:
+            bytes_of_both = removed_fields[padded_name].bit_slices
+            return replace(field, kind=replace(padding, padding_of=""), bit_slices=bytes_of_both)
+    return field
 
 
 def _without_fields(join: Join, removed_names: Collection[str]) -> Join:

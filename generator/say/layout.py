@@ -199,6 +199,8 @@ def describe_joins(layout: Layout) -> Iterator[Statement]:
 def join(joined_number: Join) -> Statement:
     """Return the fields that form a number."""
     names = list_parts([CodeText(name) for name in joined_number.fields])
+    if len(joined_number.fields) == 1:
+        return statement(CodeText(joined_number.name), " is the same as ", *names)
     return statement(CodeText(joined_number.name), " consists of ", *names, ", most significant first")
 
 

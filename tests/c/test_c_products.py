@@ -45,6 +45,6 @@ def test_a_small_product_in_64_bits_is_cast(tmp_path: Path) -> None:
     path.write_text(SPEC, encoding="utf-8")
     devices, report = load_library([path, MANUFACTURER])
     assert not report
-    header = generate(Library(tuple(devices)), {"only": "F25Z", "form": "single"})["c/test_f25z.h"]
+    header = generate(Library(tuple(devices)), {})["c/include/test/filled_ssi.h"]
     [product] = [line.strip() for line in header.splitlines() if "* variant.is_filled" in line]
     assert product.startswith("return (uint32_t)((uint64_t)"), product

@@ -1,19 +1,26 @@
-"""One header for one order code: its use, its content, and that its code equals the tree's."""
+"""One header for one order code: its use, its content, and that it reads what the tree reads."""
 
 from __future__ import annotations
 
+import random
 import re
 import subprocess
 from itertools import permutations
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from c_harness import SANITIZED
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
-from codewheel.model import Device
+from codewheel.model import Device, number_to_bytes
+from codewheel.model.channels import channel_frame
+from codewheel.order_codes.reduction import for_codes
 from codewheel.targets import Library
+from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.files import generate
+from rust_frames import numbers
 from working_tools import require
 
 STRICT = "-Wall -Wextra -Wpedantic -Wconversion -Werror".split()
@@ -26,8 +33,7 @@ COMPILERS = (
 )
 #: Lines of a header, comments included.
 BOUNDS = {"biss": 520, "ssi": 420, "spi": 550, "rs485": 550}
-#: Families with up to ten optional fields, of which a code has all, some or none, or with several CRCs.
-BOUNDS_OF_FAMILIES = {"c58": 460, "dl100": 450, "dl1000": 455, "icmr": 670, "icpvl": 550}
+
 
 #: What a user writes: a buffer from DMA, and the position.
 PROGRAM = """\
@@ -111,8 +117,7 @@ def test_a_user_reads_a_position_with_one_header(tmp_path: Path, capsys: pytest.
 def test_it_is_short(packaged: tuple[Device, ...]) -> None:
     for device in packaged:
         for interface, code in codes_of(device):
-            bound = BOUNDS_OF_FAMILIES.get(device.name, BOUNDS[interface])
-            assert single(device, code).count("\n") <= bound, code
+            assert single(device, code).count("\n") <= BOUNDS[interface], code
 
 
 @pytest.mark.slow
@@ -143,21 +148,92 @@ def test_a_packaged_order_code_gives_one_header(code: str, tmp_path: Path, capsy
     assert header.stem.endswith(re.sub("[^a-z0-9]+", "_", code.lower()))
 
 
+#: Reads buffers with both headers. Prints how many are usable, and how many of the results differ.
+BOTH = """\
+#include "single.h"
+#include "{tree}.h"
+#include <stdio.h>
+
+int main(void)
+{{
+    unsigned long usable = 0U, different = 0U;
+    size_t length = 0U;
+    uint8_t rx[64];
+    while (fread(&length, sizeof length, 1U, stdin) == 1U && fread(rx, 1U, length, stdin) == length) {{
+        {own_type} own = 0;
+        {tree_type} expected = 0;
+        const cw_verdict verdict = {own}_READ_BYTES(rx, length, &own);
+        const cw_verdict expected_verdict = {TREE}_READ_BYTES({row}, rx, length, &expected);
+        usable += (verdict != CW_NOT_USABLE) ? 1U : 0U;
+        different += ((verdict != expected_verdict) || ((uint64_t)own != (uint64_t)expected)) ? 1U : 0U;
+    }}
+    printf("%lu %lu", usable, different);
+    return 0;
+}}
+"""
+#: What the data line sends before a frame: at rest, acknowledge, start and a bit of control data over BiSS.
+BITS_BEFORE = {"biss": "110010", "ssi": "1", "spi": ""}
+
+
+def buffers(view: DeviceView, count: int) -> bytes:
+    """Valid and disturbed frames as they are received, each after its length as a size_t."""
+    assert view.reading.frame is not None
+    layout, interface = view.reading.frame.struct.layout, view.context.interface.name
+    channels = channel_frame(view.context.interface)
+    layouts = channels.layouts if channels is not None else (layout,)
+    random_ = random.Random(view.row.macro)
+    placed = [sent.place(view.device.variants[0].parameters) for sent in layouts]
+    placed = [channel for channel in placed if channel.bits]
+    cases: list[Any] = [SimpleNamespace(device=view.device, placed=channel) for channel in placed]
+    received = []
+    for frame in zip(*(numbers(case, count, random_) for case in cases), strict=True):
+        if layout.in_bytes:
+            received.append(number_to_bytes(layout, frame[0], placed[0].bits))
+        else:
+            bits = "".join(f"{number:0{channel.bits}b}" for number, channel in zip(frame, placed, strict=True))
+            bits = BITS_BEFORE[interface] + bits
+            bits += "0" * (-len(bits) % 8 + 16 * (interface != "spi"))
+            received.append(int(bits, 2).to_bytes(len(bits) // 8, "big"))
+    return b"".join(len(data).to_bytes(8, "little") + data for data in received)
+
+
 @pytest.mark.slow
-def test_its_functions_are_those_of_the_tree(packaged: tuple[Device, ...], tmp_path: Path) -> None:
+def test_it_reads_what_the_tree_reads(packaged: tuple[Device, ...], tmp_path: Path) -> None:
+    """The quantities of the order code are numbers in its header, and members of a struct in the tree."""
+    require(["gcc"])
+    compared = 0
     for device in packaged:
         for interface, code in codes_of(device):
-            include = write_headers(tmp_path / own_name(device, code), device, code)
-            maker, stem, own = device.manufacturer.name, f"{device.name}_{interface}", own_name(device, code)
-            # Without receive.h, the header of the tree needs nothing of it.
-            headers = (name for name in (f"{maker}/{stem}.h", "codewheel/receive.h") if (include / name).exists())
-            (include / "tree.h").write_text("".join(f'#include "{header}"\n' for header in headers), encoding="ascii")
-            tree = functions_in(preprocessed(include / "tree.h", include))
-            renamed = {renamed_as(name, maker, stem, own): renamed_as(text, maker, stem, own) for name, text in tree}
-            (include / "single.h").write_text(single(device, code), encoding="ascii")
-            cut = dict(functions_in(preprocessed(include / "single.h", include)))
-            assert cut == {name: renamed.get(name) for name in cut}, code
-            assert any(name.endswith("_decode") for name in cut), code
+            folder = tmp_path / own_name(device, code)
+            include = write_headers(folder, device, code)
+            header = single(device, code)
+            (folder / "single.h").write_text(header, encoding="ascii")
+            own, tree = own_name(device, code), f"{device.manufacturer.name}_{device.name}_{interface}"
+            tree_header = (include / device.manufacturer.name / f"{device.name}_{interface}.h").read_text("ascii")
+            (view,) = views_of(for_codes(device, {code}))
+            # Without a macro there is no single frame with a position. An open question of the manual is an argument.
+            if f"{own.upper()}_READ_BYTES(" not in header or view.reading.questions:
+                continue
+            position = r"(\w+) \*position\)"
+            own_type, tree_type = (re.findall(position, text)[0] for text in (header, tree_header))
+            program = BOTH.format(
+                tree=f"{device.manufacturer.name}/{device.name}_{interface}",
+                own=own.upper(),
+                TREE=tree.upper(),
+                row=view.row.macro.removeprefix(f"{tree.upper()}_"),
+                own_type=own_type,
+                tree_type=tree_type,
+            )
+            (folder / "main.c").write_text(program, encoding="ascii")
+            command = ["gcc", "-std=c99", *SANITIZED, f"-I{include}", "main.c", "-o", "main"]
+            subprocess.run(command, cwd=folder, check=True)
+            data = buffers(view, 2000)
+            printed = subprocess.run([folder / "main"], input=data, capture_output=True, check=True).stdout
+            usable, different = map(int, printed.split())
+            assert usable > 0, code
+            assert different == 0, code
+            compared += 1
+    assert compared >= 80
 
 
 #: Counts the words that are refused or accepted wrongly. Each check bit makes the number of 1 bits in every second bit
@@ -215,25 +291,6 @@ def write_headers(folder: Path, device: Device, only: str = "") -> Path:
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
             (folder / path).write_text(text, encoding="ascii")
     return folder / "c" / "include"
-
-
-def preprocessed(header: Path, include: Path) -> str:
-    require(["gcc"])
-    command = ["gcc", "-std=c99", "-E", "-P", "-I", str(include), "-xc", str(header)]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
-
-
-def functions_in(text: str) -> list[tuple[str, str]]:
-    """The name and the text of each function, with one space between words."""
-    found = re.findall(r"^(?:__attribute__\S+ ?)?static inline \w+ (\w+)\((.*?\n)\}", text, re.MULTILINE | re.DOTALL)
-    return [(name, " ".join(re.findall(r"\w+|\S", code))) for name, code in found]
-
-
-def renamed_as(text: str, maker: str, stem: str, own: str) -> str:
-    """Names of the tree as those of a header for one order code."""
-    text = re.sub(rf"\b{maker}_{stem}(?=_|\b)", own, text)
-    text = re.sub(rf"\b{maker}_{stem}(?=_|\b)".upper().replace(r"\B", r"\b"), own.upper(), text)
-    return re.sub(r"\bcw_(?!result\b|verdict\b)", f"{own}_", text)
 
 
 @pytest.mark.slow

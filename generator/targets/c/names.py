@@ -360,6 +360,10 @@ class ParameterSpelling:
         """Return a parameter that order codes set: a member of the variant, such as ``variant.position_bits``."""
         return CName(self.passing.member("variant", c_name(parameter)))
 
+    def uses_variant(self, expression: Expression) -> bool:
+        """Return True if the expression depends on the order code, and not only on answers of the user."""
+        return any(parameter not in self.answers for parameter in expression.parameters)
+
     def mask(self, width: Expression) -> CExpression:
         """Return a mask of ``width`` 1 bits."""
         if width.is_constant:

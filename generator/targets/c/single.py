@@ -1,7 +1,8 @@
 """One header for one order code: all that reads a position, cut from the headers of its interface and of the runtime.
 
-Functions and types are those that the headers contain for this order code alone. All names begin with the order code,
-so that several headers can be included together. Only the results and verdicts are shared, under their own guard.
+The headers of the interface are those of a family with only this order code, whose quantities are numbers: fields and
+flags that the order code does not have are absent. All names begin with the order code, so that several headers can be
+included together. Only the results and verdicts are shared, under their own guard.
 """
 
 from __future__ import annotations
@@ -9,11 +10,12 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 from itertools import chain
 from typing import Annotated, TypedDict
 
 from ...model import Device, Manufacturer, Spi
-from ...order_codes.reduction import for_codes
+from ...order_codes.reduction import for_codes, with_quantities
 from .. import TargetError
 from .codec import StructCodec
 from .comments import COLUMNS, break_lines
@@ -221,9 +223,13 @@ class SingleCode:
 
     def _new_name(self, name: str) -> str:
         """Return a name of the tree with the prefix of this header, such as ``acme_x_24_read`` for ``cw_read``."""
-        if name in self._runtime_names:
-            return re.sub("^cw_", f"{self.stem}_", re.sub("^CW_", f"{self.STEM}_", name))
         view = self.view
+        if name in self._runtime_names:
+            # If the order code is the name of the family, acme_x_ssi_receive is a function of the tree.
+            is_name_of_family = view.prefix == f"{self.stem}_{view.context.interface.name}"
+            kept_prefix = "cw_" if is_name_of_family else ""
+            new_name = re.sub("^cw_", f"{self.stem}_{kept_prefix}", name)
+            return re.sub("^CW_", f"{self.STEM}_{kept_prefix.upper()}", new_name)
         # The macro of the order code itself begins with view.PREFIX, so it is tried first.
         new_prefixes = {view.row.macro: self.STEM, view.PREFIX: self.STEM, view.prefix: self.stem}
         for old_prefix, new_prefix in new_prefixes.items():
@@ -335,9 +341,17 @@ def single_path(maker: Manufacturer, order_code: str) -> str:
 
 
 def single_views(device: Device, passing: StructPassing) -> Iterator[DeviceView]:
-    """Yield a view of the device for each of its order codes."""
+    """Yield a view of the device for each of its order codes, with numbers instead of the quantities that it sets."""
     for variant in device.variants:
-        yield from views_of(for_codes(device, {variant.code}), passing)
+        device_with_numbers = with_quantities(for_codes(device, {variant.code}), variant)
+        # Only the answers to questions that the manual leaves open, and what follows from them, are not numbers.
+        questions = {parameter.name for parameter in device.parameters if parameter.alternative}
+        open_parameters = [
+            parameter
+            for parameter in device.parameters
+            if not questions.isdisjoint(device.needed_parameters([parameter.name]))
+        ]
+        yield from views_of(replace(device_with_numbers, parameters=tuple(open_parameters)), passing)
 
 
 def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]], str], header: str) -> str:
