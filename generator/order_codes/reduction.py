@@ -37,7 +37,7 @@ from ..model import (
 )
 from ..model.expressions import Expression, Term
 from ..model.order_codes import fits
-from .parameters import parameters_of
+from .parameters import parameters_of, run_time_names
 from .sent_layouts import with_sent_layouts
 
 #: Parts that apply to every order code. They make up most of a device, so the search leaves them out.
@@ -318,16 +318,20 @@ def _concerns_interfaces(
 _NUMBERED_PARTS = ("interfaces", "registers", "procedures", "measurement")
 
 
-def with_quantities(device: Device, variant: Variant) -> Device:
+def with_quantities(device: Device, variant: Variant, *, keeps_settings: bool = False) -> Device:
     """Return the device with the quantities of an order code filled in. Questions that the manual leaves open remain.
 
-    Quantities held in registers have their factory defaults. Layouts that have no bits for the order code are left out,
-    with the CRCs that no other layout has.
+    Quantities held in registers have their factory defaults, unless ``keeps_settings``: then they remain, too, and
+    quantities that are not numbers are calculated from numbers where possible. Layouts that have no bits for the order
+    code are left out, with the CRCs that no other layout has.
     """
     # The answer to a question sets these parameters, so their values stay open.
     open_parameters = {parameter.name for parameter in device.parameters if parameter.alternative}
+    if keeps_settings:
+        open_parameters |= run_time_names(device)
     known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
-    parts_with_numbers = {name: _with_numbers(getattr(device, name), known_parameters) for name in _NUMBERED_PARTS}
+    numbered_parts = (*_NUMBERED_PARTS, "parameters") if keeps_settings else _NUMBERED_PARTS
+    parts_with_numbers = {name: _with_numbers(getattr(device, name), known_parameters) for name in numbered_parts}
     interfaces = tuple(with_output_code(interface, variant) for interface in parts_with_numbers["interfaces"])
     interfaces = tuple(with_sent_layouts(interface, variant.parameters) for interface in interfaces)
     device_with_numbers = replace(device, **parts_with_numbers | {"interfaces": interfaces})
@@ -369,7 +373,7 @@ def _with_numbers(part: Any, known_parameters: Mapping[str, int]) -> Any:
     Layouts also lose fields whose width is then 0. If nothing changes, the result is the same object.
     """
     if isinstance(part, Expression):
-        return _with_known_terms_added(part, known_parameters)
+        return _with_known_numbers(part, known_parameters)
     if isinstance(part, tuple):
         values_with_numbers = tuple(_with_numbers(value, known_parameters) for value in part)
         return part if all(map(is_, values_with_numbers, part)) else values_with_numbers
@@ -451,15 +455,16 @@ def _without_fields(join: Join, removed_names: Collection[str]) -> Join:
     return replace(join, fields=tuple(name for name in join.fields if name not in removed_names))
 
 
-def _with_known_terms_added(expression: Expression, known_parameters: Mapping[str, int]) -> Expression:
-    """Return the sum with known terms added up: for 12 ``bits``, ``bits + turns + 1`` becomes ``turns + 13``."""
-    if expression.is_constant:
-        return expression
-    known_terms = tuple(term for term in expression.terms if _is_known(term, known_parameters))
-    open_terms = tuple(term for term in expression.terms if not _is_known(term, known_parameters))
-    known_sum = Expression(expression.constant, known_terms)
-    return Expression(known_sum.value(known_parameters), open_terms)
-
-
-def _is_known(term: Term, known_parameters: Mapping[str, int]) -> bool:
-    return all(factor.parameter in known_parameters for factor in term.factors)
+def _with_known_numbers(expression: Expression, known_parameters: Mapping[str, int]) -> Expression:
+    """Return the sum with known parameters as numbers: for 12 ``bits``, ``bits * on + bits`` becomes ``12 * on + 12``."""
+    constant = expression.constant
+    open_terms: list[Term] = []
+    for term in expression.terms:
+        open_factors = tuple(factor for factor in term.factors if factor.parameter not in known_parameters)
+        known_factors = tuple(factor for factor in term.factors if factor.parameter in known_parameters)
+        known_product = Expression(0, (Term(term.multiple, known_factors),)).value(known_parameters)
+        if not open_factors:
+            constant += known_product
+        elif known_product:
+            open_terms.append(Term(known_product, open_factors))
+    return Expression(constant, tuple(open_terms))

@@ -15,6 +15,7 @@ from itertools import chain
 from typing import Annotated, TypedDict
 
 from ...model import Device, Manufacturer, Spi
+from ...order_codes.parameters import run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
 from .. import TargetError
 from .codec import StructCodec
@@ -341,15 +342,18 @@ def single_path(maker: Manufacturer, order_code: str) -> str:
 
 
 def single_views(device: Device, passing: StructPassing) -> Iterator[DeviceView]:
-    """Yield a view of the device for each of its order codes, with numbers instead of the quantities that it sets."""
+    """Yield a view of the device for each of its order codes, with numbers instead of the quantities that it sets.
+
+    Answers to questions that the manual leaves open, settings in registers, and what follows from them stay open.
+    """
     for variant in device.variants:
-        device_with_numbers = with_quantities(for_codes(device, {variant.code}), variant)
-        # Only the answers to questions that the manual leaves open, and what follows from them, are not numbers.
-        questions = {parameter.name for parameter in device.parameters if parameter.alternative}
+        device_with_numbers = with_quantities(for_codes(device, {variant.code}), variant, keeps_settings=True)
+        open_names = {parameter.name for parameter in device.parameters if parameter.alternative}
+        open_names |= run_time_names(device)
         open_parameters = [
             parameter
-            for parameter in device.parameters
-            if not questions.isdisjoint(device.needed_parameters([parameter.name]))
+            for parameter in device_with_numbers.parameters
+            if not open_names.isdisjoint(device.needed_parameters([parameter.name]))
         ]
         yield from views_of(replace(device_with_numbers, parameters=tuple(open_parameters)), passing)
 
