@@ -456,7 +456,7 @@ def _without_fields(join: Join, removed_names: Collection[str]) -> Join:
 
 
 def _with_known_numbers(expression: Expression, known_parameters: Mapping[str, int]) -> Expression:
-    """Return the sum with known parameters as numbers: for 12 ``bits``, ``bits * on + bits`` becomes ``12 * on + 12``."""
+    """Return the sum with numbers for known parameters: for 12 ``bits``, ``bits * on + bits`` is ``12 * on + 12``."""
     constant = expression.constant
     open_terms: list[Term] = []
     for term in expression.terms:
