@@ -21,6 +21,8 @@ _TARGET = re.compile(r"""\b(href)=(["'])([^"']+)\2""")
 _REST = "CONTRIBUTING"
 #: Order of the pages of a family after its interfaces.
 _ORDER = ("", "hardware", "errata", "masters", "verdicts", "manual", "changes")
+#: Classes of entries of the tree of pages that are not on the way to the current page.
+_CLASSES_OF_ENTRIES = re.compile(r' class="(?:toctree-l\d|reference internal)"')
 _NOT_IN_A_SLUG = re.compile(r"[^\w\- ]")
 
 
@@ -124,7 +126,9 @@ def _context(app: Sphinx, page: str, _template: str, context: dict[str, Any], _d
     # Without this function, the theme does not add the tree of all pages to every page.
     toctree = context.pop("toctree")
     tree = toctree(collapse=True, includehidden=True, titles_only=True, maxdepth=5)
-    context["site_tree"] = tree.replace('role="heading"', 'role="heading" aria-level="2"') if tree else ""
+    # The tree is in each of hundreds of pages, and no style needs the classes of its entries.
+    short_tree = _CLASSES_OF_ENTRIES.sub("", tree or "")
+    context["site_tree"] = short_tree.replace('role="heading"', 'role="heading" aria-level="2"')
 
 
 def _sections(_app: Sphinx, _page: str, _template: str, context: dict[str, Any], _doctree: object) -> None:

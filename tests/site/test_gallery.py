@@ -78,7 +78,7 @@ def test_pages_for_nobody_are_left_out(site: Path) -> None:
 def test_the_site_stays_small(site: Path) -> None:
     size = sum(path.stat().st_size for path in site.rglob("*") if path.is_file())
     # 41 families with 700 order codes. iC-PVL alone has 120 made-up ones.
-    assert size < 68_000_000
+    assert size < 60_000_000
 
 
 @pytest.mark.slow
