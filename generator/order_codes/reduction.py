@@ -26,6 +26,7 @@ from ..model import (
     Join,
     Layout,
     MeasureExample,
+    Measurement,
     Parity,
     ProcedureExample,
     Quantity,
@@ -334,8 +335,27 @@ def with_quantities(device: Device, variant: Variant, *, keeps_settings: bool = 
     parts_with_numbers = {name: _with_numbers(getattr(device, name), known_parameters) for name in numbered_parts}
     interfaces = tuple(with_output_code(interface, variant) for interface in parts_with_numbers["interfaces"])
     interfaces = tuple(with_sent_layouts(interface, variant.parameters) for interface in interfaces)
+    interfaces = tuple(
+        _without_needless_joins(interface, device.measurement_of(interface.name)) for interface in interfaces
+    )
     device_with_numbers = replace(device, **parts_with_numbers | {"interfaces": interfaces})
     return _without_crcs(device_with_numbers, sent_crcs(device.interfaces) - sent_crcs(interfaces))
+
+
+def _without_needless_joins(interface: Interface, measurement: Measurement | None) -> Interface:
+    """Return the interface without joins that consist of a single field, except the join that is the position."""
+    position_name = measurement.of if measurement is not None else ""
+
+    def reduced(layout: Layout) -> Layout:
+        field_by_join = {
+            join.name: join.fields[0] for join in layout.joins if len(join.fields) == 1 and join.name != position_name
+        }
+        if not field_by_join:
+            return layout
+        joins = tuple(join for join in layout.joins if join.name not in field_by_join)
+        return replace(layout, joins=joins, gray_of=field_by_join.get(layout.gray_of, layout.gray_of))
+
+    return replace(interface, layouts=tuple(map(reduced, interface.layouts)))
 
 
 def _without_crcs(device: Device, names: Collection[str]) -> Device:

@@ -85,7 +85,10 @@ class SingleCode:
         # The mark of functions to be inlined needs more lines than it saves here.
         headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING_HEADERS]
         runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
-        declarations = [*runtime_declarations, *declarations_in(without_settings(header, settings))]
+        header = without_settings(header, settings)
+        if not view.variants.parameters:
+            header = _without_order_code(header, view)
+        declarations = [*runtime_declarations, *declarations_in(header)]
         needed = declarations_needed_by(self._yield_roots(names_of(declarations)), declarations)
         self.declarations = [declaration for declaration in needed if not declaration.is_title]
         kept_names = names_of(self.declarations)
@@ -178,7 +181,8 @@ class SingleCode:
         for macro in view.interface.macros:
             if _FOR_REGISTERS not in macro.name and macro.name not in time_names:
                 yield macro.name
-        yield view.row.macro
+        if view.variants.parameters:
+            yield view.row.macro
         yield f"{view.prefix}_counts_per_turn"
         for codec in self._position_codecs():
             yield from (f"{codec.name}_{suffix}" for suffix in _READING_SUFFIXES)
@@ -329,6 +333,17 @@ class SingleCode:
         """Return True if a name occurs in the tree but not in this header."""
         is_of_tree = name.startswith((f"{self.view.prefix}_", f"{self.view.PREFIX}_", "cw_"))
         return is_of_tree and name not in self._renamed and name not in self._shared_names
+
+
+def _without_order_code(header: str, view: DeviceView) -> str:
+    """Return the text of a header whose functions do not take an order code, since nothing depends on it."""
+    header = header.replace("    (void)variant;\n", "")
+    for argument in (rf"(?:const )?{view.prefix} \*?variant", "variant", rf"&?{view.PREFIX}_##code"):
+        # First the only argument, then the first of several.
+        nothing = "(void)" if argument.endswith(r"\*?variant") else "()"
+        header = re.sub(rf"\(\s*{argument}\)", nothing, header)
+        header = re.sub(rf"\((\s*){argument},\s+(?:\\\n\s+)?", r"(\1", header)
+    return header
 
 
 def identifier(order_code: str) -> str:
