@@ -42,7 +42,7 @@ def test_an_erratum_is_next_to_the_bytes_that_it_changes(pages: Mapping[str, str
         rows = [row for row in section.splitlines() if "49h: bit 2 = 0" in row]
         assert rows
         for row in rows:
-            assert "One warning gives the bit Enable preset the opposite polarity" in row
+            assert "One warning gives the Enable preset bit the opposite polarity" in row
             assert "#erratum-enable_preset_polarity" in row
 
 
@@ -69,7 +69,7 @@ def test_a_procedure_that_sends_no_request_may_be_a_preset() -> None:
 def test_an_erratum_is_next_to_the_request_that_it_changes(pages: Mapping[str, str]) -> None:
     for section in sections(pages, "amm5", "RS-485"):
         row = next(row for row in section.splitlines() if row.startswith("| `C2`"))
-        assert "⚠ open: [Table and note disagree on what data ID 8 resets](#erratum-data_id_8_scope)" in row
+        assert "⚠ open: [A table and a note disagree on what data ID 8 resets](#erratum-data_id_8_scope)" in row
 
 
 def test_an_erratum_of_a_limit_is_not_next_to_the_bytes(pages: Mapping[str, str]) -> None:

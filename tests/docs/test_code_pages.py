@@ -122,12 +122,12 @@ def test_a_field_without_bits_has_no_row(pages: Files) -> None:
 def test_a_width_is_that_of_the_order_code(pages: Files) -> None:
     """AMM5 5.2 and 6.2.1: the position has 17 to 39 bits. That of AMM5A21/65K has 37."""
     biss, ssi = (page_of(pages, f"AMM5A21/65K{kind}").partition("## Errata")[0] for kind in ("SC1", "BG1"))
-    assert "It has 37 bits, most significant" in biss
+    assert "The position has 37 bits, most significant" in biss
     assert "The word has as many bits as the position, 37, and starts" in ssi
-    assert "| 37 bits | Width of the whole position, revolutions included. The manual calls it" in biss
+    assert "| 37 bits | Width of the whole position, including revolutions. The manual calls it" in biss
     for page in order_code_pages(pages).values():
         assert not re.search(r"\b(?:17 to 39|20 to 25)\b", page.partition('<a id="errata">')[0])
-    assert "It has 17 to 39 bits" in pages["docs/amm5/biss.md"]
+    assert "The position has 17 to 39 bits" in pages["docs/amm5/biss.md"]
 
 
 def test_contacts_are_listed_by_the_name_of_their_connector(pages: Files) -> None:

@@ -125,10 +125,14 @@ def test_what_the_table_says_of_each_revision() -> None:
 @pytest.mark.parametrize(
     ("edition_arguments", "phrase", "not_said"),
     [
-        ([], "November 2023. An older encoder may have it. Its cause is not known", "this encoder does not have it"),
+        (
+            [],
+            "November 2023, but that an older encoder may have. Its cause is not known",
+            "this encoder does not have it",
+        ),
         (
             ["--edition", "1.1"],
-            "November 2023. An older encoder may have it. Its cause is not known",
+            "November 2023, but that an older encoder may have. Its cause is not known",
             "does not have it",
         ),
         (["--edition", "1.0"], "(Encoder inharmonious error): encoder inharmonious error.", "removed"),

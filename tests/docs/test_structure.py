@@ -64,15 +64,13 @@ def test_the_title_of_a_page_names_only_what_it_has(pages: Files) -> None:
 def test_an_erratum_is_told_where_it_first_bites_and_named_where_it_does_again(pages: Files) -> None:
     """AMM5 7.5 p.46: it is open which bit is MEM BUSY. This affects four frames."""
     page = pages["docs/amm5/rs485.md"]
-    title = "[The place of MEM BUSY in the address byte is doubtful]"
+    title = "[The printed position of MEM BUSY in the address byte is doubtful]"
     lines = [line for line in page.splitlines() if title in line]
     assert lines[0].startswith(
         f'- <a id="erratum-mem_busy_position"></a>⚠ **open** {title}(errata.md#erratum-mem_busy_position): '
         "Either position is possible. The user must choose, and there is no default."
     )
-    assert set(lines[1:]) == {
-        "- ⚠ **open** [The place of MEM BUSY in the address byte is doubtful](#erratum-mem_busy_position), see above"
-    }
+    assert set(lines[1:]) == {f"- ⚠ **open** {title}(#erratum-mem_busy_position), see above"}
     frame = page.partition('<a id="layout-eeprom_write_request"></a>')[2].partition('<a id="layout-')[0]
     assert lines[0] in frame
 
@@ -81,13 +79,13 @@ def test_an_erratum_is_a_badge_with_one_line_on_the_page_of_an_order_code(pages:
     """AMM5 4.1.3 p.21: A and B without + or -."""
     page = pages["docs/amm5/AMM5A23-65KJP1.md"]
     wiring = page.partition("## Wiring")[2].partition("\n## ")[0]
-    ground = '<a href="#erratum-ground_wire">The ground pin must be used, but the cable has no wire for it</a>'
-    polarity = "The manual does not give the polarity of the RS-485 lines A and B"
+    ground = '<a href="#erratum-ground_wire">The manual lists no cable wire for the ground pin that must be used</a>'
+    polarity = "The manual does not give the polarity of RS-485 lines A and B"
     links = f'{ground} · <a href="#erratum-rs485_polarity">{polarity}</a>'
     assert f"<details><summary>⚠ 2 open errata</summary>⚠ open: {links}</details>\n" in wiring
     line = (
         f'- <a id="erratum-rs485_polarity"></a>⚠ **open** [{polarity}](errata.md#erratum-rs485_polarity): '
-        "The names are given as printed. No polarity is assumed.\n"
+        "The names are listed as printed. No polarity is assumed.\n"
     )
     assert line in page.partition("<summary><b>Errata</b>")[2]
 
@@ -200,12 +198,12 @@ def test_a_battery_step_cannot_be_misread(pages: Files) -> None:
 
 
 def test_a_sentence_links_to_the_errata_that_it_names(pages: Files) -> None:
-    link = "[Which errors affect the position is only partly described]({}errata.md#erratum-position_under_error)"
+    link = "[The manual only partly says which errors affect the position]({}errata.md#erratum-position_under_error)"
     assert f"(erratum {link.format('')})" in pages["docs/amm5/biss.md"]
     assert f"(erratum {link.format('')})" in pages["docs/amm5/AMM5A21-65KSC1.md"]
     titles = {
-        "ssi_cable_400_m": "The clock for cables under 400 m is below the allowed range",
-        "ssi_cable_50_m": "The table of cable lengths has no cable for 400 kHz to 4 MHz",
+        "ssi_cable_400_m": "The clock limit for cables under 400 m is below the clock range",
+        "ssi_cable_50_m": "The cable length table allows no cable from 400 kHz to 4 MHz",
     }
     cable = ", ".join(f"[{title}](amm5/errata.md#erratum-{name})" for name, title in titles.items())
     assert f"errata {cable}" in pages["docs/amm5-ssi-masters.md"]
@@ -219,7 +217,7 @@ def test_one_sentence_is_not_a_list(pages: Files) -> None:
 def test_a_printed_name_in_a_sentence_has_quotes(pages: Files) -> None:
     """AMM5 6.4: a register. ASC85 6.4: a bit of the status register."""
     registers_page = " ".join(pages["docs/amm5/biss-registers.md"].split())
-    assert 'close the register again with "Preset setting enable"' in registers_page
+    assert 'disable writing again with "Preset setting enable"' in registers_page
     assert 'The status "Error message" is forced to 1.' in pages["docs/asc85/biss-procedures.md"]
 
 

@@ -160,7 +160,7 @@ def test_the_text_ends_with_what_the_encoder_reports(capsys: Capture) -> None:
     assert exit_code == 3
     assert "no frame error" not in out
     assert "°" not in out
-    assert "the encoder reports: - error (Error, nE): error active in the system." in out
+    assert "the encoder reports: - error (Error, nE): an error is active in the system." in out
     assert "- warning (Warning, nW): " in out
     assert out.endswith("so the position is not usable evidence: manual")
     exit_code, out = text(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "10" + CRCS["10"])
@@ -201,7 +201,7 @@ def test_the_remedy_of_an_alarm_is_told(capsys: Capture) -> None:
     remedy += ". Steps on the hardware page: Battery replacement without error"
     assert battery["remedy"] == remedy
     assert battery["makes_position"] == "usable_with_warning"
-    assert f"external battery below 3.15 V. {remedy}." in text(capsys, "AMM5A23/65KJP1", frame)[1]
+    assert f"the external battery is below 3.15 V. {remedy}." in text(capsys, "AMM5A23/65KJP1", frame)[1]
 
 
 @pytest.mark.slow
@@ -302,7 +302,7 @@ def test_the_only_reply_to_data_id_5_that_the_manual_prints(capsys: Capture) -> 
     values = {field["name"]: field["value"] for field in data["fields"]}
     assert (values["status_info"], values["position"], values["unused"]) == (2, 0x25430004DA, 2)
     assert (
-        "status_info (dd0 ... dd3): unused bits differ from the documented value 0. Information, not used "
+        "status_info (dd0 ... dd3): unused bits differ from the documented value 0. Information bits, not used "
         "in this encoder. so the position is usable, with a warning"
     ) in text(capsys, *printed)[1]
 
@@ -402,8 +402,8 @@ def test_nobody_decides_for_the_user(capsys: Capture) -> None:
         assert message == (
             "'eeprom_read_request' cannot be decoded until you decide. Position of the address in byte ADF of an "
             "EEPROM access over RS-485: add --choose eeprom_address=as_printed (Bits 7:1, with MEM BUSY in bit 0, as "
-            "the manual prints it) or --choose eeprom_address=as_t_format (Bits 6:0, as in public T-format stacks. "
-            "MEM BUSY is then the remaining bit, 7)"
+            "printed in the manual) or --choose eeprom_address=as_t_format (Bits 6:0, as in public T-format stacks. "
+            "MEM BUSY is then the remaining bit, bit 7)"
         )
     assert decode(capsys, "AMM5A23/65KJP1", "--from", "master", "02")[1]["alternatives"] == {}
     # Even the length of a word is unknown until then: 33 or 34 bits. A register does not depend on it.

@@ -17,7 +17,7 @@ UNCORROBORATED = {
     *("acuro", "as38", "bml_s1g", "c58", "dl100", "dl1000", "icmn", "icmr", "icpvl"),
     *("kcd", "la11", "msa213c", "ocd", "wdga"),
 }
-SAID = "Made-up order code: The label of the chip has only its name."
+SAID = "Made-up order code: The chip's label has only its name."
 
 
 def _printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
@@ -36,7 +36,7 @@ def test_pages_say_it(every_encoder: Library) -> None:
     devices = {device.name: device for device in every_encoder.devices}
     pages = generate(Library((devices["icmu"], devices["as5047p"])))
     assert SAID in pages["docs/icmu/iC-MU-38-7.md"]
-    assert "Made-up order codes: The label of the chip has only its name." in " ".join(pages["docs/icmu.md"].split())
+    assert "Made-up order codes: The chip's label has only its name." in " ".join(pages["docs/icmu.md"].split())
     assert "Made-up" not in pages["docs/as5047p/AS5047P.md"]
     assert any(text.startswith(SAID) for text in family_data(devices["icmu"])["about"])
 

@@ -32,7 +32,7 @@ OPEN: Mapping[tuple[str, str], tuple[str, ...]] = {
         "32 7F 01 4C", "32 01 5A 69", "EA 01 EB", "EA 05 EF", "EA 0A E0",
     ),
     ("amm5", "preset_setting_enable_default"): ("10 p.52",),
-    ("amm5", "reset_interval"): ("in succession", "start to start"),
+    ("amm5", "reset_interval"): ("in succession", "from the start of one to the start of the next"),
     ("amm5", "serial_number_order"): ("amm36: p.38", "1.7"),
     ("asc85", "biss_crc_start"): ("icmr: p.35", "onstepx"),
     ("asc85", "biss_documents"): ("BiSS C Protocol Description",),
@@ -45,7 +45,7 @@ OPEN: Mapping[tuple[str, str], tuple[str, ...]] = {
     ("sma21", "biss_documents"): ("Protocol description C-mode",),
     ("sma21", "command_default"): ("12 p.51",),
     ("sma21", "data_id_5_example_status"): ("7.3.4", "dd1"),
-    ("sma21", "reset_interval"): ("in successione", "start to start"),
+    ("sma21", "reset_interval"): ("in successione", "from the start of one to the start of the next"),
     ("sma21", "rs485_position_width"): ("4.10 p.18",),
 }  # fmt: skip
 
@@ -104,7 +104,7 @@ def test_the_voltages_of_the_inputs(devices: Mapping[str, Device]) -> None:
     """AM36 4.4 and 4.5: 0VDC is low, CW; +VDC is high, CCW."""
     zero, direction = devices["am36"].inputs
     assert direction.low.startswith("0VDC. The position counts up clockwise (CW)")
-    assert direction.high.startswith("+VDC. The position counts up counter-clockwise (CCW)")
+    assert direction.high.startswith("+VDC. The position counts up counterclockwise (CCW)")
     assert zero.low.startswith("0VDC")
     assert zero.high.startswith("+VDC")
 
@@ -142,9 +142,9 @@ FACTS = [
     ("sma21", "personnel", "can injure or kill", "1.1 p.9"),
     ("amm5", "enclosure", "encoder and the disk", "it: 1.3 p.9"),
     ("asc85", "mechanical_safety", "Do not machine the encoder or its shaft", "1.3 p.8"),
-    ("asc85", "cable_resistance", "90 Ω/km (0.22 mm²) and 148 Ω/km (0.14 mm²)", "4.3 p.14"),
+    ("asc85", "cable_resistance", "90 Ω/km (0.22 mm²) or 148 Ω/km (0.14 mm²)", "4.3 p.14"),
     ("am36", "cable_resistance", "148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)", "4.2"),
-    ("sma21", "cable_resistance", "148 Ω/km (0.14 mm²) and 90 Ω/km (0.25 mm²)", "4.5 p.16"),
+    ("sma21", "cable_resistance", "148 Ω/km (0.14 mm²) or 90 Ω/km (0.25 mm²)", "4.5 p.16"),
     ("sma21", "diagnostic_led", "front", "9.1 p.47"),
 ]
 

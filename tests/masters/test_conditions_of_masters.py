@@ -97,7 +97,7 @@ def settings_of(
         ((), 8, ""),
         ((HIGH,), 2 + 8, ""),
         ((LOW,), 8, "A Power Fail Bit is 0 in normal operation, but this bit is 1."),
-        ((HIGH, HIGH.replace("pfb", "second")), 8, "It reads one Power Fail Bit at most."),
+        ((HIGH, HIGH.replace("pfb", "second")), 8, "It reads at most one Power Fail Bit."),
     ],
 )
 def test_power_fail_bit_of_keb(

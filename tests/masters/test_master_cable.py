@@ -108,8 +108,9 @@ def test_what_cannot_be_said(
 def test_the_page_leads_to_the_erratum(pages: dict[str, str]) -> None:
     page = pages["docs/amm5-ssi-masters.md"]
     assert (
-        "Errata about the clock for each cable length: [The clock for cables under 400 m is below the allowed range]"
-        "(amm5/errata.md#erratum-ssi_cable_400_m) · [The table of cable lengths has no cable for 400 kHz to 4 MHz]"
+        "Errata about the clock for each cable length: "
+        "[The clock limit for cables under 400 m is below the clock range]"
+        "(amm5/errata.md#erratum-ssi_cable_400_m) · [The cable length table allows no cable from 400 kHz to 4 MHz]"
         "(amm5/errata.md#erratum-ssi_cable_50_m)"
     ) in page
     assert "| Clock by cable | shorter than 50 m: below 400 kHz, shorter than 100 m: below 300 kHz," in page

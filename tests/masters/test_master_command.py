@@ -106,7 +106,7 @@ def test_what_is_open_has_to_be_chosen(capsys: pytest.CaptureFixture[str]) -> No
     ("order_code", "fact"),
     [
         # The spec has neither times nor characteristics, only a note on the interface.
-        ("iC-MR-12-L6T", "Time-out see the note on the interface in the spec: The time-out follows the clock Busy"),
+        ("iC-MR-12-L6T", "Time-out see the note on the interface in the spec: The time-out adapts to the clock Busy"),
         ("iC-MR-12-L6T", "Supply the spec does not say"),
         # The spec has characteristics, but no times.
         ("KCD-BC03B-1617", "Supply see the characteristics in the spec"),

@@ -40,7 +40,7 @@ def record_with(record: EncoderFacts, **items: int | str | None) -> EncoderFacts
             {"bits_without_crc": 64},
             {"bits_without_crc": 65},
             (
-                "A slave sends 1 to 64 bits of sensor data, status bits included. "
+                "A slave sends 1 to 64 bits of sensor data, including status bits. "
                 "This encoder has 65 bits of data, status and others."
             ),
         ),

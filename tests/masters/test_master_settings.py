@@ -409,7 +409,7 @@ def test_example_of_siemens(values_of: ValuesOf) -> None:
             "keb_f5",
             "ASC8525/SC1 as_printed",
             (
-                "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. "
+                "The data word is | MT | ST | ERR | WARN | CRC |, without other bits. "
                 "This encoder has 1 zero bit after the position."
             ),
         ),
@@ -417,7 +417,7 @@ def test_example_of_siemens(values_of: ValuesOf) -> None:
             "keb_f6",
             "ASC8525/SC1 as_printed",
             (
-                "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. "
+                "The data word is | MT | ST | ERR | WARN | CRC |, without other bits. "
                 "This encoder has 1 zero bit after the position."
             ),
         ),
@@ -461,7 +461,7 @@ def test_the_example_of_omron(values_of: ValuesOf) -> None:
 
 def test_registers_of_ic_mb3(sheet_of: Callable[[str, str], SettingsSheet]) -> None:
     notes = " ".join(sheet_of("ic_mb", "AMM5A17/1SC1").notes)
-    assert "The iC-MB3 does not carry out a register access of BiSS C by itself" in notes
+    assert "The iC-MB3 does not carry out a BiSS C register access by itself" in notes
 
 
 def test_notes_follow_the_encoder(sheet_of: Callable[[str, str], SettingsSheet]) -> None:

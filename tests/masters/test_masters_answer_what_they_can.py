@@ -155,7 +155,7 @@ def test_the_examples_of_delta(
     ("extra_fields", "number", "note"),
     [
         ([EVEN.replace("FIELDS", "position")], 4 + 8, "does not say which bits the even parity covers"),
-        ([ODD.replace("FIELDS", "position")], 8, "checks even parity only"),
+        ([ODD.replace("FIELDS", "position")], 8, "checks only even parity"),
         ([HIGH, EVEN.replace("FIELDS", "position, pfb")], 2 + 4 + 8, "does not say which bits"),
         (["          - {name: spare, bits: 2}"], 8, "are not read"),
         ([HIGH, "          - {name: spare, bits: 2}"], 8, "are not read"),

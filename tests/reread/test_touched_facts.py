@@ -171,7 +171,7 @@ def test_each_fact_with_a_changed_supply_is_listed(tmp_path: Path, capsys: pytes
     for text in ("supply: {min_mv: 10000", "quantity: supply, min: 10", '"2", signal: +10VDC', "Red, signal: +10VDC"):
         assert text in listed
     assert "value: +10 V DC to +30 V DC" in listed
-    assert "used: All models have +10 V to +30 V." in listed
+    assert "used: The supply of all models is +10 V to +30 V." in listed
 
 
 def test_references_to_a_renamed_bit_are_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -17,8 +17,8 @@
 #define ENCODER LIKA_ASC85_BISS_25_SC1
 
 /*
- * Choose this yourself, since the manual leaves it open: Constant 0 bit between position and error
- * bit of a BiSS frame [6.2.1 p.20]. See the answers in lika/asc85_biss.h.
+ * Choose this yourself, since the manual leaves it open: Constant 0 bit between the position and
+ * the error bit of a BiSS frame [6.2.1 p.20]. See the answers in lika/asc85_biss.h.
  */
 static const lika_asc85_biss_zero_bit my_zero_bit = LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED;
 

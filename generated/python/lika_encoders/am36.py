@@ -208,7 +208,7 @@ class Variant(Rotary, Wrapping):
         code: Order code, without any text that follows it on the label.
         parts: Parts of the order code: model, singleturn, turns, output.
         singleturn_bits: Singleturn resolution given by the order code [5.2]. Unit: bits.
-        multiturn_bits: Number of bits for the revolutions given by the order code [5.2]. Unit: bits.
+        multiturn_bits: Width of the revolution count in bits, given by the order code [5.2]. Unit: bits.
         ssi_gray: Position encoding over SSI, given by the order code: 1 Gray code, 0 binary code [5, 5.2].
         used_singleturn_bits: Width of the singleturn part of the BiSS position, as currently set: the base-2 logarithm
             of "Information per revolution" [6.5 p.31]. Unit: bits. Read at run time from register 56h
@@ -257,8 +257,8 @@ class Variant(Rotary, Wrapping):
 
     @property
     def position_bits(self) -> int:
-        """Width of the whole position given by the order code, revolutions included. It is the length of the SSI
-        word [5.2]. Unit: bits. Equals ``singleturn_bits + multiturn_bits``.
+        """Width of the whole position, including revolutions, given by the order code. It is also the length of the
+        SSI word [5.2]. Unit: bits. Equals ``singleturn_bits + multiturn_bits``.
         """
         return self.singleturn_bits + self.multiturn_bits
 
@@ -519,10 +519,10 @@ def crc_biss_6(number: int, bits: int) -> int:
     data sheet, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
-    significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
+    significant bit first) and the covered bits (position, error and warning bit) come from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
+        The manual does not give the start value of the BiSS CRCs (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -540,11 +540,11 @@ def crc_biss_6(number: int, bits: int) -> int:
 def crc_biss_4(number: int, bits: int) -> int:
     """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4, prot: p.9-14, icmu: p.30].
 
-    The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
-    public BiSS documents.
+    The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered bits come
+    from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
+        The manual does not give the start value of the BiSS CRCs (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -570,7 +570,7 @@ class CountingDirection(IntEnum):
     CW = 0
     """CW: Counts up with clockwise rotation."""
     CCW = 1
-    """CCW: Counts up with counter-clockwise rotation."""
+    """CCW: Counts up with counterclockwise rotation."""
 
 
 class OutputCode(IntEnum):
@@ -583,8 +583,8 @@ class OutputCode(IntEnum):
 
 
 class EnablePreset(IntEnum):
-    """Enable preset: Enables writing of the Preset registers and activation of the preset, by command or by the
-    "Zero setting/Preset" input.
+    """Enable preset: Enables writing to the Preset registers and activating the preset, by command or by the "Zero
+    setting/Preset" input.
     """
 
     ENABLE = 0
@@ -618,17 +618,18 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
-    The word has as many bits as the position, 28 or 31, and starts with the most significant bit. Further clock pulses
-    read zeros after the word. There is no error bit, no warning bit and no CRC. In Gray code, multiturn and singleturn
-    are coded as one word.
+    The word has as many bits as the position, 28 or 31, and starts with the most significant bit. Extra clock pulses
+    after the word read zeros. There is no error bit, no warning bit and no CRC. In Gray code, multiturn and singleturn
+    are encoded together as one word.
 
     Errata, with their full text in ERRATA:
         The manual does not say which of BG and GG is Gray code (open): BG is binary, GG is Gray.
-        The bits of the SSI words are numbered from 1 instead of 0 (settled): The words have bits 27:0 and 30:0.
+        The bits of the SSI words are numbered from 1 instead of 0 (settled): The bits of the words are numbered 27:0
+            and 30:0.
         Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
             clocks satisfy both.
-        The order of singleturn and multiturn is missing from the manual (open): Multiturn comes first, as the more
-            significant part. Singleturn follows. In Gray code, both form one word.
+        The manual does not give the order of singleturn and multiturn (open): The multiturn part comes first and is the
+            more significant part. The singleturn part follows. In Gray code, they form one word.
     """
 
     __slots__ = ()
@@ -751,23 +752,23 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
-    With the defaults, the frame has 44 bits, which is also the maximum. Together, multiturn and singleturn are called
-    Position in the manual. It has up to 36 bits, most significant bit first. The widths of the two parts are the values
-    of registers 57h and 56h. The frame therefore becomes shorter as soon as a smaller resolution is written. The CRC,
-    the warning bit and the error bit always remain in bits 5:0, 6 and 7. In Gray code (Configuration, bit 5), multiturn
-    and singleturn are coded as one word. If the number of revolutions is not a power of two, the step from the last
-    position to the first then changes several bits at once.
+    With the defaults, the frame has 44 bits, which is also the maximum. The manual calls multiturn and singleturn
+    together Position. The position has up to 36 bits, most significant bit first. The widths of the two parts are the
+    values of registers 57h and 56h. The frame therefore becomes shorter as soon as a smaller resolution is written. The
+    CRC, the warning bit and the error bit always remain in bits 5:0, 6 and 7. In Gray code (Configuration, bit 5),
+    multiturn and singleturn are encoded together as one word. If, in addition, the number of revolutions is not a power
+    of two, the step from the last position to the first changes several bits at once.
 
     Errata, with their full text in ERRATA:
-        The singleturn resolution of the BiSS models is left open (open): The widths come from registers 56h and 57h,
-            with their printed defaults, regardless of the order code.
-        The order of singleturn and multiturn is missing from the manual (open): Multiturn comes first, as the more
-            significant part. Singleturn follows. In Gray code, both form one word.
-        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+        The manual does not give the singleturn resolution of the BiSS models (open): The widths come from registers 56h
+            and 57h, with their printed defaults, regardless of the order code.
+        The manual does not give the order of singleturn and multiturn (open): The multiturn part comes first and is the
+            more significant part. The singleturn part follows. In Gray code, they form one word.
+        The manual does not say when the length of the frame changes (open): As soon as a resolution is written, the
             position has the number of bits given by registers 56h and 57h.
-        The manual does not say what 0 means in the unused error bits (open): A frame with either bit at 0 is decoded,
-            and the bit is reported. The position is not usable if nE is 0. Otherwise, the verdict is unknown, because
-            no bit of the frame says that the position is valid.
+        The manual does not say what 0 means in two unused bits (open): A frame with either bit at 0 is decoded, and the
+            bit is reported. The position is not usable if nE is 0. Otherwise, the verdict is unknown, because no bit of
+            the frame says that the position is valid.
 
     Bits of unused:
         bit 0, warning: Warning, nW: Not used, always 1. In the BiSS protocol, 0 here signals a warning. Unused,
@@ -936,14 +937,14 @@ class ProfileId(FixedRegister, _ProfileId):
         profile: Printed as 00 00 for AMx36. Holds 0000h, which helps to identify the encoder. The decoder also accepts
             other values.
 
-    Identification code of the profile.
+    Profile identification code.
 
     Byte order: high byte first, at 42h. Default: ``00 00``.
 
-    Next to this register, the manual refers to "Standard encoder profile", "data format", "Variant 0-24".
+    For this register, the manual refers to "Standard encoder profile", "data format" and "Variant 0-24".
 
     Errata, with their full text in ERRATA:
-        The profile ID 0000h does not fit the variant 0-24 (open): The profile ID is 00 00. The generated files do not
+        The profile ID 0000h does not match variant 0-24 (open): The profile ID is 00 00. The generated files do not
             derive a data length from it.
         In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
             register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
@@ -996,13 +997,13 @@ class SerialNumber(FixedRegister, _SerialNumber):
         week: Week of production, register 45h.
         number: Serial number, assigned in ascending order, registers 46h and 47h.
 
-    Year and week of production and a serial number, "in hexadecimal notation".
+    Production year and week, and a serial number, "in hexadecimal notation".
 
     Byte order: high byte first, at 44h.
 
     Errata, with their full text in ERRATA:
-        The manual does not give the coding of year, week and serial number (open): The values are plain binary numbers.
-            The year is the plain value of its byte. 46h is the high byte of the serial number.
+        The manual does not give the encoding of year, week and serial number (open): The values are plain binary
+            numbers. The year is the plain value of its byte. 46h is the high byte of the serial number.
         In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
             register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
             the timings of BiSS C-mode and 2 more.
@@ -1060,7 +1061,7 @@ class Command(IntEnum):
     SAVE_PARAMETERS = 1
     """Save parameters on EEPROM: Saves new register values. It does not activate a preset."""
     SAVE_AND_ACTIVATE_PRESET = 2
-    """Save parameters and activate Preset: Saves new register values and sets the present position to the preset
+    """Save parameters and activate Preset: Saves new register values and sets the current position to the preset
     value.
     """
     RESTORE_DEFAULTS = 4
@@ -1103,22 +1104,22 @@ class Configuration(FixedRegister, _Configuration):
     Attributes:
         counting_direction: Counting direction: Direction of rotation in which the position counts up, seen from the
             shaft, while the "Counting direction" input is at 0VDC. Default: 0. A high level at the "Counting direction"
-            input reverses the direction. After a change, a new preset must be set.
+            input reverses the direction. After a change, the preset must be set again.
         output_code: Output code: Position encoding. Default: 1.
-        enable_preset: Enable preset: Enables writing of the Preset registers and activation of the preset, by command
-            or by the "Zero setting/Preset" input. Default: 0.
+        enable_preset: Enable preset: Enables writing to the Preset registers and activating the preset, by command or
+            by the "Zero setting/Preset" input. Default: 0.
 
     Preset function, output code and counting direction.
 
     Default: ``20``. Save the parameters after a write, or the encoder loses the value at power-off.
 
     A new value takes effect immediately. The command "Save parameters on EEPROM" saves it. Bits 0, 1, 3, 4 and 7 are
-    not used. According to the list of defaults they are 0.
+    not used. According to the list of defaults, they are 0.
 
     Errata, with their full text in ERRATA:
-        One warning gives the bit Enable preset the opposite polarity (settled): 0 enables the preset function. 1
+        One warning gives the Enable preset bit the opposite polarity (settled): 0 enables the preset function. 1
             disables it.
-        The example calls Counting direction bit 8 instead of bit 6 (settled): Counting direction is bit 6.
+        One example numbers Counting direction as bit 8 instead of bit 6 (settled): Counting direction is bit 6.
         The preset example writes one bit instead of the whole byte (settled): Register 49h is set to 20h, with bit 2 at
             0 and the other bits at their defaults.
         In edition 1.1: Instead of: the note on the register configuration.
@@ -1183,18 +1184,18 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
     parameters after a write, or the encoder loses the value at power-off. The encoder replaces a value above the limit
     with the default. A write sets ``preset`` to zero.
 
-    A new value takes effect immediately, which can change the length of the frame, and sets the preset to zero. The
-    command "Save parameters on EEPROM" saves it. Only powers of two are accepted. Register 56h shows the resulting
-    number of bits.
+    A new value takes effect immediately, can change the length of the frame, and sets the preset to zero. The command
+    "Save parameters on EEPROM" saves it. Only powers of two are accepted. Register 56h shows the resulting number of
+    bits.
 
     Errata, with their full text in ERRATA:
-        The singleturn resolution of the BiSS models is left open (open): The widths come from registers 56h and 57h,
-            with their printed defaults, regardless of the order code.
-        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+        The manual does not give the singleturn resolution of the BiSS models (open): The widths come from registers 56h
+            and 57h, with their printed defaults, regardless of the order code.
+        The manual does not say when the length of the frame changes (open): As soon as a resolution is written, the
             position has the number of bits given by registers 56h and 57h.
         The manual does not give the byte order of the resolution registers (open): The high byte comes first.
-        The manual does not say when a value of several bytes becomes active (open): The bytes are written in ascending
-            order of address, without another access in between.
+        The manual does not say when a multi-byte value becomes active (open): The bytes are written in ascending
+            address order, with no other access in between.
     """
 
     @classmethod
@@ -1243,19 +1244,19 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
     parameters after a write, or the encoder loses the value at power-off. A write sets ``preset`` to zero.
 
     Any number from 1 to 65,536 is allowed, including numbers that are not powers of two. A new value takes effect
-    immediately, which can change the length of the frame, and sets the preset to zero. The command "Save parameters on
+    immediately, can change the length of the frame, and sets the preset to zero. The command "Save parameters on
     EEPROM" saves it. Register 57h shows the resulting number of bits. With more than 4,096 revolutions set, the shaft
-    must not turn by more than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute
+    must not turn more than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute
     position is lost.
 
     Errata, with their full text in ERRATA:
-        The order code has 4,096 revolutions, the registers have 65,536 (open): The registers and the frame use 65,536.
-            4096 is used only on the label.
-        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+        The order code gives 4,096 revolutions, but the registers give 65,536 (open): The registers and the frame use
+            65,536. 4096 is used only on the label.
+        The manual does not say when the length of the frame changes (open): As soon as a resolution is written, the
             position has the number of bits given by registers 56h and 57h.
         The manual does not give the byte order of the resolution registers (open): The high byte comes first.
-        The manual does not say when a value of several bytes becomes active (open): The bytes are written in ascending
-            order of address, without another access in between.
+        The manual does not say when a multi-byte value becomes active (open): The bytes are written in ascending
+            address order, with no other access in between.
     """
 
     @classmethod
@@ -1309,16 +1310,16 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the "Enable preset" bit to 0 (enable)
     before writing. The command "Save parameters on EEPROM" saves the value without activating it. The command "Save
     parameters and activate Preset" saves and activates it. The "Zero setting/Preset" input activates it as well. The
-    manual suggests activating it at a standstill. Set the preset again after a change of the counting direction, of
-    "Information per revolution" or of "Number of revolutions". The preset can be used, for instance, to align the zero
-    points of encoder and application.
+    manual suggests activating it with the shaft at a standstill. Set the preset again after changing the counting
+    direction, "Information per revolution" or "Number of revolutions". The preset can be used, for instance, to align
+    the zero points of the encoder and the application.
 
     Errata, with their full text in ERRATA:
         Two sections disagree on when a new resolution clears the preset (open): set_resolution saves the resolution
             first, and only then writes and activates the preset.
-        One warning gives the bit Enable preset the opposite polarity (settled): 0 enables the preset function. 1
+        One warning gives the Enable preset bit the opposite polarity (settled): 0 enables the preset function. 1
             disables it.
-        The printed default of Preset has six bytes instead of five (settled): The default is five bytes of 00.
+        The printed Preset default has six bytes instead of five (settled): The default is five bytes of 00.
 
     Checked by decode():
         zero_above_position: Always zero.
@@ -1376,7 +1377,7 @@ class DeviceType(FixedRegister, _DeviceType):
         device_type: 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which helps to identify the encoder.
             The decoder also accepts other values.
 
-    Type of the device.
+    Device type.
 
     Default: ``02``.
 
@@ -1433,9 +1434,9 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
     Default: ``14``.
 
     Errata, with their full text in ERRATA:
-        The singleturn resolution of the BiSS models is left open (open): The widths come from registers 56h and 57h,
-            with their printed defaults, regardless of the order code.
-        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+        The manual does not give the singleturn resolution of the BiSS models (open): The widths come from registers 56h
+            and 57h, with their printed defaults, regardless of the order code.
+        The manual does not say when the length of the frame changes (open): As soon as a resolution is written, the
             position has the number of bits given by registers 56h and 57h.
     """
 
@@ -1476,14 +1477,14 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
     Attributes:
         bits: Width of the multiturn part of the position. Unit: bits.
 
-    Bits of the multiturn resolution, as set by "Number of revolutions".
+    Multiturn resolution in bits, as set by "Number of revolutions".
 
     Default: ``10``.
 
     Errata, with their full text in ERRATA:
-        The order code has 4,096 revolutions, the registers have 65,536 (open): The registers and the frame use 65,536.
-            4096 is used only on the label.
-        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+        The order code gives 4,096 revolutions, but the registers give 65,536 (open): The registers and the frame use
+            65,536. 4096 is used only on the label.
+        The manual does not say when the length of the frame changes (open): As soon as a resolution is written, the
             position has the number of bits given by registers 56h and 57h.
         The manual does not give the number of bits for 2,000 revolutions (open): The number of bits is read from
             register 57h, not computed.
@@ -1535,14 +1536,14 @@ class DeviceId(FixedRegister, _DeviceId):
             encoder. The decoder also accepts other values.
         software_version: Software version, printed as XX. ASCII text.
 
-    Encoder model, interface, enclosure and software version. The manual refers to the order code here.
+    Encoder model, interface, enclosure and software version. The manual refers to the order code for this register.
 
     Byte order: high byte first, at 78h.
 
     Errata, with their full text in ERRATA:
-        The BiSS models are printed with 17 instead of I7 (settled): I7 is the code for BiSS. 17 is also accepted and
-            shown as unlisted.
-        All models share one device ID (open): The device ID is used as printed.
+        The manual prints the BiSS models with 17 instead of I7 (settled): I7 is the code for BiSS. 17 is also accepted
+            and shown as unlisted.
+        All models have the same device ID, despite different data lengths (open): The device ID is used as printed.
         In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
             register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
             the timings of BiSS C-mode and 2 more.
@@ -1770,7 +1771,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
 
     Result: Preset function, output code and counting direction are set and saved.
 
-    After a change of the counting direction, set a new preset. After a change of the output code, the frames use the
+    After changing the counting direction, set the preset again. After a change of the output code, the frames use the
     new code.
 
     Args:
@@ -1798,7 +1799,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
         ),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save it"),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -1815,7 +1816,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Args:
         variant: The encoder.
-        position: New value for the present position. Written to ``preset``.
+        position: New value for the current position. Written to ``preset``.
 
     Returns:
         The steps, for ``run``.
@@ -1834,7 +1835,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             register="configuration",
             mask=0x04,
             value=0x00,
-            meaning="enable writing of the Preset registers",
+            meaning="enable writing to the Preset registers",
         ),
         *write_bytes(
             "preset",
@@ -1850,7 +1851,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             Command.SAVE_AND_ACTIVATE_PRESET.encode(),
             meaning="save and activate the preset",
         ),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -1885,7 +1886,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             register="configuration",
             mask=0x04,
             value=0x00,
-            meaning="enable writing of the Preset registers",
+            meaning="enable writing to the Preset registers",
         ),
         *write_bytes(
             "preset",
@@ -1896,7 +1897,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
         Verify(Address.PRESET, length=5, register="preset", mask=0xFFFFFFFFFF, order="big"),
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save the preset"),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -1919,7 +1920,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -1945,7 +1946,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SAVE_AND_ACTIVATE_PRESET.encode()),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -1955,13 +1956,13 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: All parameters are set to their defaults, which are both active and saved. All earlier values are lost,
     including the preset. The frame has 44 bits again.
 
-    The default number of revolutions, 65,536, is more than 4,096. With this setting, the shaft must not turn by more
-    than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute position is lost.
+    The default number of revolutions, 65,536, is more than 4,096. With this setting, the shaft must not turn more than
+    2,047 revolutions in either direction while the encoder is off. Otherwise the absolute position is lost.
 
     Errata, with their full text in ERRATA:
-        The order code has 4,096 revolutions, the registers have 65,536 (open): The registers and the frame use 65,536.
-            4096 is used only on the label.
-        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+        The order code gives 4,096 revolutions, but the registers give 65,536 (open): The registers and the frame use
+            65,536. 4096 is used only on the label.
+        The manual does not say when the length of the frame changes (open): As soon as a resolution is written, the
             position has the number of bits given by registers 56h and 57h.
 
     Args:
@@ -1978,7 +1979,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -1993,24 +1994,25 @@ def set_resolution(
     Precondition: The manual suggests doing this with the shaft at a standstill.
 
     Result: The new resolution is saved. The position at the moment of the last command becomes the preset value. From
-    then on, the two parts of the position have the widths read in the last two steps.
+    then on, the two parts of the position have the bit widths read in the last two steps.
 
     The frame length changes as soon as the resolution is written. The master must use the new length before it can read
-    a position again. The order of the steps follows from the warnings of registers 48h, 4Bh, 4Eh and 50h.
+    a position again. The order of the steps follows from the warnings for registers 48h, 4Bh, 4Eh and 50h.
 
     Errata, with their full text in ERRATA:
-        The manual leaves open when the frame changes its length (open): As soon as a resolution is written, the
+        The manual does not say when the length of the frame changes (open): As soon as a resolution is written, the
             position has the number of bits given by registers 56h and 57h.
         Two sections disagree on when a new resolution clears the preset (open): set_resolution saves the resolution
             first, and only then writes and activates the preset.
-        The manual does not say when a value of several bytes becomes active (open): The bytes are written in ascending
-            order of address, without another access in between.
+        The manual does not say when a multi-byte value becomes active (open): The bytes are written in ascending
+            address order, with no other access in between.
 
     Args:
         variant: The encoder.
         information_per_revolution: Positions per revolution, a power of two. Written to ``information_per_revolution``.
         number_of_revolutions: Revolutions to count, 1 to 65,536. Written to ``number_of_revolutions``.
-        position: New value for the present position, below the product of the other two. Written to ``preset``.
+        position: New value for the current position, less than the product of the other two arguments. Written to
+            ``preset``.
 
     Returns:
         The steps, for ``run``.
@@ -2055,7 +2057,7 @@ def set_resolution(
             Command.SAVE_PARAMETERS.encode(),
             meaning="save the resolution first, separately from the preset",
         ),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
         # Mask and value are those of enable_preset.
         Modify(
             Address.CONFIGURATION,
@@ -2063,7 +2065,7 @@ def set_resolution(
             register="configuration",
             mask=0x04,
             value=0x00,
-            meaning="enable writing of the Preset registers",
+            meaning="enable writing to the Preset registers",
         ),
         *write_bytes(
             "preset",
@@ -2079,7 +2081,7 @@ def set_resolution(
             Command.SAVE_AND_ACTIVATE_PRESET.encode(),
             meaning="save and activate the preset",
         ),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
         Read(
             Address.SINGLETURN_BITS_USED,
             length=1,

@@ -39,11 +39,12 @@ generate --edition amm5=1.0``.
 
 Before edition 1.4 [Document release]:
     Not known: Register 3Bh, Counting direction.
-    Why: This revision removed the register. The table does not say which values it took, or when.
+    Why: This revision removed the register. The table does not say which values the register accepted, or during which
+        period.
 
 Before edition 1.3 [Document release]:
     Not known: All information that was marked "to be updated".
-    Why: The revision removed "to-be-updated" information. The table does not say which information was marked, or
+    Why: This revision removed "to-be-updated" information. The table does not say which information was marked, or
         whether it was correct.
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l. This project is
@@ -238,7 +239,7 @@ class Variant(Rotary, Wrapping):
         code: Order code, without any text that follows it on the label.
         parts: Parts of the order code: mount, singleturn, turns, interface.
         singleturn_bits: Singleturn resolution [Preliminary information p.7]. Unit: bits.
-        multiturn_bits: Number of bits that count revolutions. 0 in singleturn models [Preliminary information p.7].
+        multiturn_bits: Width of the revolution count in bits. 0 in singleturn models [Preliminary information p.7].
             Unit: bits.
         low_battery_only: 1 if an active warning bit stands for a low battery [6.2.1 p.33]. Set by your choice of
             ``warning_cause``: 0 for ``either_cause`` (default), 1 for ``low_battery``. Applies only to BiSS C-mode.
@@ -259,8 +260,8 @@ class Variant(Rotary, Wrapping):
 
     @property
     def position_bits(self) -> int:
-        """Width of the whole position, revolutions included, 17 to 39 bits. The manual calls it "encoder resolution"
-        and "nbitres" [6.2.1 p.32]. Unit: bits. Equals ``singleturn_bits + multiturn_bits``.
+        """Width of the whole position, including revolutions, 17 to 39 bits. The manual calls it "encoder
+        resolution" and "nbitres" [6.2.1 p.32]. Unit: bits. Equals ``singleturn_bits + multiturn_bits``.
         """
         return self.singleturn_bits + self.multiturn_bits
 
@@ -609,10 +610,10 @@ def crc_biss_6(number: int, bits: int) -> int:
     data sheet, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
-    significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
+    significant bit first) and the covered bits (position, error and warning bit) come from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
+        The manual does not give the start value of the BiSS CRCs (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -630,11 +631,11 @@ def crc_biss_6(number: int, bits: int) -> int:
 def crc_biss_4(number: int, bits: int) -> int:
     """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.34, prot: p.9-14, icmu: p.30].
 
-    The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
-    public BiSS documents.
+    The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered bits come
+    from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
+        The manual does not give the start value of the BiSS CRCs (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -656,8 +657,8 @@ def crc_rs485_8(data: bytes) -> int:
     the XOR of the bytes, so it does not detect swapped bytes. The printed code sets the start value to 0.
 
     Errata, with their full text in ERRATA:
-        The printed CRC code expects the bits of a byte MSB first (settled): The CRC is the XOR of all bytes before it,
-            which is x^8 + 1 with input and output reflected.
+        The printed CRC code expects the bits of each byte MSB first (settled): The CRC is the XOR of all bytes before
+            it, which is x^8 + 1 with input and output reflected.
 
     Args:
         data: Bytes that the CRC covers.
@@ -672,7 +673,7 @@ def crc_rs485_8(data: bytes) -> int:
 
 
 class DataId(IntEnum):
-    """Data ID: Type of the request, repeated in the reply."""
+    """Data ID: Type of request, repeated in the reply."""
 
     SINGLETURN = 0
     """Data ID 0: Singleturn position."""
@@ -683,9 +684,9 @@ class DataId(IntEnum):
     ALL_DATA = 3
     """Data ID 3: Singleturn, encoder ID, multiturn and alarms."""
     EEPROM_WRITE = 6
-    """Data ID 6: Write one byte of the EEPROM."""
+    """Data ID 6: Write one byte to the EEPROM."""
     EEPROM_READ = 0xD
-    """Data ID D: Read one byte of the EEPROM."""
+    """Data ID D: Read one byte from the EEPROM."""
     RESET_ERRORS = 7
     """Data ID 7: Reset all errors. The reply contains the singleturn position."""
     RESET_SINGLETURN_AND_MULTITURN = 8
@@ -703,15 +704,15 @@ class EepromAddress(Enum):
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
     Errata, with their full text in ERRATA:
-        The place of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user must choose,
-            and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
-            write overwrites other data there. Read and compare before you write.
+        The printed position of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user
+            must choose, and there is no default. With the wrong choice, an access goes to twice or half the address,
+            and a write overwrites other data there. Read and compare before you write.
     """
 
     AS_PRINTED = (1, 0)  # eeprom_address_bit, mem_busy_bit
-    """Bits 7:1, with MEM BUSY in bit 0, as the manual prints it [7.5 p.46]."""
+    """Bits 7:1, with MEM BUSY in bit 0, as printed in the manual [7.5 p.46]."""
     AS_T_FORMAT = (0, 7)  # eeprom_address_bit, mem_busy_bit
-    """Bits 6:0, as in public T-format stacks. MEM BUSY is then the remaining bit, 7 [hpm_sdk:
+    """Bits 6:0, as in public T-format stacks. MEM BUSY is then the remaining bit, bit 7 [hpm_sdk:
     samples/drivers/sei/slave/tamagawa/README_en.rst, ti_sdk:
     tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c].
     """
@@ -722,18 +723,18 @@ class EepromAddress(Enum):
 
 
 class WarningCause(Enum):
-    """Cause that an active warning bit of a BiSS frame stands for [6.2.1 p.33, 4.3.1 p.23].
+    """Cause of an active warning bit in a BiSS frame [6.2.1 p.33, 4.3.1 p.23].
 
     The manual leaves this open, or other evidence contradicts it. The default is EITHER_CAUSE. Variant.with_answers()
     chooses another answer.
 
     Errata, with their full text in ERRATA:
-        Which errors affect the position is only partly described (open): The position is not usable if any of these is
-            active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In multiturn
+        The manual only partly says which errors affect the position (open): The position is not usable if any of these
+            is active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In multiturn
             models, the MT error or the warning bit also makes the position unusable. With the battery alarm, it is
-            usable with a warning. The same applies to the warning bit if you choose to treat it as a low battery. EE_1,
-            which combines BUSY, PS error, battery alarm and MT error, makes the position unusable. If the frame also
-            carries these four flags (data ID 3), they decide instead.
+            usable with a warning. The same applies to the warning bit if you choose to interpret it as a low battery.
+            EE_1, which combines BUSY, PS error, battery alarm and MT error, makes the position unusable. If the frame
+            also carries these four flags (data ID 3), they determine the verdict instead.
     """
 
     EITHER_CAUSE = (0,)  # low_battery_only
@@ -741,7 +742,7 @@ class WarningCause(Enum):
     of revolutions may be wrong, so the position is not usable [6.2.1 p.33].
     """
     LOW_BATTERY = (1,)  # low_battery_only
-    """Only a low battery, with which the position is kept, as over RS-485. The position is usable with a warning
+    """Only a low battery, which still keeps the position, as over RS-485. The position is usable with a warning
     [6.2.1 p.33, 4.3.1 p.23, 7.4.1 p.44].
     """
 
@@ -773,16 +774,16 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
-    The word has as many bits as the position, 17 to 39, and starts with the most significant bit. Further clock pulses
-    read zeros after the word. There is no error bit, no warning bit and no CRC.
+    The word has as many bits as the position, 17 to 39, and starts with the most significant bit. Extra clock pulses
+    after the word read zeros. There is no error bit, no warning bit and no CRC.
 
     Errata, with their full text in ERRATA:
         One section says Binary or Gray, the other says Binary (settled): The output code is binary.
         Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
             clocks satisfy both.
-        The table of word lengths has 65KKG1 instead of 65KBG1 (settled): The order codes contain 65KBG1.
-        The order of singleturn and multiturn is missing from the manual (open): Multiturn comes first, as the more
-            significant part. Singleturn follows.
+        The word length table prints 65KKG1 instead of 65KBG1 (settled): The order codes contain 65KBG1.
+        The manual does not give the order of singleturn and multiturn (open): The multiturn part comes first and is the
+            more significant part. The singleturn part follows.
     """
 
     __slots__ = ()
@@ -895,43 +896,44 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         variant: Encoder to which the frame belongs.
         multiturn: Number of revolutions. 0 if the encoder does not have this field. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
-        error: Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance,
-            circuitry not installed properly). In multiturn models (.../65K...) it also reports that the battery is
-            depleted. The encoder cannot operate with a depleted battery. True when 0: error active in the system. False
-            when 1: no active error. While it is True, the position is not usable. Remedy: If the disk is misaligned,
-            switch off, align the disk and continue connecting the encoder. If the battery of a multiturn model is
-            depleted, replace the battery. Steps: ``battery_replacement_with_error``.
+        error: Error, nE: Reports, for instance, that the circuitry and the disk are not aligned (gap out of tolerance,
+            circuitry not installed properly). In multiturn models (.../65K...), it also reports that the battery is
+            depleted. The encoder cannot operate with a depleted battery. True when 0: an error is active in the system.
+            False when 1: no active error. While it is True, the position is not usable. Remedy: If the disk is
+            misaligned, switch off, align the disk and continue connecting the encoder. If the battery of a multiturn
+            model is depleted, replace it. Steps: ``battery_replacement_with_error``.
         warning: Warning, nW: Reports an error in the magnetic multiturn system, which may make the number of
-            revolutions wrong, or a low battery. The bit does not distinguish the two (erratum position_under_error).
-            True when 0: warning active in the system. False when 1: no active warning. While it is True, the position
-            is not usable. If you set ``low_battery_only`` to 1, the position is usable, with a warning. This applies
-            only to ``.../65K...``. For other order codes, the manual does not explain the flag. While it is active
-            there, the position is usable, with a warning. Remedy: Replace a low battery as soon as possible. For an
-            error in the multiturn system, the manual gives no remedy. Steps: ``battery_replacement_without_error``.
+            revolutions wrong, or a low battery. The bit does not distinguish the two causes (erratum
+            position_under_error). True when 0: a warning is active in the system. False when 1: no active warning.
+            While it is True, the position is not usable. If you set ``low_battery_only`` to 1, the position is usable,
+            with a warning. This applies only to ``.../65K...``. For other order codes, the manual does not explain the
+            flag. While it is active there, the position is usable, with a warning. Remedy: Replace a low battery as
+            soon as possible. For an error in the multiturn system, the manual gives no remedy. Steps:
+            ``battery_replacement_without_error``.
 
     In the manual: Single Cycle Data SCD.
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
-    Together, multiturn and singleturn are called Position in the manual (Italian: Posizione). It has 17 to 39 bits,
+    The manual calls multiturn and singleturn together Position (Italian: Posizione). The position has 17 to 39 bits,
     most significant bit first.
 
     Errata, with their full text in ERRATA:
-        The order of singleturn and multiturn is missing from the manual (open): Multiturn comes first, as the more
-            significant part. Singleturn follows.
-        The frame is one bit longer than the printed length (settled): The length is position_bits + 8.
-        Error bits, LEDs and alarms do not correspond one to one (open): Each bit, LED and alarm is used as printed.
-            None is derived from another.
-        Which errors affect the position is only partly described (open): The position is not usable if any of these is
-            active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In multiturn
+        The manual does not give the order of singleturn and multiturn (open): The multiturn part comes first and is the
+            more significant part. The singleturn part follows.
+        The frame is one bit longer than printed (settled): The length is position_bits + 8.
+        The manual's error bits, LEDs and alarms do not match one to one (open): Each bit, LED and alarm is used as
+            printed. None is derived from any other.
+        The manual only partly says which errors affect the position (open): The position is not usable if any of these
+            is active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In multiturn
             models, the MT error or the warning bit also makes the position unusable. With the battery alarm, it is
-            usable with a warning. The same applies to the warning bit if you choose to treat it as a low battery. EE_1,
-            which combines BUSY, PS error, battery alarm and MT error, makes the position unusable. If the frame also
-            carries these four flags (data ID 3), they decide instead.
-        Battery alarms are printed for models without a battery (open): In singleturn models (.../1...), nW, BATT and
-            MTERR have no explanation. An active bit is reported, and the position is usable with a warning. Without
-            ALMC (data IDs 0 and 1), EE_1 makes the position unusable, since it may be BUSY. The step is left out. Only
-            with .../1...
+            usable with a warning. The same applies to the warning bit if you choose to interpret it as a low battery.
+            EE_1, which combines BUSY, PS error, battery alarm and MT error, makes the position unusable. If the frame
+            also carries these four flags (data ID 3), they determine the verdict instead.
+        The manual lists battery alarms for models without a battery (open): In singleturn models (.../1...), the manual
+            does not explain nW, BATT and MTERR. An active bit is reported, and the position is usable with a warning.
+            Without ALMC (data IDs 0 and 1), EE_1 makes the position unusable, since it may mean BUSY. The step is
+            omitted. Only with .../1...
 
     Checked by decode():
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
@@ -942,14 +944,14 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
-        # error: error active in the system.
-        # warning: warning active in the system.
+        # error: an error is active in the system.
+        # warning: a warning is active in the system.
         if (
             self.error
             or (self.warning and self.variant.multiturn_bits and not self.variant.low_battery_only)
         ):
             return Verdict.NOT_USABLE
-        # warning: warning active in the system.
+        # warning: a warning is active in the system.
         if (
             (self.warning and self.variant.multiturn_bits and self.variant.low_battery_only)
             or (self.warning and not self.variant.multiturn_bits)
@@ -1076,7 +1078,7 @@ class DataRequest(FixedBytes, _DataRequest):
     """Data request, sent by the master over RS-485: 1 byte [7.2.1 p.41].
 
     Attributes:
-        data_id: Data ID: Type of the request, repeated in the reply.
+        data_id: Data ID: Type of request, repeated in the reply.
 
     In the manual: Master → Encoder: CF.
 
@@ -1088,7 +1090,7 @@ class DataRequest(FixedBytes, _DataRequest):
     See also these errata in ERRATA: The manual does not describe the structure of the control field.
 
     Checked by decode():
-        sync: Start of a frame, binary 010. Always 2.
+        sync: Start of the frame, binary 010. Always 2.
         parity: Even parity of ``data_id``.
     """
 
@@ -1122,7 +1124,7 @@ class DataRequest(FixedBytes, _DataRequest):
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 1:
                     raise LengthError(1, len(data))
-                sync = data[0] & 0x7  # bits 2:0: Start of a frame, binary 010
+                sync = data[0] & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = data[0] >> 3 & 0xF  # bits 6:3
@@ -1168,14 +1170,14 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata, with their full text in ERRATA:
-        The place of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user must choose,
-            and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
-            write overwrites other data there. Read and compare before you write.
+        The printed position of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user
+            must choose, and there is no default. With the wrong choice, an access goes to twice or half the address,
+            and a write overwrites other data there. Read and compare before you write.
 
     See also these errata in ERRATA: The manual does not describe the structure of the control field.
 
     Checked by decode():
-        sync: Start of a frame, binary 010. Always 2.
+        sync: Start of the frame, binary 010. Always 2.
         parity: Even parity of ``data_id``.
         mem_busy: MEM BUSY: Always 0 when sent by the master.
         crc: CRC. CRC ``rs485_8`` over everything before it.
@@ -1185,7 +1187,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
 
     @property
     def data_id(self) -> DataId:
-        """Data ID: Type of the request, repeated in the reply."""
+        """Data ID: Type of request, repeated in the reply."""
         return DataId.EEPROM_WRITE
 
     @classmethod
@@ -1224,7 +1226,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
+                sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF  # bits 6:3
@@ -1312,14 +1314,14 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata, with their full text in ERRATA:
-        The place of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user must choose,
-            and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
-            write overwrites other data there. Read and compare before you write.
+        The printed position of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user
+            must choose, and there is no default. With the wrong choice, an access goes to twice or half the address,
+            and a write overwrites other data there. Read and compare before you write.
 
     See also these errata in ERRATA: The manual does not describe the structure of the control field.
 
     Checked by decode():
-        sync: Start of a frame, binary 010. Always 2.
+        sync: Start of the frame, binary 010. Always 2.
         parity: Even parity of ``data_id``.
         mem_busy: MEM BUSY: Always 0 when sent by the master.
         crc: CRC. CRC ``rs485_8`` over everything before it.
@@ -1329,7 +1331,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
 
     @property
     def data_id(self) -> DataId:
-        """Data ID: Type of the request, repeated in the reply."""
+        """Data ID: Type of request, repeated in the reply."""
         return DataId.EEPROM_READ
 
     @classmethod
@@ -1368,7 +1370,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
+                sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF  # bits 6:3
@@ -1450,16 +1452,16 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        data_id: Data ID: Type of the request, repeated in the reply.
+        data_id: Data ID: Type of request, repeated in the reply.
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
             True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
             instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
-        status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-            reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
-            are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
-            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag that it combines
-            is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC shows the active
-            error.
+        status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
+            are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
+            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``,
+            ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag
+            that it combines is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC
+            shows the active error.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
             above it.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
@@ -1472,15 +1474,15 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
     position = (DF2 << 16) + (DF1 << 8) + DF0. The bits above the resolution are 0: bit 23, bits 23:21 or bits 23:17.
 
     Errata, with their full text in ERRATA:
-        One bit combines BUSY with errors that keep the position (open): EE_1 is one flag, status_other_error. Do not
-            trust a position received with this flag until ALMC has been read.
-        The frame of the CRC example does not fit any reply (settled): The bytes are used only as a check of the CRC. As
-            a reply, they are rejected because of their length.
+        One bit combines BUSY with errors that leave the position intact (open): EE_1 is one flag, status_other_error.
+            Do not trust a position received with this flag until ALMC has been read.
+        The frame in the CRC example does not match any reply (settled): The bytes are used only as a check of the CRC.
+            The decoder rejects them as a reply because of their length.
 
-    See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
-    what other values of the unused bits mean; Which errors affect the position is only partly described; The manual
-    does not describe the structure of the control field; Turning on the power twice can mean one or two power cycles;
-    Battery alarms are printed for models without a battery.
+    See also these errata in ERRATA: The manual's error bits, LEDs and alarms do not match one to one; The manual does
+    not say what nonzero unused bits mean; The manual only partly says which errors affect the position; The manual does
+    not describe the structure of the control field; Turning on the power twice can mean one or two power cycles; The
+    manual lists battery alarms for models without a battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1489,7 +1491,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
             ``usable_with_warning``.
 
     Checked by decode():
-        sync: Start of a frame, binary 010. Always 2.
+        sync: Start of the frame, binary 010. Always 2.
         parity: Even parity of ``data_id``.
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
@@ -1563,7 +1565,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
                 singleturn = b2 | b3 << 8 | b4 << 16  # low byte first
                 # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if singleturn >> singleturn_bits or b0 not in valid_first_bytes:
-                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
+                    sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF  # bits 6:3
@@ -1612,12 +1614,12 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
             True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
             instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
-        status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-            reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
-            are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
-            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag that it combines
-            is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC shows the active
-            error.
+        status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
+            are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
+            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``,
+            ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag
+            that it combines is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC
+            shows the active error.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have this field. Unit:
             revolutions. Right-aligned in 24 bits, with zeros above it.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
@@ -1629,13 +1631,13 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
     Singleturn models do not use these three bytes. Unused high bits are 0.
 
     Errata, with their full text in ERRATA:
-        One bit combines BUSY with errors that keep the position (open): EE_1 is one flag, status_other_error. Do not
-            trust a position received with this flag until ALMC has been read.
+        One bit combines BUSY with errors that leave the position intact (open): EE_1 is one flag, status_other_error.
+            Do not trust a position received with this flag until ALMC has been read.
 
-    See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
-    what other values of the unused bits mean; Which errors affect the position is only partly described; The manual
-    does not describe the structure of the control field; Turning on the power twice can mean one or two power cycles;
-    Battery alarms are printed for models without a battery.
+    See also these errata in ERRATA: The manual's error bits, LEDs and alarms do not match one to one; The manual does
+    not say what nonzero unused bits mean; The manual only partly says which errors affect the position; The manual does
+    not describe the structure of the control field; Turning on the power twice can mean one or two power cycles; The
+    manual lists battery alarms for models without a battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1644,7 +1646,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
             ``usable_with_warning``.
 
     Checked by decode():
-        sync: Start of a frame, binary 010. Always 2.
+        sync: Start of the frame, binary 010. Always 2.
         parity: Even parity of ``data_id``.
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
@@ -1653,7 +1655,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
 
     @property
     def data_id(self) -> DataId:
-        """Data ID: Type of the request, repeated in the reply."""
+        """Data ID: Type of request, repeated in the reply."""
         return DataId.MULTITURN
 
     @property
@@ -1716,7 +1718,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
                 multiturn = b2 | b3 << 8 | b4 << 16  # low byte first
                 # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if multiturn >> multiturn_bits or b0 != 0x8A:
-                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
+                    sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF  # bits 6:3
@@ -1761,14 +1763,14 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
             True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
             instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
-        status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-            reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
-            are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
-            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag that it combines
-            is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC shows the active
-            error.
-        encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which helps
-            to identify the encoder. The decoder also accepts other values.
+        status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
+            are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
+            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``,
+            ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag
+            that it combines is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC
+            shows the active error.
+        encoder_id: ENID: Encoder ID, printed as 23h. A frame with a different ID is still decoded. Holds 23h, which
+            helps to identify the encoder. The decoder also accepts other values.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 CRC.
@@ -1776,13 +1778,13 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
     Its ``data_id`` is 2 (encoder_id).
 
     Errata, with their full text in ERRATA:
-        The encoder ID 23h may be the decimal number 23 (open): 23h is the expected encoder ID. A frame with another ID
-            is decoded, and the ID is reported.
+        The encoder ID 23h may be the decimal number 23 (open): 23h is the expected encoder ID. A frame with a different
+            ID is decoded, and the ID is reported.
 
-    See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
-    what other values of the unused bits mean; Which errors affect the position is only partly described; The manual
-    does not describe the structure of the control field; One bit combines BUSY with errors that keep the position;
-    Turning on the power twice can mean one or two power cycles; Battery alarms are printed for models without a
+    See also these errata in ERRATA: The manual's error bits, LEDs and alarms do not match one to one; The manual does
+    not say what nonzero unused bits mean; The manual only partly says which errors affect the position; The manual does
+    not describe the structure of the control field; One bit combines BUSY with errors that leave the position intact;
+    Turning on the power twice can mean one or two power cycles; The manual lists battery alarms for models without a
     battery.
 
     Bits of unused:
@@ -1792,7 +1794,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
             ``usable_with_warning``.
 
     Checked by decode():
-        sync: Start of a frame, binary 010. Always 2.
+        sync: Start of the frame, binary 010. Always 2.
         parity: Even parity of ``data_id``.
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
@@ -1801,7 +1803,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
 
     @property
     def data_id(self) -> DataId:
-        """Data ID: Type of the request, repeated in the reply."""
+        """Data ID: Type of request, repeated in the reply."""
         return DataId.ENCODER_ID
 
     @property
@@ -1844,7 +1846,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
                     raise CrcError(b3, computed_crc)
                 # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if b0 != 0x92:
-                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
+                    sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF  # bits 6:3
@@ -1894,29 +1896,29 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
             True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
             instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
-        status_other_error: EE_1: A single bit covers BUSY, which clears itself, and errors that remain until they are
-            reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
-            are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``, ``ps_error``,
-            ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag that it combines
-            is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC shows the active
-            error.
+        status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
+            are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
+            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``,
+            ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag
+            that it combines is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC
+            shows the active error.
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
             above it.
-        encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which helps
-            to identify the encoder. The decoder also accepts other values.
+        encoder_id: ENID: Encoder ID, printed as 23h. A frame with a different ID is still decoded. Holds 23h, which
+            helps to identify the encoder. The decoder also accepts other values.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have this field. Unit:
             revolutions. Right-aligned in 24 bits, with zeros above it.
-        busy: BUSY. True when 1: not ready after power-on or during a reset. All position data are 0. False when 0:
-            ready. While it is True, the position is not usable.
-        st_error: STERR. True when 1: counted and calculated data disagree. False when 0: no ST error. While it is True,
-            the position is not usable.
-        ps_error: PSERR. True when 1: singleturn and multiturn count inconsistent, or a counting error. False when 0: no
-            PS error. While it is True, the position is not usable.
-        mt_error: MTERR. True when 1: external battery below 3.05 V. False when 0: no MT error. While it is True, the
-            position is not usable. This applies only to ``.../65K...``. For other order codes, the manual does not
+        busy: BUSY. True when 1: the encoder is not ready after power-on or during a reset. All position data are 0.
+            False when 0: ready. While it is True, the position is not usable.
+        st_error: STERR. True when 1: the counted and calculated data disagree. False when 0: no ST error. While it is
+            True, the position is not usable.
+        ps_error: PSERR. True when 1: the singleturn and multiturn counts are inconsistent, or there is a counting
+            error. False when 0: no PS error. While it is True, the position is not usable.
+        mt_error: MTERR. True when 1: the external battery is below 3.05 V. False when 0: no MT error. While it is True,
+            the position is not usable. This applies only to ``.../65K...``. For other order codes, the manual does not
             explain the flag. While it is active there, the position is usable, with a warning.
-        battery_alarm: BATT. True when 1: external battery below 3.15 V. False when 0: no battery alarm. While it is
-            True, the position is usable, with a warning. This applies only to ``.../65K...``. For other order codes,
+        battery_alarm: BATT. True when 1: the external battery is below 3.15 V. False when 0: no battery alarm. While it
+            is True, the position is usable, with a warning. This applies only to ``.../65K...``. For other order codes,
             the manual does not explain the flag. While it is active there, the position is usable, with a warning.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
@@ -1927,15 +1929,15 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
     Errata, with their full text in ERRATA:
-        The encoder ID 23h may be the decimal number 23 (open): 23h is the expected encoder ID. A frame with another ID
-            is decoded, and the ID is reported.
+        The encoder ID 23h may be the decimal number 23 (open): 23h is the expected encoder ID. A frame with a different
+            ID is decoded, and the ID is reported.
 
-    See also these errata in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say
-    what other values of the unused bits mean; Which errors affect the position is only partly described; The manual
-    does not describe the structure of the control field; One bit combines BUSY with errors that keep the position;
-    Turning on the power twice can mean one or two power cycles; Battery alarms are printed for models without a
-    battery; The battery alarm is missing from one list of errors to be reset; The manual's two conditions that clear
-    BUSY differ.
+    See also these errata in ERRATA: The manual's error bits, LEDs and alarms do not match one to one; The manual does
+    not say what nonzero unused bits mean; The manual only partly says which errors affect the position; The manual does
+    not describe the structure of the control field; One bit combines BUSY with errors that leave the position intact;
+    Turning on the power twice can mean one or two power cycles; The manual lists battery alarms for models without a
+    battery; One list of resettable errors omits the battery alarm; The manual gives two different conditions for
+    clearing BUSY.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1948,7 +1950,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             verdict ``usable_with_warning``.
 
     Checked by decode():
-        sync: Start of a frame, binary 010. Always 2.
+        sync: Start of the frame, binary 010. Always 2.
         parity: Even parity of ``data_id``.
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
@@ -1957,7 +1959,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
 
     @property
     def data_id(self) -> DataId:
-        """Data ID: Type of the request, repeated in the reply."""
+        """Data ID: Type of request, repeated in the reply."""
         return DataId.ALL_DATA
 
     @property
@@ -1971,10 +1973,10 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         # status_st_error: ST error.
         # status_other_error: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
         # are 0.
-        # busy: not ready after power-on or during a reset. All position data are 0.
-        # st_error: counted and calculated data disagree.
-        # ps_error: singleturn and multiturn count inconsistent, or a counting error.
-        # mt_error: external battery below 3.05 V.
+        # busy: the encoder is not ready after power-on or during a reset. All position data are 0.
+        # st_error: the counted and calculated data disagree.
+        # ps_error: the singleturn and multiturn counts are inconsistent, or there is a counting error.
+        # mt_error: the external battery is below 3.05 V.
         if (
             self.status_st_error
             or (self.status_other_error and not (self.battery_alarm or self.mt_error))
@@ -1984,8 +1986,8 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             or (self.mt_error and self.variant.multiturn_bits)
         ):
             return Verdict.NOT_USABLE
-        # mt_error: external battery below 3.05 V.
-        # battery_alarm: external battery below 3.15 V.
+        # mt_error: the external battery is below 3.05 V.
+        # battery_alarm: the external battery is below 3.15 V.
         # unused: bits that the manual leaves unused differ from it.
         if (self.mt_error and not self.variant.multiturn_bits) or self.battery_alarm or self.unused:
             return Verdict.USABLE_WITH_WARNING
@@ -2101,7 +2103,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
                 multiturn = b6 | b7 << 8 | b8 << 16  # low byte first
                 # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
                 if singleturn >> singleturn_bits or multiturn >> multiturn_bits or b0 != 0x1A:
-                    sync = b0 & 0x7  # bits 2:0: Start of a frame, binary 010
+                    sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF  # bits 6:3
@@ -2155,9 +2157,9 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
     Attributes:
         eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address of the request.
-        mem_busy: MEM BUSY. True when 1: writing, request not executed. False when 0: request accepted. Remedy: Send the
-            request again.
-        data: EDF: Byte of the request, or 00h while busy.
+        mem_busy: MEM BUSY. True when 1: the encoder is writing, and the request was not executed. False when 0: the
+            request was accepted. Remedy: Send the request again.
+        data: EDF: Byte from the request, or 00h while busy.
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
@@ -2166,14 +2168,14 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata, with their full text in ERRATA:
-        The place of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user must choose,
-            and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
-            write overwrites other data there. Read and compare before you write.
+        The printed position of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user
+            must choose, and there is no default. With the wrong choice, an access goes to twice or half the address,
+            and a write overwrites other data there. Read and compare before you write.
 
     See also these errata in ERRATA: The manual does not describe the structure of the control field.
 
     Checked by decode():
-        sync: Start of a frame, binary 010. Always 2.
+        sync: Start of the frame, binary 010. Always 2.
         parity: Even parity of ``data_id``.
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
@@ -2182,7 +2184,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
 
     @property
     def data_id(self) -> DataId:
-        """Data ID: Type of the request, repeated in the reply."""
+        """Data ID: Type of request, repeated in the reply."""
         return DataId.EEPROM_WRITE
 
     @classmethod
@@ -2221,7 +2223,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
+                sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF  # bits 6:3
@@ -2301,8 +2303,8 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
     Attributes:
         eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address of the request.
-        mem_busy: MEM BUSY. True when 1: memory busy, request not executed. False when 0: byte read. Remedy: Send the
-            request again.
+        mem_busy: MEM BUSY. True when 1: the memory is busy, and the request was not executed. False when 0: the byte
+            was read. Remedy: Send the request again.
         data: EDF: Byte read, or 00h while busy.
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
@@ -2312,14 +2314,14 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata, with their full text in ERRATA:
-        The place of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user must choose,
-            and there is no default. With the wrong choice, an access reaches twice the address or half of it, and a
-            write overwrites other data there. Read and compare before you write.
+        The printed position of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user
+            must choose, and there is no default. With the wrong choice, an access goes to twice or half the address,
+            and a write overwrites other data there. Read and compare before you write.
 
     See also these errata in ERRATA: The manual does not describe the structure of the control field.
 
     Checked by decode():
-        sync: Start of a frame, binary 010. Always 2.
+        sync: Start of the frame, binary 010. Always 2.
         parity: Even parity of ``data_id``.
         crc: CRC. CRC ``rs485_8`` over everything before it.
     """
@@ -2328,7 +2330,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
 
     @property
     def data_id(self) -> DataId:
-        """Data ID: Type of the request, repeated in the reply."""
+        """Data ID: Type of request, repeated in the reply."""
         return DataId.EEPROM_READ
 
     @classmethod
@@ -2367,7 +2369,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                 if not isinstance(eeprom_address, EepromAddress):
                     raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                sync = number & 0x7  # bits 2:0: Start of a frame, binary 010
+                sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF  # bits 6:3
@@ -2613,19 +2615,19 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     ``position``. Can be written only while ``preset_setting_enable`` is 01h (``enable``). Save the parameters after a
     write, or the encoder loses the value at power-off.
 
-    Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the register again with
-    "Preset setting enable" and save the value. Then activate it, if it should take effect immediately. The manual
-    suggests activating it at a standstill. The preset can be used, for instance, to align the zero points of encoder
-    and application.
+    Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, disable writing again with "Preset
+    setting enable" and save the value. Then activate the preset if it should take effect immediately. The manual
+    suggests activating it with the shaft at a standstill. The preset can be used, for instance, to align the zero
+    points of the encoder and the application.
 
     Errata, with their full text in ERRATA:
-        Only the Italian edition allows the total resolution as preset (settled): The maximum is 2^position_bits − 1.
-        The singleturn models are counted among those with 65,536 turns (settled): Singleturn models have no multiturn
-            bits. Their bits 48:33 are assumed to be 0.
-        The manual does not describe the bits below the lowest singleturn bit (open): All bits below the lowest
-            singleturn bit are 0.
-        The preset uses registers that BiSS reserves for banks (open): The registers are used as printed.
-        The printed default of Preset has five bytes instead of seven (settled): The default is seven bytes of 00.
+        Only the Italian edition allows the total resolution as a preset (settled): The maximum is 2^position_bits − 1.
+        The English edition gives singleturn models 65,536 revolutions (settled): Singleturn models have no multiturn
+            bits. Bits 48:33 of these models are assumed to be 0.
+        The manual does not describe the bits below the singleturn position (open): All bits below the lowest singleturn
+            bit are 0.
+        The preset uses registers that BiSS reserves for bank access (open): The registers are used as printed.
+        The printed Preset default has five bytes instead of seven (settled): The default is seven bytes of 00.
 
     Checked by decode():
         zero_above_multiturn: Always zero.
@@ -2711,20 +2713,20 @@ class PresetSettingEnable(IntEnum):
     """Preset setting enable (it: Abilitazione impostazione preset), register 40h, write only, over BiSS C-mode [6.4
     p.38, 10 p.52, it: 6.4 p.38].
 
-    Opens the Preset registers for writing, and closes them again.
+    Enables or disables writing to the Preset registers.
 
     Default: ``00``.
 
     The list of defaults (section 10) gives 00, although the register cannot be read.
 
     Errata, with their full text in ERRATA:
-        The preset uses registers that BiSS reserves for banks (open): The registers are used as printed.
+        The preset uses registers that BiSS reserves for bank access (open): The registers are used as printed.
     """
 
     DISABLE = 0
-    """00: Preset registers closed. Set this before saving."""
+    """00: Writing to the Preset registers disabled. Set this before saving."""
     ENABLE = 1
-    """01: Preset registers open."""
+    """01: Writing to the Preset registers enabled."""
 
     @classmethod
     def decode(cls, data: Data) -> PresetSettingEnable:
@@ -2759,16 +2761,16 @@ class SerialNumber(FixedRegister, _SerialNumber):
     """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.38, it: 6.4 p.39].
 
     Attributes:
-        year: Year of production.
-        week: Week of production.
+        year: Production year.
+        week: Production week.
         number: Serial number, assigned in ascending order.
 
-    Year and week of production and a serial number, as the decimal digits of one binary number.
+    Production year and week, and a serial number, as the decimal digits of one binary number.
 
     Byte order: high byte first, at 44h.
 
     Errata, with their full text in ERRATA:
-        Sister manuals read the serial number in opposite byte orders (open): The high byte comes first, as printed.
+        Manuals of sister models give opposite serial number byte orders (open): The high byte comes first, as printed.
         Before edition 1.7: Not known: the register serial_number.
     """
 
@@ -2778,8 +2780,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
     def serial(self) -> int:
         """Digits of ``year``, ``week``, ``number`` as one number.
 
-        Decimal digits, most significant first: ``year`` 2 (Year of production), ``week`` 2 (Week of production),
-        ``number`` 5 (Serial number, assigned in ascending order).
+        Decimal digits, most significant first: ``year`` 2 (Production year), ``week`` 2 (Production week), ``number`` 5
+        (Serial number, assigned in ascending order).
         """
         return index(self.year) * 10_000_000 + index(self.week) * 100_000 + index(self.number)
 
@@ -2830,7 +2832,7 @@ class Command(IntEnum):
     SAVE_PARAMETERS = 1
     """Save parameters: Saves new register values. It does not activate a preset."""
     ACTIVATE_PRESET = 2
-    """Activate Preset: Sets the present position to the saved preset value."""
+    """Activate Preset: Sets the current position to the saved preset value."""
 
     @classmethod
     def decode(cls, data: Data) -> Command:
@@ -2864,16 +2866,16 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
 
     Attributes:
-        name: Name of the device (41 4D 4D 35 in hexadecimal). ASCII text. Holds ``AMM5``, which helps to identify the
-            encoder. The decoder also accepts other values.
+        name: Device name (41 4D 4D 35 in hexadecimal). ASCII text. Holds ``AMM5``, which helps to identify the encoder.
+            The decoder also accepts other values.
         release: Hardware-software release, printed as xx xx.
 
-    Name of the device and its hardware-software release.
+    Device name and hardware-software release.
 
     Byte order: high byte first, at 78h.
 
     Errata, with their full text in ERRATA:
-        All models share one device ID (open): The device ID is used as printed.
+        All models have the same device ID, despite different data lengths (open): The device ID is used as printed.
         Before edition 1.7: Not known: the register device_id.
     """
 
@@ -3019,7 +3021,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Args:
         variant: The encoder.
-        position: New value for the present position. Written to ``preset``.
+        position: New value for the current position. Written to ``preset``.
 
     Returns:
         The steps, for ``run``.
@@ -3035,7 +3037,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.ENABLE.encode(),
-            meaning="open the Preset registers",
+            meaning="enable writing to the Preset registers",
         ),
         *write_bytes(
             "preset",
@@ -3048,13 +3050,13 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.DISABLE.encode(),
-            meaning="close the Preset registers before saving",
+            meaning="disable writing to the Preset registers before saving",
             closes=True,
         ),
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save the preset"),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
         *write_bytes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode(), meaning="activate the preset"),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -3085,7 +3087,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.ENABLE.encode(),
-            meaning="open the Preset registers",
+            meaning="enable writing to the Preset registers",
         ),
         *write_bytes(
             "preset",
@@ -3098,11 +3100,11 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.DISABLE.encode(),
-            meaning="close the Preset registers before saving",
+            meaning="disable writing to the Preset registers before saving",
             closes=True,
         ),
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save the preset"),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -3129,7 +3131,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -3158,7 +3160,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode()),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -3167,18 +3169,18 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
 
     Precondition: The shaft is at a standstill.
 
-    Result: Singleturn and multiturn data are 0. The shaft position is kept without main power, with or without an
-    external battery.
+    Result: Singleturn and multiturn data are 0. The shaft position is kept without main power, whether or not there is
+    an external battery.
 
-    The ten requests must follow one another directly. Stop polling the position during the reset.
+    The ten requests must be sent without another request in between. Stop polling the position during the reset.
 
     Errata, with their full text in ERRATA:
-        Table and note disagree on what data ID 8 resets (open): The generated files follow the table. Data ID 8 resets
-            singleturn and multiturn data.
+        A table and a note disagree on what data ID 8 resets (open): The generated files follow the table. Data ID 8
+            resets singleturn and multiturn data.
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.
-        A shaft turning at 300 rpm is called stopped (open): The condition is standstill, which the manual defines as
-            300 rpm or less.
+        The manual calls a shaft turning at 300 rpm stopped (open): The condition is standstill, which the manual
+            defines as 300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3194,7 +3196,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
         Send(b"\xc2", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
-        Wait(microseconds=18_000, meaning="execution takes at most 18 ms, including the write to the EEPROM"),
+        Wait(microseconds=18_000, meaning="the execution takes at most 18 ms, including the write to the EEPROM"),
     )
 
 
@@ -3203,18 +3205,18 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
 
     Precondition: The shaft is at a standstill, which the manual defines as 300 rpm or less.
 
-    Result: Multiturn data are 0. Singleturn data are not reset. The latched errors (PS error, ST error, MT error, and
-    according to 7.4.1 also the battery alarm) are cleared.
+    Result: Multiturn data are 0. Singleturn data are not reset. The latched errors (PS error, ST error, MT error and,
+    according to section 7.4.1, also the battery alarm) are cleared.
 
-    The ten requests must follow one another directly. Stop polling the position during the reset.
+    The ten requests must be sent without another request in between. Stop polling the position during the reset.
 
     Errata, with their full text in ERRATA:
-        The battery alarm is missing from one list of errors to be reset (open): Data IDs 7 and C also clear the battery
-            alarm. Only with .../65K...
+        One list of resettable errors omits the battery alarm (open): Data IDs 7 and C also clear the battery alarm.
+            Only with .../65K...
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.
-        A shaft turning at 300 rpm is called stopped (open): The condition is standstill, which the manual defines as
-            300 rpm or less.
+        The manual calls a shaft turning at 300 rpm stopped (open): The condition is standstill, which the manual
+            defines as 300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3239,18 +3241,18 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     Precondition: The shaft is at a standstill, which the manual defines as 300 rpm or less.
 
-    Result: The latched errors (PS error, ST error, MT error, and according to 7.4.1 also the battery alarm) are
-    cleared.
+    Result: The latched errors (PS error, ST error, MT error and, according to section 7.4.1, also the battery alarm)
+    are cleared.
 
-    The ten requests must follow one another directly. Stop polling the position during the reset.
+    The ten requests must be sent without another request in between. Stop polling the position during the reset.
 
     Errata, with their full text in ERRATA:
-        The battery alarm is missing from one list of errors to be reset (open): Data IDs 7 and C also clear the battery
-            alarm. Only with .../65K...
+        One list of resettable errors omits the battery alarm (open): Data IDs 7 and C also clear the battery alarm.
+            Only with .../65K...
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.
-        A shaft turning at 300 rpm is called stopped (open): The condition is standstill, which the manual defines as
-            300 rpm or less.
+        The manual calls a shaft turning at 300 rpm stopped (open): The condition is standstill, which the manual
+            defines as 300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

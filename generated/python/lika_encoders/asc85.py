@@ -199,7 +199,7 @@ class Variant(Rotary, Wrapping):
         parts: Parts of the order code: resolution, output, supply.
         position_bits: Singleturn resolution, 20 to 25 bits, which is also the width of the whole position. The manual
             calls it "encoder resolution" and "nbitres" [Preliminary information p.7, 5.2 p.16, 6.2.1 p.20]. Unit: bits.
-        ssi_gray: Code of the SSI word: 1 for Gray, 0 for binary [5 p.15, 5.2 p.16].
+        ssi_gray: Encoding of the SSI word: 1 for Gray code, 0 for binary [5 p.15, 5.2 p.16].
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Suffix /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
@@ -319,8 +319,8 @@ class BissEncoder(Variant):
             frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
                 of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
-            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
-                depend on it.
+            zero_bit: Constant 0 bit between the position and the error bit of a BiSS frame. Required only for frames
+                that depend on it.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
@@ -341,8 +341,8 @@ class BissEncoder(Variant):
             frame: Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes
                 of the number, most significant first.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
-            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
-                depend on it.
+            zero_bit: Constant 0 bit between the position and the error bit of a BiSS frame. Required only for frames
+                that depend on it.
 
         Returns:
             The frame, or the error.
@@ -362,8 +362,8 @@ class BissEncoder(Variant):
 
         Args:
             frames: The frames, as numbers.
-            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
-                depend on it.
+            zero_bit: Constant 0 bit between the position and the error bit of a BiSS frame. Required only for frames
+                that depend on it.
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
@@ -378,8 +378,8 @@ class BissEncoder(Variant):
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
-                depend on it.
+            zero_bit: Constant 0 bit between the position and the error bit of a BiSS frame. Required only for frames
+                that depend on it.
 
         Returns:
             The frames, as numbers of 64 bits.
@@ -433,11 +433,11 @@ def crc_biss_6(number: int, bits: int) -> int:
     data sheet, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
-    significant bit first) and the range (everything from the position to the warning bit, with the constant 0 where it
-    is sent) come from public BiSS documents.
+    significant bit first) and the covered bits (everything from the position to the warning bit, with the constant 0
+    where it is sent) come from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
+        The manual does not give the start value of the BiSS CRCs (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -455,11 +455,11 @@ def crc_biss_6(number: int, bits: int) -> int:
 def crc_biss_4(number: int, bits: int) -> int:
     """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.22, prot: p.9-14, icmu: p.30].
 
-    The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
-    public BiSS documents.
+    The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered bits come
+    from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
+        The manual does not give the start value of the BiSS CRCs (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -478,21 +478,23 @@ def crc_biss_4(number: int, bits: int) -> int:
 
 
 class ZeroBit(Enum):
-    """Constant 0 bit between position and error bit of a BiSS frame [6.2.1 p.20].
+    """Constant 0 bit between the position and the error bit of a BiSS frame [6.2.1 p.20].
 
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
     Errata, with their full text in ERRATA:
-        The table of the frame has one bit more than the printed length (open): Either layout is possible. The user must
+        The frame table has one bit more than the printed frame length (open): Either layout is possible. The user must
             choose, and there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
             position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
     """
 
     AS_PRINTED = (1,)  # zero_bits
-    """Sent, as the manual prints it. The frame has position_bits + 9 bits, 34 at 25 bits of resolution [6.2.1 p.20]."""
+    """Sent, as printed in the manual. The frame has position_bits + 9 bits, which is 34 at 25 bits of resolution
+    [6.2.1 p.20].
+    """
     LEFT_OUT = (0,)  # zero_bits
-    """Not sent, as in the one public driver for this encoder. The frame has position_bits + 8 bits, 33 at 25 bits of
-    resolution [onstepx: src/lib/encoder/bissc/Asc85.cpp].
+    """Not sent, as in the one public driver for this encoder. The frame has position_bits + 8 bits, which is 33 at
+    25 bits of resolution [onstepx: src/lib/encoder/bissc/Asc85.cpp].
     """
 
     def __init__(self, zero_bits: int) -> None:
@@ -520,8 +522,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     ``position`` is in Gray code while ``ssi_gray`` is 1, and in binary while it is 0.
 
-    The word has as many bits as the position, 20 to 25, and starts with the most significant bit. Further clock pulses
-    read zeros after the word. There is no error bit, no warning bit and no CRC. The constant 0 bit of the BiSS frame is
+    The word has as many bits as the position, 20 to 25, and starts with the most significant bit. Extra clock pulses
+    after the word read zeros. There is no error bit, no warning bit and no CRC. The constant 0 bit of the BiSS frame is
     also absent.
 
     Errata, with their full text in ERRATA:
@@ -612,21 +614,21 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        zero_bit: Constant 0 bit between position and error bit of a BiSS frame.
+        zero_bit: Constant 0 bit between the position and the error bit of a BiSS frame.
         position: Position: Position within one revolution, most significant bit first. Unit: counts.
         error: Error, nE: Normal or fault status of the encoder. The error register shows the active error. True when 0:
-            error active in the system. False when 1: no active error. While it is True, the position is not usable.
-            Remedy: Read the error register (69h). It shows the active errors.
+            an error is active in the system. False when 1: no active error. While it is True, the position is not
+            usable. Remedy: Read the error register (69h). It shows the active errors.
         warning: Warning, nW: Normal or fault status of the encoder. The error register shows the active warning. True
-            when 0: warning active in the system. False when 1: no active warning. While it is True, the position is
-            usable, with a warning. Remedy: Read the error register (69h). It shows the active warnings.
+            when 0: a warning is active in the system. False when 1: no active warning. While it is True, the position
+            is usable, with a warning. Remedy: Read the error register (69h). It shows the active warnings.
 
     In the manual: Single Cycle Data SCD.
 
     The positions of its fields depend on your choice of ``zero_bit``: ``as_printed`` or ``left_out``.
 
     Errata, with their full text in ERRATA:
-        The table of the frame has one bit more than the printed length (open): Either layout is possible. The user must
+        The frame table has one bit more than the printed frame length (open): Either layout is possible. The user must
             choose, and there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
             position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
         The manual gives one profile ID for models with different data lengths (open): The profile ID is 281Ah for all
@@ -637,7 +639,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             not usable. Warning bit active: the position is usable with a warning.
 
     Checked by decode():
-        zero: 0: Always 0, between position and error bit.
+        zero: 0: Always 0, between the position and the error bit.
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
@@ -646,10 +648,10 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
-        # error: error active in the system.
+        # error: an error is active in the system.
         if self.error:
             return Verdict.NOT_USABLE
-        # warning: warning active in the system.
+        # warning: a warning is active in the system.
         if self.warning:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -713,7 +715,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
                     received_crc = word & 0x3F
                     computed_crc = received_crc ^ difference
                     raise CrcError(received_crc, computed_crc)
-                zero = word >> 8 & ((1 << zero_bit.zero_bits) - 1)  # Always 0, between position and error bit
+                zero = word >> 8 & ((1 << zero_bit.zero_bits) - 1)  # Always 0, between the position and the error bit
                 if zero:
                     raise ConstantError("zero", zero, 0)
                 values = (
@@ -816,7 +818,7 @@ class ProfileId(FixedRegister, _ProfileId):
             also accepts other values.
         data_length: Data length, printed as 1Ah for 25 + 1 bits: position and constant 0 bit. Unit: bits.
 
-    Identification code of the encoder profile, BP1 (Standard Encoder Profile).
+    Encoder profile identification code, BP1 (Standard Encoder Profile).
 
     Byte order: high byte first, at 42h. Default: ``28 1A``.
 
@@ -825,7 +827,7 @@ class ProfileId(FixedRegister, _ProfileId):
     format.
 
     Errata, with their full text in ERRATA:
-        The table of the frame has one bit more than the printed length (open): Either layout is possible. The user must
+        The frame table has one bit more than the printed frame length (open): Either layout is possible. The user must
             choose, and there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
             position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
         The manual gives one profile ID for models with different data lengths (open): The profile ID is 281Ah for all
@@ -933,8 +935,8 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
             the signal level monitoring. True when 1: the signal level has reached its upper threshold. False when 0: no
             active error.
         dc_maximum_offset: DC maximum offset: Set together with "Signal error". The signal monitoring checks the DC
-            voltage of all analogue signal lines. True when 1: an analogue signal line has reached the upper threshold
-            of its DC voltage. False when 0: no active error.
+            voltage of all analog signal lines. True when 1: an analog signal line has reached the upper threshold of
+            its DC voltage. False when 0: no active error.
         ac_maximum_amplitude: AC maximum amplitude: Set together with "Signal error". The signal monitoring checks the
             AC amplitude of the differential signals. True when 1: a differential signal has reached the upper threshold
             of its AC amplitude. False when 0: no active error.
@@ -945,8 +947,8 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
             the signal level monitoring. True when 1: the signal level has fallen to its lower threshold. False when 0:
             no active error.
         dc_minimum_offset: DC minimum offset: Set together with "Signal error". The signal monitoring checks the DC
-            voltage of all analogue signal lines. True when 1: an analogue signal line has fallen to the lower threshold
-            of its DC voltage. False when 0: no active error.
+            voltage of all analog signal lines. True when 1: an analog signal line has fallen to the lower threshold of
+            its DC voltage. False when 0: no active error.
         ac_minimum_amplitude: AC minimum amplitude: Set together with "Signal error". The signal monitoring checks the
             AC amplitude of the differential signals. True when 1: a differential signal has fallen to the lower
             threshold of its AC amplitude. False when 0: no active error.
@@ -994,28 +996,28 @@ class Command(IntEnum):
     Reading the same address accesses ``status`` instead.
 
     Errata, with their full text in ERRATA:
-        A singleturn encoder's cycle counter is mentioned without explanation (open): The command and the error are
+        The manual does not explain the cycle counter of a singleturn encoder (open): The command and the error are
             described as printed.
     """
 
     REQUEST_POSITION = 0
     """Request of new position data: Requests new position data. Until they are available, the status "Position data
-    valid" is 0. They are read from the position register.
+    valid" is 0. Read them from the position register.
     """
     SAVE_CONFIGURATION = 1
     """Write current configuration to EEPROM: Writes the configuration registers, 00h to 2Dh, and a new checksum to
     the EEPROM. These registers are reserved for the manufacturer. During the write, the status "Internal data bus
-    busy" and the error "Configuration error" are 1. The error remains if the write failed. Without an EEPROM
+    busy" and the error "Configuration error" are 1. The error remains if the write failed. If no EEPROM was
     connected at power-on, the command has no effect.
     """
     READ_ABSOLUTE_DATA = 2
-    """Read new data via absolute data interface: Makes the absolute data interface read absolute data again. If this
-    succeeds, the cycle counter is set. Otherwise it becomes 0. The status "Absolute data valid" and the error
-    "Absolute data error" are set accordingly.
+    """Read new data via absolute data interface: Makes the absolute data interface read the absolute data again. If
+    this succeeds, the cycle counter is set from the data. Otherwise it becomes 0. The status "Absolute data valid"
+    and the error "Absolute data error" are set accordingly.
     """
     SOFTWARE_RESET = 3
-    """Trigger software reset: Restarts the encoder and reads the configuration, which a CRC protects, from the
-    EEPROM. If the CRC check fails at the first attempt, for example because the EEPROM was never programmed, all
+    """Trigger software reset: Restarts the encoder and reads the configuration, which is protected by a CRC, from
+    the EEPROM. If the CRC check fails at the first attempt, for example because the EEPROM was never programmed, all
     configuration registers become 0, "Configuration error" becomes 1, and the serial interface starts with the SSI
     protocol. Without an EEPROM, the internal registers become 0, "Configuration error" becomes 1, and the interface
     starts as configured.
@@ -1068,8 +1070,9 @@ class Status(FixedRegister, _Status):
     """Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25, 6.4 p.27].
 
     Attributes:
-        configuration_completed: Configuration completed. True when 1: configuration registers verified by their CRC and
-            absolute data read by the absolute data interface. False when 0: configuration not completed.
+        configuration_completed: Configuration completed. True when 1: the configuration registers have been verified by
+            their CRC and the absolute data interface has read the absolute data. False when 0: the configuration is not
+            complete.
         error_message: Error message. True when 1: an error message is active, or simulated by command 05 (see the error
             register). False when 0: no error message.
         warning_message: Warning message. True when 1: a warning message is active (see the error register). False when
@@ -1079,29 +1082,29 @@ class Status(FixedRegister, _Status):
         eds_write_access: Write access permitted to EDS memory area. True when 1: the EDS (Electronic Data Sheet) memory
             area may be written. False when 0: the EDS memory area is write-protected.
         internal_data_bus_busy: Internal data bus busy: See the commands save_configuration and verify_configuration.
-            True when 1: internal data bus busy, for example with a CRC verification or a transfer of configuration data
-            from or to the EEPROM. False when 0: internal data bus free.
+            True when 1: the internal data bus is busy, for example with a CRC verification or a transfer of
+            configuration data to or from the EEPROM. False when 0: the internal data bus is free.
         absolute_data_valid: Absolute data valid: Data are accepted only with a correct CRC and an inactive error bit.
             See the command read_absolute_data. True when 1: absolute data were loaded through the absolute data
             interface. False when 0: no absolute data were loaded.
-        position_data_valid: Position data valid: See the command request_position. True when 1: the present position
+        position_data_valid: Position data valid: See the command request_position. True when 1: the current position
             data are valid. False when 0: new position data are not available yet.
 
-    Present status of the system, the read side of Command & status.
+    Current system status, the read side of Command & status.
 
     Writing to the same address accesses ``command`` instead.
 
-    The register is read separately, not together with a position. It shows the status at the time of reading. It
-    therefore gives no verdict on a position in a frame, which has its own Error and Warning bits, or on a position read
-    from the position register at another time. Before reading the position register, wait until "Position data valid"
-    is 1, as in the procedure request_position.
+    The register is read separately from the position and shows the status at the time of reading. It therefore gives no
+    verdict on a position in a frame, which has its own Error and Warning bits, or on a position read from the position
+    register at another time. Before reading the position register, wait until "Position data valid" is 1, as in the
+    procedure request_position.
 
     Errata, with their full text in ERRATA:
-        Absolute data valid is bit 2 in one place and bit 1 in another (settled): Absolute data valid is bit 1.
-        Internal data bus busy is bit 3 in one place and bit 2 in another (settled): Internal data bus busy is bit 2.
+        The manual prints Absolute data valid as bit 2 and as bit 1 (settled): Absolute data valid is bit 1.
+        The manual prints Internal data bus busy as bit 3 and as bit 2 (settled): Internal data bus busy is bit 2.
         The manual does not say which errors cause a warning (open): No bit of the error register is interpreted as a
             warning. All are active errors.
-        The manual does not list the registers of the EDS (open): The generated files have no EDS.
+        The manual does not list the EDS registers (open): The generated files have no EDS.
     """
 
     __slots__ = ()
@@ -1156,19 +1159,20 @@ class Position(RegisterOf["BissEncoder"], _Position):
 
     Byte order: low byte first, at 61h.
 
-    The table uses bits 31:6, which are 26 bits, and calls bits 5:0 "not used". It does not give their content. If the
-    resolution is 25 bits, the 26 bits are interpreted as the position, followed in bit 6 by the constant 0 bit of the
-    BiSS frame. At a lower resolution, the position is also interpreted as left-aligned. The low byte comes first,
-    unlike in the other multi-byte registers.
+    The table uses bits 31:6, which are 26 bits, and calls bits 5:0 "not used" without giving their content. At a
+    resolution of 25 bits, the 26 bits are interpreted as the position followed by one more bit: bit 6 is the constant 0
+    bit of the BiSS frame. At lower resolutions, the position is also interpreted as left-aligned. The low byte comes
+    first, unlike in the other multi-byte registers.
 
     Errata, with their full text in ERRATA:
-        The table of the frame has one bit more than the printed length (open): Either layout is possible. The user must
+        The frame table has one bit more than the printed frame length (open): Either layout is possible. The user must
             choose, and there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
             position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
-        The position register is described for one resolution only (open): The exponents are the bit numbers of the
-            register. The position is left-aligned at bit 31 and position_bits wide. The bits below it are unspecified.
-        Two ways of reading the position could reset the errors (open): Reading the position register resets the
-            messages.
+        The manual describes the position register for only one resolution (open): The exponents are the bit numbers of
+            the register. The position is left-aligned at bit 31 and position_bits wide. The bits below it are
+            unspecified.
+        The manual does not say how reading the position resets the errors (open): Reading the position register resets
+            the messages.
     """
 
     __slots__ = ()
@@ -1225,10 +1229,10 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
             error in the absolute data interface, or the interface is not configured.
         interpolation_error: Interpolation error. True when 1: the conversion had not been carried out at the time of
             reading. False when 0: no interpolation error.
-        configuration_error: Configuration error. True when 1: configuration error, or configuration being written or
-            verified. False when 0: no configuration error.
-        synchronization_error: Synchronization error. True when 1: the internal synchronisation between cycle counter
-            and interpolator failed. False when 0: no synchronisation error.
+        configuration_error: Configuration error. True when 1: a configuration error is active, or the configuration is
+            being written or verified. False when 0: no configuration error.
+        synchronization_error: Synchronization error. True when 1: the internal synchronization between the cycle
+            counter and the interpolator failed. False when 0: no synchronization error.
         signal_error: Signal error. True when 1: signal error active. False when 0: no signal error. For the reason, see
             ``diagnostic_data.ac_minimum_amplitude``, ``diagnostic_data.dc_minimum_offset``,
             ``diagnostic_data.ac_maximum_amplitude`` and ``diagnostic_data.dc_maximum_offset``.
@@ -1240,16 +1244,16 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
 
     Currently active error and warning messages.
 
-    Bits 2 and 7 are not used. A fault also sets the status "Warning message" or "Error message", or both. Reading the
-    position clears a message. The message appears again while its cause persists.
+    Bits 2 and 7 are not used. A fault also sets the status "Warning message", "Error message" or both. Reading the
+    position clears the messages. A message reappears as long as its cause persists.
 
     Errata, with their full text in ERRATA:
-        A singleturn encoder's cycle counter is mentioned without explanation (open): The command and the error are
+        The manual does not explain the cycle counter of a singleturn encoder (open): The command and the error are
             described as printed.
         The manual does not say which errors cause a warning (open): No bit of the error register is interpreted as a
             warning. All are active errors.
-        Two ways of reading the position could reset the errors (open): Reading the position register resets the
-            messages.
+        The manual does not say how reading the position resets the errors (open): Reading the position register resets
+            the messages.
     """
 
     __slots__ = ()
@@ -1294,18 +1298,18 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.31].
 
     Attributes:
-        name: Name of the device, ASC85 without its C (41 53 38 35 in hexadecimal). ASCII text. Holds ``AS85``, which
-            helps to identify the encoder. The decoder also accepts other values.
+        name: Device name, ASC85 without the C (41 53 38 35 in hexadecimal). ASCII text. Holds ``AS85``, which helps to
+            identify the encoder. The decoder also accepts other values.
         release: Hardware-software release, printed as 30 31. ASCII text.
 
-    Name of the device and its hardware-software release.
+    Device name and hardware-software release.
 
     Byte order: high byte first, at 78h.
 
     The revision table of the manual lists hardware 0 and software 1, which are the two characters of the release.
 
     Errata, with their full text in ERRATA:
-        All models share one device ID (open): The device ID is used as printed.
+        All models have the same device ID, despite different data lengths (open): The device ID is used as printed.
     """
 
     __slots__ = ()
@@ -1453,13 +1457,13 @@ _PROCEDURES: Final = {
 
 
 def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Request new position data and read them [6.4 p.26].
+    """Request and read new position data [6.4 p.26].
 
     Result: The position register contains the requested position.
 
     Errata, with their full text in ERRATA:
-        Two ways of reading the position could reset the errors (open): Reading the position register resets the
-            messages.
+        The manual does not say how reading the position resets the errors (open): Reading the position register resets
+            the messages.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1498,7 +1502,7 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
 
     Errata, with their full text in ERRATA:
-        Internal data bus busy is bit 3 in one place and bit 2 in another (settled): Internal data bus busy is bit 2.
+        The manual prints Internal data bus busy as bit 3 and as bit 2 (settled): Internal data bus busy is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1538,12 +1542,12 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The cycle counter is set from the absolute data. If the read failed, it is 0.
 
     The manual does not say how long the read takes, or whether "Absolute data valid" goes to 0 first. After a failed
-    read, the bit does not become 1. Stop after a while and read the error register.
+    read, the bit does not become 1, so stop polling after a while and read the error register.
 
     Errata, with their full text in ERRATA:
-        A singleturn encoder's cycle counter is mentioned without explanation (open): The command and the error are
+        The manual does not explain the cycle counter of a singleturn encoder (open): The command and the error are
             described as printed.
-        Absolute data valid is bit 2 in one place and bit 1 in another (settled): Absolute data valid is bit 1.
+        The manual prints Absolute data valid as bit 2 and as bit 1 (settled): Absolute data valid is bit 1.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1560,7 +1564,14 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     return (
         *write_bytes("command", Address.COMMAND, Command.READ_ABSOLUTE_DATA.encode()),
         # Mask and value are those of absolute_data_valid.
-        Poll(Address.STATUS, length=1, register="status", mask=0x02, value=0x02, meaning="1 when the data were loaded"),
+        Poll(
+            Address.STATUS,
+            length=1,
+            register="status",
+            mask=0x02,
+            value=0x02,
+            meaning="1 when the data have been loaded",
+        ),
         Read(Address.ERROR_REGISTER, length=1, register="error_register", meaning="1 if the data were rejected"),
     )
 
@@ -1568,11 +1579,11 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Reset the encoder [6.4 p.26].
 
-    Result: The encoder works with the configuration from the EEPROM.
+    Result: The encoder uses the configuration from the EEPROM.
 
-    The wait follows from the meaning of the status bit. The manual gives no time, and it does not say that the bit goes
-    to 0 first. If the CRC check of the configuration fails, the interface restarts with the SSI protocol and does not
-    respond to register accesses. Stop polling after a while.
+    The wait step is derived from the meaning of the status bit. The manual gives no time, and it does not say that the
+    bit goes to 0 first. If the CRC check of the configuration fails, the interface restarts with the SSI protocol and
+    does not respond to register accesses. Stop polling after a while.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1601,7 +1612,7 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
             Address.ERROR_REGISTER,
             length=1,
             register="error_register",
-            meaning="should be 0, also to be read if you stopped polling and the encoder still answers",
+            meaning="should be 0; read it even if you stopped polling, as long as the encoder still answers",
         ),
     )
 
@@ -1612,7 +1623,7 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
     Result: Configuration error shows whether the configuration registers match their checksum.
 
     Errata, with their full text in ERRATA:
-        Internal data bus busy is bit 3 in one place and bit 2 in another (settled): Internal data bus busy is bit 2.
+        The manual prints Internal data bus busy as bit 3 and as bit 2 (settled): Internal data bus busy is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1691,8 +1702,8 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The messages are reset. Messages with a persistent cause appear again.
 
     Errata, with their full text in ERRATA:
-        Two ways of reading the position could reset the errors (open): Reading the position register resets the
-            messages.
+        The manual does not say how reading the position resets the errors (open): Reading the position register resets
+            the messages.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1727,11 +1738,11 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Identify the encoder [6.4 p.22].
 
-    Result: The encoder is an ASC85 with BiSS. As printed, the IDs are the same for all resolutions and supplies. Only
-    the label shows the rest of the order code.
+    Result: The encoder is an ASC85 with BiSS. According to the manual, the IDs are the same for all resolutions and
+    supplies. Only the label shows the rest of the order code.
 
     Errata, with their full text in ERRATA:
-        All models share one device ID (open): The device ID is used as printed.
+        All models have the same device ID, despite different data lengths (open): The device ID is used as printed.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

@@ -39,8 +39,8 @@ Differences from other editions of the manual are noted inline. For the files of
 generate --edition sma21=1.0``.
 
 Before edition 1.1 [Release table]:
-    Not known: The cause of "Encoder inharmonious error", whether it is kept, and how it is cleared.
-    Why: The description of the alarm was removed with the alarm.
+    Not known: The cause of "Encoder inharmonious error", whether it is stored, and how it is cleared.
+    Why: The description of the alarm was removed together with the alarm.
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l. This project is
 not affiliated with either company and claims no certification.
@@ -236,21 +236,21 @@ class Variant(Linear, Wrapping):
         interface: Interface of the encoder.
         code: Order code, without any text that follows it on the label.
         parts: Parts of the order code: output, supply, resolution.
-        resolution_um: Resolution, the length of one count [4.10 p.18, 5.2 p.20]. Unit: µm.
+        resolution_um: Resolution, which is the length of one count [4.10 p.18, 5.2 p.20]. Unit: µm.
         position_bits: Width of the position over SSI and BiSS, without padding [5.2 p.20, 6.2 p.25]. Unit: bits.
         ssi_gray: Position encoding in the SSI word: 1 for Gray code, 0 for binary code [4.1 p.15, 5.2 p.20].
-        scd_padding_bits: Number of bits above the position in the position field of the BiSS single cycle data. They
-            are zeros unless an offset is selected [6.2 p.25, 6.4 p.32]. Unit: bits.
+        scd_padding_bits: Number of bits above the position in the position field of the BiSS single cycle data. These
+            bits are zero unless an offset is selected [6.2 p.25, 6.4 p.32]. Unit: bits.
         offset_selected: Bit 1 of the BiSS Configuration register: 1 while the Preset / Offset register contains an
             offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. Read at run time from register 49h
             (``configuration.select_preset_offset``), 0 to 1. Applies only to BiSS C-mode. The value is the factory
             default unless set by with_registers().
         profile_id: Profile ID in the BiSS registers 42h and 43h [6.4 p.28].
-        output_code: Bit 5 of the BiSS Configuration register: 0 for Gray, 1 for binary [6.4 p.31]. Read at run time
-            from register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is the
-            factory default unless set by with_registers().
-        rs485_position_bits: Width of the position in the 24-bit replies over RS-485. At 1 µm it is one bit less than
-            over SSI and BiSS [4.10 p.18, 7.3.3.2]. Unit: bits.
+        output_code: Bit 5 of the BiSS Configuration register: 0 for Gray code, 1 for binary [6.4 p.31]. Read at run
+            time from register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is
+            the factory default unless set by with_registers().
+        rs485_position_bits: Width of the position in the 24-bit replies over RS-485. At 1 µm, it is one bit narrower
+            than over SSI and BiSS [4.10 p.18, 7.3.3.2]. Unit: bits.
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Suffix /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
@@ -671,10 +671,10 @@ def crc_biss_6(number: int, bits: int) -> int:
     data sheet, icmu: p.30].
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
-    significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
+    significant bit first) and the covered bits (position, error and warning bit) come from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
+        The manual does not give the start value of the BiSS CRCs (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -692,11 +692,11 @@ def crc_biss_6(number: int, bits: int) -> int:
 def crc_biss_4(number: int, bits: int) -> int:
     """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.27, prot: p.9-14, icmu: p.30].
 
-    The manual prints the polynomial and says that the output is inverted. The start value 0 and the range come from
-    public BiSS documents.
+    The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered bits come
+    from public BiSS documents.
 
     Errata, with their full text in ERRATA:
-        The start value of the BiSS CRCs is missing from the manual (open): The start value is 0.
+        The manual does not give the start value of the BiSS CRCs (open): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -732,7 +732,7 @@ def crc_rs485_8(data: bytes) -> int:
 
 
 class DataId(IntEnum):
-    """cc0 ... cc3: Type of the request, repeated in the reply."""
+    """cc0 ... cc3: Type of request, repeated in the reply."""
 
     POSITION = 4
     """Data ID 4: 24-bit position and error code."""
@@ -747,18 +747,18 @@ class DataId(IntEnum):
 
 
 class CountingDirection(IntEnum):
-    """Direzione di conteggio: Counting direction of the absolute position. The incremental signals keep their own
-    direction.
+    """Direzione di conteggio: Counting direction of the absolute position. It does not affect the incremental
+    signals.
     """
 
     STANDARD = 0
-    """Standard: Counts up when the sensor moves in the direction of the arrow of Figure 1."""
+    """Standard: Counts up when the sensor moves in the direction of the arrow in Figure 1."""
     INVERTED = 1
-    """Invertita: Counts up when the sensor moves against the arrow of Figure 1."""
+    """Invertita: Counts up when the sensor moves in the direction opposite to the arrow in Figure 1."""
 
 
 class OutputCode(IntEnum):
-    """Codice d'uscita: Code of the absolute position."""
+    """Codice d'uscita: Encoding of the absolute position."""
 
     GRAY = 0
     """Gray: Position sent in Gray code."""
@@ -802,27 +802,28 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        position: Position in counts. Multiplied by the resolution, it gives a length. Unit: counts.
-        error: Bit di errore: Reading error (the tape is not read properly because it is mounted incorrectly, for
-            instance reversed or upside down, its surface is damaged, or the sensor is faulty) or frequency error (the
-            sensor moves too fast over the tape). True when 0: an error is present and the LED is red. False when 1:
-            normal state without an active error. The LED is off. While it is True, the position is not usable.
+        position: Position in counts. Multiply it by the resolution to get a length. Unit: counts.
+        error: Bit di errore: Reading error (the tape cannot be read properly because it is mounted incorrectly, for
+            instance reversed or upside down, because its surface is damaged, or because the sensor is faulty) or
+            frequency error (the sensor moves too fast along the tape). True when 0: an error is present and the LED is
+            red. False when 1: there is no active error and the LED is off. While it is True, the position is not
+            usable.
 
     ``position`` is in Gray code while ``ssi_gray`` is 1, and in binary while it is 0.
 
-    The word has 21, 23, 24, 25 or 26 bits, including the error bit, and starts with the most significant bit. Further
-    clock pulses read zeros after the word. There is no warning bit and no CRC. Bit 0 is the error bit. The LSB of the
-    position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
+    The word has 21, 23, 24, 25 or 26 bits, including the error bit, and starts with the most significant bit. Extra
+    clock pulses after the word read zeros. There is no warning bit and no CRC. Bit 0 is the error bit. The LSB of the
+    position is bit 1. The manual calls it "Struttura dell'informazione di posizione".
 
     Errata, with their full text in ERRATA:
         Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule.
             Sending one more clock than there are bits in the word satisfies both.
-        The manual does not say which bits are in Gray code (open): Only the position is coded. The error bit, the
+        The manual does not say which bits are in Gray code (open): Only the position is encoded. The error bit, the
             warning bit and the CRC are sent unchanged.
-        The manual does not say how single alarms affect the position (open): The position is not usable if any of these
-            is active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset. The
-            position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW. It is
-            usable while none is active (9.1).
+        The manual does not say how individual alarms affect the position (open): The position is not usable if any of
+            these is active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset.
+            The position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW.
+            It is usable while none is active (9.1).
     """
 
     __slots__ = ()
@@ -911,14 +912,14 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        position: Posizione: Position in counts. Multiplied by the resolution, it gives a length. Unit: counts.
-        error: nE: Reading error (the tape is not read properly because it is mounted incorrectly, for instance reversed
-            or upside down, its surface is damaged, or the sensor is faulty) or frequency error (the sensor moves too
-            fast over the tape). True when 0: an error is present and the LED is red. False when 1: normal state without
-            an active error. The LED is off. While it is True, the position is not usable.
-        warning: Warning, nW: Used with the Position check register for an automatic check of the position. It is only
-            for Lika's technicians. True when 0: warning active. False when 1: no warning active. While it is True, the
-            position is usable, with a warning. Reserved for the manufacturer.
+        position: Posizione: Position in counts. Multiply it by the resolution to get a length. Unit: counts.
+        error: nE: Reading error (the tape cannot be read properly because it is mounted incorrectly, for instance
+            reversed or upside down, because its surface is damaged, or because the sensor is faulty) or frequency error
+            (the sensor moves too fast along the tape). True when 0: an error is present and the LED is red. False when
+            1: there is no active error and the LED is off. While it is True, the position is not usable.
+        warning: Warning, nW: Used with the Position check register for an automatic check of the position. It is
+            intended only for Lika's technicians. True when 0: a warning is active. False when 1: no warning is active.
+            While it is True, the position is usable, with a warning. Reserved for the manufacturer.
 
     In the manual: Single Cycle Data SCD.
 
@@ -926,29 +927,29 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     The frame has 32 bits at resolutions of 50 µm to 2 µm and 33 bits at 1 µm. The position is right-aligned in a field
     of 24 or 25 bits, most significant bit first, with zeros above it. While an offset is selected (bit 1 of the
-    Configuration register), the position takes up the whole field. With Gray output code, zeros above a number remain
-    zeros, so it does not matter whether they are converted. The error and warning bits are assumed not to be converted.
+    Configuration register), the position takes up the whole field. In Gray code, zeros above a number remain zeros, so
+    it does not matter whether they are converted. The error and warning bits are assumed not to be converted.
 
     Errata, with their full text in ERRATA:
-        The manual does not say which bits are in Gray code (open): Only the position is coded. The error bit, the
+        The manual does not say which bits are in Gray code (open): Only the position is encoded. The error bit, the
             warning bit and the CRC are sent unchanged.
         At 1 µm, the frame is one bit longer than printed (settled): The frame has 32 bits at resolutions of 50 µm to 2
             µm and 33 bits at 1 µm.
-        Bits that should be 0 carry data with an offset (open): While an offset is selected in the Configuration
+        With an offset, bits that should be 0 carry data (open): While an offset is selected in the Configuration
             register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the
             bits above the position are zero, and a frame with a nonzero bit there is rejected.
-        The manual does not give the values of positions below zero (open): Over SSI and BiSS, the position wraps around
-            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
-            field. The 48-bit position can be negative, and it never wraps around.
-        The manual does not give the level of an active warning (open): 0 means a warning, as with the error bit.
-        The manual does not say how single alarms affect the position (open): The position is not usable if any of these
-            is active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset. The
-            position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW. It is
-            usable while none is active (9.1).
+        The manual does not give the values sent for positions below zero (open): Over SSI and BiSS, the position wraps
+            around after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of
+            its field. The 48-bit position can be negative, and it never wraps around.
+        The manual does not say which level means an active warning (open): 0 means a warning, as with the error bit.
+        The manual does not say how individual alarms affect the position (open): The position is not usable if any of
+            these is active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset.
+            The position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW.
+            It is usable while none is active (9.1).
 
     Checked by decode():
-        padding: Zeros above the position, which the manual counts as part of Posizione. There are none while an offset
-            is selected. Always 0.
+        padding: Zeros above the position, which the manual counts as part of "Posizione". There are none while an
+            offset is selected. Always 0.
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
     """
 
@@ -960,7 +961,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         # error: an error is present and the LED is red.
         if self.error:
             return Verdict.NOT_USABLE
-        # warning: warning active.
+        # warning: a warning is active.
         if self.warning:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -1054,7 +1055,7 @@ class DataRequest(FixedBytes, _DataRequest):
     """Data request, sent by the master over RS-485: 1 byte [7.2 p.37, 7.2.1 p.37].
 
     Attributes:
-        data_id: cc0 ... cc3: Type of the request, repeated in the reply.
+        data_id: cc0 ... cc3: Type of request, repeated in the reply.
 
     In the manual: Master → Encoder: CF.
 
@@ -1062,7 +1063,7 @@ class DataRequest(FixedBytes, _DataRequest):
 
     One byte, without a CRC.
 
-    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID.
+    See also these errata in ERRATA: The manual prints the control field's parity bit as part of the ID.
 
     Checked by decode():
         sync: SC: Sync code, binary 010. Always 2.
@@ -1145,8 +1146,8 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        data_id: cc0 ... cc3: Type of the request, repeated in the reply.
-        status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True when 1: encoder alarm
+        data_id: cc0 ... cc3: Type of request, repeated in the reply.
+        status_alarm: ea0: The bit is not stored. It clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
             0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
             position is usable, with a warning. If a flag that it combines is active in the same frame, that flag
@@ -1157,18 +1158,19 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
             errors with data ID B.
-        position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it gives a length. Unit: counts.
+        position: ABS0, ABS1, ABS2: Position in counts. Multiply it by the resolution to get a length. Unit: counts.
             Right-aligned in 24 bits, with zeros above it.
-        overspeed: Overspeed. True when 1: speed too high. False when 0: no overspeed. While it is True, the position is
+        overspeed: Overspeed. True when 1: the speed is too high. False when 0: no overspeed. While it is True, the
+            position is not usable.
+        initialization_error: Initialization error. True when 1: an error occurred during the initialization, or the
+            absolute position was not found. False when 0: no initialization error. While it is True, the position is
             not usable.
-        initialization_error: Initialization error. True when 1: error during the initialization, or absolute position
-            not found. False when 0: no initialization error. While it is True, the position is not usable.
-        hardware_error: Hardware error. True when 1: error in the EEPROM. False when 0: no hardware error. While it is
-            True, the position is not usable.
+        hardware_error: Hardware error. True when 1: there is an error in the EEPROM. False when 0: no hardware error.
+            While it is True, the position is not usable.
         encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True when 1: an alarm that is no longer
-            in manual 1.1 of November 2023. An older encoder may have it. Its cause is not known.
+            in manual 1.1 of November 2023, but that an older encoder may have. Its cause is not known.
         higher_track_error: Higher track error: Not implemented.
-        low_amplitude_error: Low amplitude error. True when 1: amplitude of the signal too low. False when 0: no low
+        low_amplitude_error: Low amplitude error. True when 1: the signal amplitude is too low. False when 0: no low
             amplitude error. While it is True, the position is not usable.
         signal_strength_alarm: Signal on the strength alarm: Not implemented.
         temperature_alarm: Temperature alarm: Not implemented.
@@ -1178,27 +1180,27 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
 
     Its ``data_id`` is 4 (position), B (reset_errors) or F (reset_position).
 
-    position = (DF2 << 16) + (DF1 << 8) + DF0, always binary. The bits above the resolution are 0: bit 23, bits 23:22 or
-    bits 23:20.
+    position = (DF2 << 16) + (DF1 << 8) + DF0, always binary. The unused bits above the position are 0: bit 23, bits
+    23:22 or bits 23:20.
 
     Errata, with their full text in ERRATA:
-        The manual does not give the values of positions below zero (open): Over SSI and BiSS, the position wraps around
-            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
-            field. The 48-bit position can be negative, and it never wraps around.
-        The highest 24-bit position has one digit too many (settled): The highest value is FFFFFFh.
-        The manual does not give the RS-485 position width by model (open): The position has 20 bits at 50 µm, 22 at 10
-            µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
-        Arrows show the bytes of the position in the opposite order (settled): ABS0 is sent first.
+        The manual does not give the values sent for positions below zero (open): Over SSI and BiSS, the position wraps
+            around after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of
+            its field. The 48-bit position can be negative, and it never wraps around.
+        The printed highest 24-bit position has one digit too many (settled): The highest value is FFFFFFh.
+        The manual does not give the RS-485 position width of each model (open): The position has 20 bits at 50 µm, 22
+            at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
+        Arrows in the manual show the position bytes in the wrong order (settled): ABS0 is sent first.
 
-    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; The manual does
-    not say how single alarms affect the position; The reply in the example sets an unused status bit; The manual gives
-    an error bit level without naming the interface; Before edition 1.1: implementation of encoder inharmonious error;
+    See also these errata in ERRATA: The manual prints the control field's parity bit as part of the ID; The manual does
+    not say how individual alarms affect the position; The example reply sets an unused status bit; The manual gives an
+    error bit level without naming the interface; Before edition 1.1: implementation of encoder inharmonious error;
     Before edition 1.1: active state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious
     error.
 
     Bits of unused:
-        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
-            other values are still decoded, with the verdict ``usable_with_warning``.
+        bits 3:0, status_info: dd0 ... dd3: Information bits, not used in this encoder. Unused, documented as 0. Frames
+            with other values are still decoded, with the verdict ``usable_with_warning``.
         bits 7:6, status_zero: Unused, documented as 0. Frames with other values are still decoded, with the verdict
             ``usable_with_warning``.
 
@@ -1220,13 +1222,13 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
         """Verdict on the position. Check it before you use the position."""
         # status_error: encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor
         # must stop.
-        # overspeed: speed too high.
-        # initialization_error: error during the initialization, or absolute position not found.
-        # hardware_error: error in the EEPROM.
-        # encoder_inharmonious_error: an alarm that is no longer in manual 1.1 of November 2023. An older encoder may
-        # have it. Its cause is not known.
+        # overspeed: the speed is too high.
+        # initialization_error: an error occurred during the initialization, or the absolute position was not found.
+        # hardware_error: there is an error in the EEPROM.
+        # encoder_inharmonious_error: an alarm that is no longer in manual 1.1 of November 2023, but that an older
+        # encoder may have. Its cause is not known.
         # higher_track_error: Not implemented.
-        # low_amplitude_error: amplitude of the signal too low.
+        # low_amplitude_error: the signal amplitude is too low.
         if (
             self.status_error
             or self.overspeed
@@ -1350,7 +1352,7 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     """Wide position reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
 
     Attributes:
-        status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True when 1: encoder alarm
+        status_alarm: ea0: The bit is not stored. It clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
             0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
             position is usable, with a warning. If a flag that it combines is active in the same frame, that flag
@@ -1361,7 +1363,7 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
             errors with data ID B.
-        position: ABS0 ... ABS5: Position in counts. Multiplied by the resolution, it gives a length. Unit: counts.
+        position: ABS0 ... ABS5: Position in counts. Multiply it by the resolution to get a length. Unit: counts.
             Signed, in two's complement.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
@@ -1373,22 +1375,22 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     field reports errors.
 
     Errata, with their full text in ERRATA:
-        The manual does not give the values of positions below zero (open): Over SSI and BiSS, the position wraps around
-            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
-            field. The 48-bit position can be negative, and it never wraps around.
-        The highest 48-bit position lacks two digits (settled): The highest value is 7FFFFFFFFFFFh.
+        The manual does not give the values sent for positions below zero (open): Over SSI and BiSS, the position wraps
+            around after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of
+            its field. The 48-bit position can be negative, and it never wraps around.
+        The printed highest 48-bit position lacks two digits (settled): The highest value is 7FFFFFFFFFFFh.
         The manual says that high bits of the signed 48-bit position are 0 (open): The position is signed and uses all
             48 bits.
-        The reply in the example sets an unused status bit (open): dd0 to dd3 are unused and 0, as in 7.3.2. A reply
-            with other values is decoded, and the bits are reported.
-        Arrows show the bytes of the position in the opposite order (settled): ABS0 is sent first.
+        The example reply sets an unused status bit (open): dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other
+            values is decoded, and the bits are reported.
+        Arrows in the manual show the position bytes in the wrong order (settled): ABS0 is sent first.
 
-    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; The manual does
-    not say how single alarms affect the position; The manual gives an error bit level without naming the interface.
+    See also these errata in ERRATA: The manual prints the control field's parity bit as part of the ID; The manual does
+    not say how individual alarms affect the position; The manual gives an error bit level without naming the interface.
 
     Bits of unused:
-        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
-            other values are still decoded, with the verdict ``usable_with_warning``.
+        bits 3:0, status_info: dd0 ... dd3: Information bits, not used in this encoder. Unused, documented as 0. Frames
+            with other values are still decoded, with the verdict ``usable_with_warning``.
         bits 7:6, status_zero: Unused, documented as 0. Frames with other values are still decoded, with the verdict
             ``usable_with_warning``.
 
@@ -1402,7 +1404,7 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
 
     @property
     def data_id(self) -> DataId:
-        """cc0 ... cc3: Type of the request, repeated in the reply."""
+        """cc0 ... cc3: Type of request, repeated in the reply."""
         return DataId.WIDE_POSITION
 
     @property
@@ -1514,7 +1516,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        status_alarm: ea0: Not stored. The bit clears as soon as the cause is gone. True when 1: encoder alarm
+        status_alarm: ea0: The bit is not stored. It clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
             0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
             position is usable, with a warning. If a flag that it combines is active in the same frame, that flag
@@ -1525,18 +1527,19 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
             errors with data ID B.
-        position: ABS0, ABS1, ABS2: Position in counts. Multiplied by the resolution, it gives a length. Unit: counts.
+        position: ABS0, ABS1, ABS2: Position in counts. Multiply it by the resolution to get a length. Unit: counts.
             Right-aligned in 24 bits, with zeros above it.
-        overspeed: Overspeed. True when 1: speed too high. False when 0: no overspeed. While it is True, the position is
+        overspeed: Overspeed. True when 1: the speed is too high. False when 0: no overspeed. While it is True, the
+            position is not usable.
+        initialization_error: Initialization error. True when 1: an error occurred during the initialization, or the
+            absolute position was not found. False when 0: no initialization error. While it is True, the position is
             not usable.
-        initialization_error: Initialization error. True when 1: error during the initialization, or absolute position
-            not found. False when 0: no initialization error. While it is True, the position is not usable.
-        hardware_error: Hardware error. True when 1: error in the EEPROM. False when 0: no hardware error. While it is
-            True, the position is not usable.
+        hardware_error: Hardware error. True when 1: there is an error in the EEPROM. False when 0: no hardware error.
+            While it is True, the position is not usable.
         encoder_inharmonious_error: Encoder inharmonious error: Not implemented. True when 1: an alarm that is no longer
-            in manual 1.1 of November 2023. An older encoder may have it. Its cause is not known.
+            in manual 1.1 of November 2023, but that an older encoder may have. Its cause is not known.
         higher_track_error: Higher track error: Not implemented.
-        low_amplitude_error: Low amplitude error. True when 1: amplitude of the signal too low. False when 0: no low
+        low_amplitude_error: Low amplitude error. True when 1: the signal amplitude is too low. False when 0: no low
             amplitude error. While it is True, the position is not usable.
         signal_strength_alarm: Signal on the strength alarm: Not implemented.
         temperature_alarm: Temperature alarm: Not implemented.
@@ -1547,20 +1550,20 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     Its ``data_id`` is A (identification).
 
     Errata, with their full text in ERRATA:
-        The highest 24-bit position has one digit too many (settled): The highest value is FFFFFFh.
-        The manual does not give the RS-485 position width by model (open): The position has 20 bits at 50 µm, 22 at 10
-            µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
-        Arrows show the bytes of the position in the opposite order (settled): ABS0 is sent first.
+        The printed highest 24-bit position has one digit too many (settled): The highest value is FFFFFFh.
+        The manual does not give the RS-485 position width of each model (open): The position has 20 bits at 50 µm, 22
+            at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
+        Arrows in the manual show the position bytes in the wrong order (settled): ABS0 is sent first.
 
-    See also these errata in ERRATA: The parity bit of the control field is printed as part of the ID; The manual does
-    not say how single alarms affect the position; The reply in the example sets an unused status bit; The manual gives
-    an error bit level without naming the interface; Before edition 1.1: implementation of encoder inharmonious error;
+    See also these errata in ERRATA: The manual prints the control field's parity bit as part of the ID; The manual does
+    not say how individual alarms affect the position; The example reply sets an unused status bit; The manual gives an
+    error bit level without naming the interface; Before edition 1.1: implementation of encoder inharmonious error;
     Before edition 1.1: active state of encoder inharmonious error; Before edition 1.1: meaning of encoder inharmonious
     error.
 
     Bits of unused:
-        bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
-            other values are still decoded, with the verdict ``usable_with_warning``.
+        bits 3:0, status_info: dd0 ... dd3: Information bits, not used in this encoder. Unused, documented as 0. Frames
+            with other values are still decoded, with the verdict ``usable_with_warning``.
         bits 7:6, status_zero: Unused, documented as 0. Frames with other values are still decoded, with the verdict
             ``usable_with_warning``.
 
@@ -1576,7 +1579,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
 
     @property
     def data_id(self) -> DataId:
-        """cc0 ... cc3: Type of the request, repeated in the reply."""
+        """cc0 ... cc3: Type of request, repeated in the reply."""
         return DataId.IDENTIFICATION
 
     @property
@@ -1589,13 +1592,13 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
         """Verdict on the position. Check it before you use the position."""
         # status_error: encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor
         # must stop.
-        # overspeed: speed too high.
-        # initialization_error: error during the initialization, or absolute position not found.
-        # hardware_error: error in the EEPROM.
-        # encoder_inharmonious_error: an alarm that is no longer in manual 1.1 of November 2023. An older encoder may
-        # have it. Its cause is not known.
+        # overspeed: the speed is too high.
+        # initialization_error: an error occurred during the initialization, or the absolute position was not found.
+        # hardware_error: there is an error in the EEPROM.
+        # encoder_inharmonious_error: an alarm that is no longer in manual 1.1 of November 2023, but that an older
+        # encoder may have. Its cause is not known.
         # higher_track_error: Not implemented.
-        # low_amplitude_error: amplitude of the signal too low.
+        # low_amplitude_error: the signal amplitude is too low.
         if (
             self.status_error
             or self.overspeed
@@ -1858,10 +1861,10 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
 
     Attributes:
         variant: Encoder to which the register belongs.
-        profile_id: 28h, then the number of position bits in decimal. Holds ``profile_id``, which helps to identify the
-            encoder. The decoder also accepts other values.
+        profile_id: 28h, followed by the number of position bits in decimal. Holds ``profile_id``, which helps to
+            identify the encoder. The decoder also accepts other values.
 
-    Code of the profile used.
+    Code of the profile that the encoder uses.
 
     Byte order: high byte first, at 42h.
 
@@ -1869,7 +1872,7 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
     for 1 µm.
 
     Errata, with their full text in ERRATA:
-        The data lengths in the profile IDs count different bits (open): Each profile ID is used as printed.
+        The data lengths in the profile IDs do not match the frame (open): Each profile ID is used as printed.
     """
 
     __slots__ = ()
@@ -1920,17 +1923,17 @@ class SerialNumber(FixedRegister, _SerialNumber):
     """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.29].
 
     Attributes:
-        year: Year of production.
-        week: Week of production.
+        year: Production year.
+        week: Production week.
         number: Serial number, assigned in ascending order.
 
-    Year and week of production and a serial number, in hexadecimal.
+    Production year and week, and a serial number, in hexadecimal.
 
     Byte order: high byte first, at 44h.
 
     Errata, with their full text in ERRATA:
-        The manual does not give the coding of year, week and serial number (open): The values are three binary numbers:
-            one byte, one byte, and two bytes with the high byte first.
+        The manual does not give the encoding of year, week and serial number (open): The values are three binary
+            numbers: one byte, one byte, and two bytes with the high byte first.
     """
 
     __slots__ = ()
@@ -1963,7 +1966,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
 class Command(IntEnum):
     """Command (it: Comando), register 48h, write only, over BiSS C-mode [6.4 p.29, 12 p.51].
 
-    Saves the parameters, activates preset or offset, or restores the defaults.
+    Saves the parameters, activates the preset or offset, or restores the defaults.
 
     Default: ``00``. Wait at least 30 ms between a write and the next command. Automatically returns to its default
     after a write.
@@ -1978,8 +1981,8 @@ class Command(IntEnum):
     ACTIVATE_PRESET_OFFSET = 2
     """Salva e attiva Preset / Offset: Saves the preset or offset and activates it at the same time."""
     RESTORE_DEFAULTS = 4
-    """Carica e salva tutti i parametri di default: Immediately loads the factory parameters, which are for standard
-    and safe operation. All previously set parameters are overwritten and lost.
+    """Carica e salva tutti i parametri di default: Immediately loads the factory parameters, which are intended for
+    standard and safe operation. All previously set parameters are overwritten and lost.
     """
 
     @classmethod
@@ -2016,9 +2019,9 @@ class Configuration(FixedRegister, _Configuration):
     """Configuration (it: Configurazione), register 49h, read and write, over BiSS C-mode [6.4 p.30, 12 p.51].
 
     Attributes:
-        counting_direction: Direzione di conteggio: Counting direction of the absolute position. The incremental signals
-            keep their own direction. Default: 0.
-        output_code: Codice d'uscita: Code of the absolute position. Default: 1.
+        counting_direction: Direzione di conteggio: Counting direction of the absolute position. It does not affect the
+            incremental signals. Default: 0.
+        output_code: Codice d'uscita: Encoding of the absolute position. Default: 1.
         enable_preset_offset: Abilita preset / offset: Enables preset and offset when it is 0. Default: 0.
         select_preset_offset: Seleziona preset / offset: Content of the Preset / Offset register. The bit is available
             only while the function is enabled (bit 2). Default: 0.
@@ -2027,10 +2030,10 @@ class Configuration(FixedRegister, _Configuration):
 
     Default: ``20``. Save the parameters after a write, or the encoder loses the value at power-off.
 
-    A new setting is active immediately after its transmission. Save it with the Command register.
+    A new setting takes effect as soon as it has been transmitted. Save it with the Command register.
 
     Errata, with their full text in ERRATA:
-        The example calls Counting direction bit 8 instead of bit 6 (settled): Counting direction is bit 6.
+        One example numbers Counting direction as bit 8 instead of bit 6 (settled): Counting direction is bit 6.
 
     Checked by decode():
         unused_7: Non utilizzato: Not used. Always 0.
@@ -2092,8 +2095,8 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
 
     Resolution of the absolute position.
 
-    32h is 50 µm, 0Ah 10 µm, 05h 5 µm, 02h 2 µm and 01h 1 µm. The highest positions are 00 0F FF FFh (20 bits), 00 3F FF
-    FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 FF FF FFh (25 bits).
+    32h is 50 µm, 0Ah is 10 µm, 05h is 5 µm, 02h is 2 µm and 01h is 1 µm. The highest positions are 00 0F FF FFh (20
+    bits), 00 3F FF FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 FF FF FFh (25 bits).
     """
 
     __slots__ = ()
@@ -2144,17 +2147,17 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
     Attributes:
         preset_offset: Preset offset.
 
-    Preset or offset, according to the Select preset / offset bit of the Configuration register.
+    Preset or offset, as selected by the Select preset / offset bit of the Configuration register.
 
     Byte order: high byte first, at 50h. Default: ``00 00 00 00``. Can be written only while
     ``configuration.enable_preset_offset`` is 0 (``enable``). Save the parameters after a write, or the encoder loses
     the value at power-off. While ``configuration.select_preset_offset`` is 0 (``preset``), the register holds
     ``preset``, 0 to ``2^position_bits - 1``. Value that the encoder reports at the current sensor position once the
     preset is activated. All positions before and after it shift accordingly. The preset can be used, for instance, to
-    align the zero points of sensor and application. [6.4 p.32] While ``configuration.select_preset_offset`` is 1
-    (``offset``), the register holds ``offset``, 0 to ``2^scd_position_bits - 2^position_bits``. Value by which the
-    transmitted positions are shifted. The number of positions stays the same, and they start at the offset. The offset
-    is applied to the position of the sensor at the time of activation. [6.4 p.32]
+    align the zero points of the sensor and the application. [6.4 p.32] While ``configuration.select_preset_offset`` is
+    1 (``offset``), the register holds ``offset``, 0 to ``2^scd_position_bits - 2^position_bits``. Value by which the
+    transmitted positions are shifted. The number of positions stays the same, and the positions start at the offset.
+    The offset is applied to the position of the sensor at the time of activation. [6.4 p.32]
 
     The register is available only while the Enable preset / offset bit of the Configuration register is 0 (enable).
     Activate it only with the device at rest, with the command Save and activate Preset / Offset. The highest preset is
@@ -2163,11 +2166,12 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
     resolution: F0 00 00h at 50 µm, C0 00 00h at 10 µm, 80 00 00h at 5 µm, 0 at 2 µm and 1 µm.
 
     Errata, with their full text in ERRATA:
-        Bits that should be 0 carry data with an offset (open): While an offset is selected in the Configuration
+        With an offset, bits that should be 0 carry data (open): While an offset is selected in the Configuration
             register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the
             bits above the position are zero, and a frame with a nonzero bit there is rejected.
-        The offset is described as a preset and as a shift (open): All transmitted values are shifted by the offset.
-        The highest value with an offset is one too high (settled): The highest value is that sum minus 1.
+        The manual describes the offset both as a preset and as a shift (open): All transmitted values are shifted by
+            the offset.
+        The printed highest value with an offset is one too high (settled): The highest value is that sum minus 1.
     """
 
     @classmethod
@@ -2223,7 +2227,7 @@ class DeviceType(FixedRegister, _DeviceType):
         type: 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. Holds 08h, which helps to identify the
             encoder. The decoder also accepts other values.
 
-    Type of the device.
+    Device type.
 
     Default: ``08``.
     """
@@ -2322,10 +2326,10 @@ class PositionCheck(FixedRegister, _PositionCheck):
 
     Default: ``00``. Reserved for the manufacturer.
 
-    Do not change the value. It is only for Lika's technicians.
+    Do not change the value. It is intended only for Lika's technicians.
 
     Errata, with their full text in ERRATA:
-        One default is missing from the list of defaults (open): The default is 00h.
+        The list of defaults omits one default (open): The default is 00h.
     """
 
     __slots__ = ()
@@ -2364,16 +2368,16 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
 
     Attributes:
-        name: Name of the device (53 4D 32 31 in hexadecimal). ASCII text. Holds ``SM21``, which helps to identify the
-            encoder. The decoder also accepts other values.
+        name: Device name (53 4D 32 31 in hexadecimal). ASCII text. Holds ``SM21``, which helps to identify the encoder.
+            The decoder also accepts other values.
         release: Hardware-software release, printed as xx xx.
 
-    Name of the device and its hardware-software release.
+    Device name and hardware-software release.
 
     Byte order: high byte first, at 78h.
 
     Errata, with their full text in ERRATA:
-        All models share one device ID (open): The device ID is used as printed.
+        All models have the same device ID, despite different data lengths (open): The device ID is used as printed.
     """
 
     __slots__ = ()
@@ -2590,11 +2594,11 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
             "configuration",
             Address.CONFIGURATION,
             encode_register("configuration", Configuration, configuration, 1, "big"),
-            meaning="active immediately",
+            meaning="takes effect immediately",
         ),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save it permanently"),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -2608,7 +2612,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Args:
         variant: The encoder.
-        position: New value for the present position. Written to ``preset_offset`` as its ``preset``.
+        position: New value for the current position. Written to ``preset_offset`` as its ``preset``.
 
     Returns:
         The steps, for ``run``.
@@ -2634,7 +2638,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             Command.ACTIVATE_PRESET_OFFSET.encode(),
             meaning="save and activate the preset",
         ),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -2663,7 +2667,7 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x02),
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save it permanently"),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -2676,10 +2680,11 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
     whole field of the single cycle data, so a decoder must know the content of the Configuration register.
 
     Errata, with their full text in ERRATA:
-        Bits that should be 0 carry data with an offset (open): While an offset is selected in the Configuration
+        With an offset, bits that should be 0 carry data (open): While an offset is selected in the Configuration
             register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the
             bits above the position are zero, and a frame with a nonzero bit there is rejected.
-        The offset is described as a preset and as a shift (open): All transmitted values are shifted by the offset.
+        The manual describes the offset both as a preset and as a shift (open): All transmitted values are shifted by
+            the offset.
 
     Args:
         variant: The encoder.
@@ -2722,7 +2727,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
             Command.SAVE_PARAMETERS.encode(),
             meaning="save the configuration permanently",
         ),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
         *write_bytes(
             "preset_offset",
             Address.PRESET_OFFSET,
@@ -2736,7 +2741,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
             Command.ACTIVATE_PRESET_OFFSET.encode(),
             meaning="save and activate the offset",
         ),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -2759,7 +2764,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -2782,7 +2787,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
-        Wait(microseconds=30_000, meaning="EEPROM writing time"),
+        Wait(microseconds=30_000, meaning="EEPROM write time"),
     )
 
 
@@ -2792,7 +2797,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: Manufacturer, device, resolution and serial number are known. The supply is not.
 
     Errata, with their full text in ERRATA:
-        All models share one device ID (open): The device ID is used as printed.
+        All models have the same device ID, despite different data lengths (open): The device ID is used as printed.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2808,7 +2813,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Read(Address.MANUFACTURER_ID, length=2, register="manufacturer_id", meaning="4C 69 means Lika"),
-        Read(Address.DEVICE_ID, length=6, register="device_id", meaning="name SM21, and the release"),
+        Read(Address.DEVICE_ID, length=6, register="device_id", meaning="the name SM21 and the release"),
         Read(Address.PROFILE_ID, length=2, register="profile_id", meaning="shows the resolution"),
         Read(Address.SERIAL_NUMBER, length=4, register="serial_number", meaning="year, week and number"),
     )
@@ -2819,14 +2824,15 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     Result: All errors are reset and the encoder initializes itself.
 
-    The ten requests must follow one another directly. Stop polling the position during the reset. Send no request until
-    the initialization, which is the same as after power-on, is complete. The manual does not say how long it takes.
-    Reset an "Initialization error" only after the initialization is complete and normal operation has started again.
+    The ten requests must be sent without another request in between. Stop polling the position during the reset. Send
+    no request until the initialization, which is the same as after power-on, is complete. The manual does not say how
+    long it takes. Reset an "Initialization error" only after the initialization is complete and normal operation has
+    started again.
 
     Errata, with their full text in ERRATA:
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.
-        The duration of a reset over RS-485 is missing from the manual (open): The generated files specify no wait time.
+        The manual does not say how long a reset over RS-485 takes (open): The generated files specify no wait time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2852,16 +2858,16 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     Result: The position is 0.
 
-    The ten requests must follow one another directly. Stop polling the position during the reset. No request is
-    accepted during the reset, because the encoder is computing the absolute positions and writing the EEPROM. The
-    manual does not say how long it takes.
+    The ten requests must be sent without another request in between. Stop polling the position during the reset. No
+    request is accepted during the reset, because the encoder is computing the absolute positions and writing the
+    EEPROM. The manual does not say how long it takes.
 
     Errata, with their full text in ERRATA:
-        Zero setting over RS-485 is both ruled out and described (open): Data ID F is used as described in 7.3.1 and
-            7.3.3.2.
+        The manual both rules out and describes zero setting over RS-485 (open): Data ID F is used as described in 7.3.1
+            and 7.3.3.2.
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.
-        The duration of a reset over RS-485 is missing from the manual (open): The generated files specify no wait time.
+        The manual does not say how long a reset over RS-485 takes (open): The generated files specify no wait time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

@@ -310,10 +310,11 @@ def crc_configuration_16(data: bytes) -> int:
     """Compute the CRC configuration_16 of 16 bits: x^16 + x^12 + x^5 + 1, start value 0x1, sent unchanged [b1: p.22,
     mu150: p.23].
 
-    It protects the configuration in the EEPROM, addresses 00h to 20h and 30h to 3Fh. BiSS does not give access to it.
+    This CRC protects the configuration in the EEPROM, addresses 00h to 20h and 30h to 3Fh. BiSS does not give access to
+    it.
 
     Errata, with their full text in ERRATA:
-        The byte order of the CRC differs between two revisions (settled): The high byte is at 21h.
+        Two data sheets give different byte orders for the CRC (settled): The high byte is at 21h.
 
     Args:
         data: Bytes that the CRC covers.
@@ -354,7 +355,7 @@ class ModeSt(IntEnum):
     ABSOLUTE = 0
     """Absolute position."""
     USER_RESOLUTION = 1
-    """Position in user resolution (FlexCount)."""
+    """Position in the user resolution (FlexCount)."""
     RAW_DATA = 2
     """Raw data of the master and nonius tracks."""
 
@@ -658,7 +659,7 @@ class Bank(FixedRegister, _Bank):
     """BANKSEL, register 40h, read and write, over BiSS C-mode [p.49, p.53].
 
     Attributes:
-        bank: Number of the bank.
+        bank: Bank number.
         unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
 
     Bank whose registers are at 00h to 3Fh.
@@ -705,7 +706,7 @@ class EdsBank(FixedRegister, _EdsBank):
     First bank of the electronic data sheet. 00h and FFh stand for none.
 
     Errata, with their full text in ERRATA:
-        Access to the identification registers is missing from their tables (open): They are read-only.
+        The tables do not give access rights for the identification registers (open): They are read-only.
     """
 
     __slots__ = ()
@@ -750,8 +751,9 @@ class ProfileId(FixedRegister, _ProfileId):
     Byte order: high byte first, at 42h.
 
     Errata, with their full text in ERRATA:
-        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
-        Access to the identification registers is missing from their tables (open): They are read-only.
+        The table reverses the byte order of the identification registers (settled): The lowest address has the high
+            byte.
+        The tables do not give access rights for the identification registers (open): They are read-only.
     """
 
     __slots__ = ()
@@ -796,8 +798,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata, with their full text in ERRATA:
-        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
-        Access to the identification registers is missing from their tables (open): They are read-only.
+        The table reverses the byte order of the identification registers (settled): The lowest address has the high
+            byte.
+        The tables do not give access rights for the identification registers (open): They are read-only.
     """
 
     __slots__ = ()
@@ -916,13 +919,13 @@ class Command(IntEnum):
     WRITE_OFF = 2
     """WRITE_OFF: Write the offsets to the EEPROM."""
     ABS_RESET = 3
-    """ABS_RESET: Determine the absolute value anew."""
+    """ABS_RESET: Determine the absolute value again."""
     NON_VER = 4
     """NON_VER: Verify the position by a nonius calculation."""
     MT_RESET = 5
-    """MT_RESET: Read the multiturn again and synchronize it."""
+    """MT_RESET: Read the multiturn position again and synchronize it."""
     MT_VER = 6
-    """MT_VER: Read the multiturn and verify the counted one."""
+    """MT_VER: Read the multiturn position and verify the counted one."""
     SOFT_RESET = 7
     """SOFT_RESET: Start up again from the EEPROM."""
     SOFT_PRES = 8
@@ -1040,13 +1043,13 @@ class Status1(FixedRegister, _Status1):
         crc_err: CRC_ERR. True when 1: invalid checksum of the internal RAM.
         epr_err: EPR_ERR. True when 1: no EEPROM or an I2C communication error.
         mt_err: MT_ERR. True when 1: multiturn communication error.
-        mt_ctr: MT_CTR. True when 1: counted multiturn differs from the external one.
-        non_ctr: NON_CTR. True when 1: counted period differs from the calculated nonius position.
+        mt_ctr: MT_CTR. True when 1: the counted multiturn position differs from the external one.
+        non_ctr: NON_CTR. True when 1: the counted period differs from the calculated nonius position.
         frq_abz: FRQ_ABZ. True when 1: signal frequency too high for the ABZ converter.
         frq_cnv: FRQ_CNV. True when 1: signal frequency too high for the internal converter.
         cmd_exe: CMD_EXE. True when 1: a command is being executed.
 
-    Errors of memory, multiturn, counters and frequency.
+    Memory, multiturn, counter and frequency errors.
     """
 
     __slots__ = ()
@@ -1098,8 +1101,9 @@ class DeviceId(FixedRegister, _DeviceId):
     Byte order: high byte first, at 78h.
 
     Errata, with their full text in ERRATA:
-        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
-        Access to the identification registers is missing from their tables (open): They are read-only.
+        The table reverses the byte order of the identification registers (settled): The lowest address has the high
+            byte.
+        The tables do not give access rights for the identification registers (open): They are read-only.
     """
 
     __slots__ = ()
@@ -1144,8 +1148,9 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     Byte order: high byte first, at 7Eh.
 
     Errata, with their full text in ERRATA:
-        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
-        Access to the identification registers is missing from their tables (open): They are read-only.
+        The table reverses the byte order of the identification registers (settled): The lowest address has the high
+            byte.
+        The tables do not give access rights for the identification registers (open): They are read-only.
     """
 
     __slots__ = ()

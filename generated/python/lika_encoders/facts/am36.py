@@ -115,11 +115,11 @@ ORDER_CODE: Final = OrderCode(
     note=(
         "On the label, a hyphen and further characters follow the output. The manual does not explain them. For BiSS, "
         "it prints AMx36xx/xxxx and, next to register 55h, AMx36xx/4096, without a value for the singleturn "
-        "resolution. The listed values come from the SSI table. Over BiSS, other values are also accepted, and they "
-        "are shown as unlisted. They do not affect the frame, because the widths of its fields are read from "
-        "registers 56h and 57h. Edition 1.1 writes the codes without the hyphen, with SCx for BiSS. Such labels are "
-        "also accepted. The order code and the serial number are printed on the label on the encoder body and in the "
-        "delivery document. Lika asks for both numbers in every enquiry. Technical data are in the catalogue."
+        "resolution. The listed values come from the SSI table. For BiSS, other values are also accepted and shown as "
+        "unlisted. They do not affect the frame, because the widths of its fields are read from registers 56h and "
+        "57h. In edition 1.1, the codes have no hyphen, and BiSS is SCx. Such labels are also accepted. The order "
+        "code and the serial number are printed on the label on the encoder body and in the delivery document. Quote "
+        "both numbers in every inquiry to Lika. Technical data are in the catalog."
     ),
     source="5, 5.2, 6, 6.5 p.31",
     also_written=(
@@ -163,8 +163,8 @@ CRCS: Final[tuple[Crc, ...]] = (
         polynomial="x^6 + x + 1",
         note=(
             "The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order "
-            "(most significant bit first) and the range (position, error and warning bit) come from public BiSS "
-            "documents."
+            "(most significant bit first) and the covered bits (position, error and warning bit) come from public "
+            "BiSS documents."
         ),
         source="6.3.1 p.22, prot: p.7-8, renishaw: data sheet, icmu: p.30",
     ),
@@ -178,8 +178,8 @@ CRCS: Final[tuple[Crc, ...]] = (
         xorout=0x0F,
         polynomial="x^4 + x + 1",
         note=(
-            "The manual prints the polynomial and says that the output is inverted. The start value 0 and the range "
-            "come from public BiSS documents."
+            "The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered "
+            "bits come from public BiSS documents."
         ),
         source="6.4, prot: p.9-14, icmu: p.30",
     ),
@@ -187,28 +187,28 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum: The clock for cables under 400 m is below the allowed range (open) [5.3]:
+# Erratum: The clock limit for cables under 400 m is below the clock range (open) [5.3]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum: The table of cable lengths has no cable for 400 kHz to 3 MHz (open) [5.3]:
+# Erratum: The cable length table allows no cable from 400 kHz to 3 MHz (open) [5.3]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The words and the sign for the SSI pause of 12 µs disagree (open) [5.1, 5.3, amm5: 5.3]:
+# Erratum: The wording and the sign for the SSI pause of 12 µs disagree (open) [5.1, 5.3, amm5: 5.3]:
 # Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs).
 # Used: The minimum is 12 µs. Use a longer pause.
 #
 # In edition 1.1 [am36_1_1_biss: p.21]:
 # Not known: order codes with output BG, order codes with output GG, SSI and the parameter modulus.
-# Why: No page on SSI is public. Only the name of the series shows that SSI models with BG exist.
+# Why: No page about SSI is public. Only the series name shows that SSI models with BG exist.
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=3_000_000, source="5.3"),
     alignment=Alignment.MSB_LEFT,
     output_code="by_order_code",
-    signals="EIA RS-422, clock and data have a logic level of typically 5 V",
+    signals="EIA RS-422, with a typical logic level of 5 V for clock and data",
     cable_lengths=(
         CableLength(shorter_than_m=50, below_hz=400_000, source="5.3"),
         CableLength(shorter_than_m=100, below_hz=300_000, source="5.3"),
@@ -239,9 +239,9 @@ SSI: Final = SsiFacts(
         ),
     ),
     note=(
-        "One master and one slave communicate point to point, in one direction. There are two twisted pairs for clock "
-        "and data, and six wires in all. The first falling edge of the clock stores the position. The next rising "
-        "edge starts the transmission with the MSB. Each further rising edge outputs one bit, down to the LSB. The "
+        "One master and one slave communicate point to point, in one direction. Clock and data each use a twisted "
+        "pair, and the cable has six wires. The first falling edge of the clock latches the position. The next rising "
+        "edge starts the transmission with the MSB. Each subsequent rising edge outputs one bit, down to the LSB. The "
         "last rising edge ends the cycle, so a word of n bits takes up to n + 1 rising edges (13 bits: 14 edges). The "
         "time Tm may follow the word immediately."
     ),
@@ -250,12 +250,12 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open) [6.5 p.28, 6.5 p.31]:
+# Erratum: The order code gives 4,096 revolutions, but the registers give 65,536 (open) [6.5 p.28, 6.5 p.31]:
 # Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: if more than 4,096
 # are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is switched off.
 # Used: The registers and the frame use 65,536. 4096 is used only on the label.
 #
-# Erratum: The rule for the BiSS time-out is missing from the manual (open) [6.6 p.32, prot: p.18]:
+# Erratum: The manual does not give the rule for the BiSS time-out (open) [6.6 p.32, prot: p.18]:
 # Printed: BiSS time-out: "Self-adaptable to the clock, 10 µs max.".
 # Used: The time-out is at most 10 µs. No rule is given.
 #
@@ -271,7 +271,7 @@ SSI: Final = SsiFacts(
 # more.
 # Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is known
 # only that 01 in 48h stores a resolution. Its other values and the pause after it are not known. No procedure is known
-# to be correct.
+# to be correct for this edition.
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=200_000, max_hz=10_000_000, source="6.6 p.32"),
@@ -283,14 +283,14 @@ BISS: Final = BissFacts(
         ControlField(
             name="register_address",
             bits=7,
-            meaning="Register to read or to write",
+            meaning="Register to read or write",
             printed_name="Register address",
             source="6.4 p.22",
         ),
         ControlField(
             name="rw",
             bits=2,
-            meaning="Direction of the access",
+            meaning="Access direction",
             printed_name="RW",
             values=(
                 NamedValue("write", 1, meaning="Write the register"),
@@ -323,16 +323,16 @@ BISS: Final = BissFacts(
         Timing(
             name="eeprom_write",
             meaning=(
-                "Time between a write to the Command register and the next function. The EEPROM is written during "
-                "this time"
+                "Time to wait after a write to the Command register before the next function. The EEPROM is written "
+                "during this time"
             ),
             at_least_us=30_000,
             source="6.5 p.24",
         ),
     ),
     note=(
-        "With the factory defaults, the shaft must not turn by more than 2,047 revolutions in either direction while "
-        "the encoder is off. Otherwise the absolute position is lost. The reason is that the default of 65,536 "
+        "With the factory defaults, the shaft must not turn more than 2,047 revolutions in either direction while the "
+        "encoder is off. Otherwise the absolute position is lost. The limit applies because the default of 65,536 "
         "revolutions is more than 4,096. The encoder is always a slave, and it must be the only slave of its master. "
         "Never install it in a network with several slaves. For everything else, the manual refers to "
         "www.biss-interface.com."
@@ -412,9 +412,9 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             default=b"\x00\x00",
             fields=(FieldFacts(name="profile", meaning="Printed as 00 00 for AMx36"),),
-            meaning="Identification code of the profile",
+            meaning="Profile identification code",
             note=(
-                "Next to this register, the manual refers to \"Standard encoder profile\", \"data format\", \"Variant "
+                "For this register, the manual refers to \"Standard encoder profile\", \"data format\" and \"Variant "
                 "0-24\"."
             ),
             source="6.5 p.24",
@@ -431,7 +431,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="week", meaning="Week of production, register 45h"),
                 FieldFacts(name="number", meaning="Serial number, assigned in ascending order, registers 46h and 47h"),
             ),
-            meaning="Year and week of production and a serial number, \"in hexadecimal notation\"",
+            meaning="Production year and week, and a serial number, \"in hexadecimal notation\"",
             source="6.5 p.24",
         ),
         "command": Register(
@@ -478,8 +478,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     ),
                     default=0,
                     note=(
-                        "A high level at the \"Counting direction\" input reverses the direction. After a change, a "
-                        "new preset must be set."
+                        "A high level at the \"Counting direction\" input reverses the direction. After a change, the "
+                        "preset must be set again."
                     ),
                     source="6.5 p.26, 4.5 p.15, 7 p.33",
                 ),
@@ -495,7 +495,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="enable_preset",
                     printed_name="Enable preset",
                     meaning=(
-                        "Enables writing of the Preset registers and activation of the preset, by command or by the "
+                        "Enables writing to the Preset registers and activating the preset, by command or by the "
                         "\"Zero setting/Preset\" input"
                     ),
                     default=0,
@@ -511,7 +511,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             meaning="Preset function, output code and counting direction",
             note=(
                 "A new value takes effect immediately. The command \"Save parameters on EEPROM\" saves it. Bits 0, 1, "
-                "3, 4 and 7 are not used. According to the list of defaults they are 0."
+                "3, 4 and 7 are not used. According to the list of defaults, they are 0."
             ),
             source="6.5 p.25, 7 p.33",
         ),
@@ -529,9 +529,9 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             fields=(FieldFacts(name="steps", meaning="Counts per revolution", unit="counts", power_of_two=True),),
             meaning="Singleturn resolution",
             note=(
-                "A new value takes effect immediately, which can change the length of the frame, and sets the preset "
-                "to zero. The command \"Save parameters on EEPROM\" saves it. Only powers of two are accepted. "
-                "Register 56h shows the resulting number of bits."
+                "A new value takes effect immediately, can change the length of the frame, and sets the preset to "
+                "zero. The command \"Save parameters on EEPROM\" saves it. Only powers of two are accepted. Register "
+                "56h shows the resulting number of bits."
             ),
             source="6.5 p.27, 7 p.33",
         ),
@@ -556,10 +556,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             meaning="Multiturn resolution",
             note=(
                 "Any number from 1 to 65,536 is allowed, including numbers that are not powers of two. A new value "
-                "takes effect immediately, which can change the length of the frame, and sets the preset to zero. The "
+                "takes effect immediately, can change the length of the frame, and sets the preset to zero. The "
                 "command \"Save parameters on EEPROM\" saves it. Register 57h shows the resulting number of bits. "
-                "With more than 4,096 revolutions set, the shaft must not turn by more than 2,047 revolutions in "
-                "either direction while the encoder is off. Otherwise the absolute position is lost."
+                "With more than 4,096 revolutions set, the shaft must not turn more than 2,047 revolutions in either "
+                "direction while the encoder is off. Otherwise the absolute position is lost."
             ),
             source="6.5 p.28, 7 p.33",
         ),
@@ -588,10 +588,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the \"Enable preset\" "
                 "bit to 0 (enable) before writing. The command \"Save parameters on EEPROM\" saves the value without "
                 "activating it. The command \"Save parameters and activate Preset\" saves and activates it. The "
-                "\"Zero setting/Preset\" input activates it as well. The manual suggests activating it at a "
-                "standstill. Set the preset again after a change of the counting direction, of \"Information per "
-                "revolution\" or of \"Number of revolutions\". The preset can be used, for instance, to align the "
-                "zero points of encoder and application."
+                "\"Zero setting/Preset\" input activates it as well. The manual suggests activating it with the shaft "
+                "at a standstill. Set the preset again after changing the counting direction, \"Information per "
+                "revolution\" or \"Number of revolutions\". The preset can be used, for instance, to align the zero "
+                "points of the encoder and the application."
             ),
             source="6.5 p.29, 7 p.33",
         ),
@@ -603,7 +603,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             access=Access.READ_ONLY,
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             default=b"\x02",
-            meaning="Type of the device",
+            meaning="Device type",
             source="6.5 p.31",
         ),
         "singleturn_bits_used": Register(
@@ -627,7 +627,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             default=b"\x10",
             fields=(FieldFacts(name="bits", meaning="Width of the multiturn part of the position", unit="bits"),),
-            meaning="Bits of the multiturn resolution, as set by \"Number of revolutions\"",
+            meaning="Multiturn resolution in bits, as set by \"Number of revolutions\"",
             source="6.5 p.31",
         ),
         "device_id": Register(
@@ -644,7 +644,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="software_version", meaning="Software version, printed as XX"),
             ),
             meaning=(
-                "Encoder model, interface, enclosure and software version. The manual refers to the order code here"
+                "Encoder model, interface, enclosure and software version. The manual refers to the order code for "
+                "this register"
             ),
             source="6.5 p.31",
         ),
@@ -718,8 +719,8 @@ INPUTS: Final[tuple[Input, ...]] = (
     Input(
         name="zero_setting_preset",
         meaning=(
-            "Sets the position to 0 (SSI) or activates the preset value of the Preset registers (BiSS), on a signal "
-            "from a PLC or another controller"
+            "Sets the position to 0 (SSI) or activates the value of the Preset registers (BiSS) when a PLC or another "
+            "controller sends a signal"
         ),
         printed_name="Zero setting/Preset",
         low="0VDC. This is the normal level, and nothing happens",
@@ -737,8 +738,8 @@ INPUTS: Final[tuple[Input, ...]] = (
     Input(
         name="counting_direction",
         meaning=(
-            "Selects whether the position counts up with clockwise (CW) or counter-clockwise (CCW) rotation, seen "
-            "from the shaft end"
+            "Selects whether the position counts up with clockwise (CW) or counterclockwise (CCW) rotation, seen from "
+            "the shaft end"
         ),
         printed_name="Counting direction (Complementary input)",
         low=(
@@ -746,16 +747,16 @@ INPUTS: Final[tuple[Input, ...]] = (
             "direction\" bit"
         ),
         high=(
-            "+VDC. The position counts up counter-clockwise (CCW). Over BiSS, the direction is the opposite of the "
-            "one set by the \"Counting direction\" bit"
+            "+VDC. The position counts up counterclockwise (CCW). Over BiSS, the direction is the opposite of the one "
+            "set by the \"Counting direction\" bit"
         ),
         inverts="configuration.counting_direction",
         when_unused="0VDC",
         note=(
             "Low is 0VDC, high is +VDC. Over BiSS, while the input is low, the position counts up clockwise if the "
-            "bit is 0 (CW) and counter-clockwise if it is 1 (CCW). A high level reverses this: the position then "
-            "counts up counter-clockwise if the bit is 0 and clockwise if it is 1. After a change of the direction, "
-            "set a new zero or preset."
+            "bit is 0 (CW) and counterclockwise if it is 1 (CCW). A high level reverses this: the position then "
+            "counts up counterclockwise if the bit is 0 and clockwise if it is 1. After changing the direction, set "
+            "the zero or preset again."
         ),
         source="4.5 p.15, Electrical safety p.8, 6.5 p.26",
     ),
@@ -767,7 +768,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="personnel",
         value=(
             "Only qualified personnel may install and maintain the encoder, with the power supply disconnected and "
-            "the mechanical parts at rest. They must follow the accident prevention rules of the country. Use the "
+            "the mechanical parts at rest. They must follow the local accident prevention regulations. Use the "
             "encoder only for the purpose it was designed for. High current, voltage and moving parts can injure or "
             "kill."
         ),
@@ -782,7 +783,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="emc_precautions",
         value=(
-            "Discharge your body and tools before handling the encoder. Use a stabilised, noise-free supply, with EMC "
+            "Discharge your body and tools before handling the encoder. Use a stabilized, noise-free supply, with EMC "
             "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
             "necessary and away from high-voltage power cables. Mount the device away from capacitive and inductive "
             "noise sources, or shield it from them. Do not place strong magnets on or near the unit."
@@ -801,15 +802,16 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="mechanical_safety",
         value=(
             "Do not disassemble the encoder. Do not machine the encoder or its shaft. Do not subject the device or "
-            "its shaft to knocks or shocks. Observe the ambient conditions specified by the manufacturer."
+            "its shaft to knocks or shocks. Operate it only under the ambient conditions specified by the "
+            "manufacturer."
         ),
         source="Mechanical safety p.9",
     ),
     Characteristic(
         name="solid_shaft_coupling",
         value=(
-            "For long-term reliability, a flexible coupling between the encoder and the shaft of the installation is "
-            "recommended. Observe its misalignment tolerances."
+            "For long-term reliability, a flexible coupling between the encoder and the driven shaft is recommended. "
+            "Stay within its misalignment tolerances."
         ),
         only="AM36...",
         source="Mechanical safety p.9, 3.3",
@@ -818,8 +820,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="solid_shaft_mounting",
         value=(
             "Mount the flexible coupling (1) on the encoder shaft. Fix the encoder to the flange (2) with the screws "
-            "(3). Fix the flange to the motor or to the mounting support. Mount the coupling on the motor shaft. "
-            "Observe the misalignment tolerances of the coupling."
+            "(3). Fix the flange to the motor or to the mounting support. Mount the coupling on the motor shaft. Stay "
+            "within the misalignment tolerances of the coupling."
         ),
         only="AM36...",
         source="3.3",
@@ -828,8 +830,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="hollow_shaft_fit",
         value=(
             "The encoder can be mounted directly on a shaft whose diameter meets the technical characteristics stated "
-            "in the purchase order. The collar clamps it, together with the fixing plate, into which an anti-rotation "
-            "pin must be inserted."
+            "in the purchase order. The collar and the fixing plate hold it in place. An anti-rotation pin must be "
+            "inserted into the fixing plate."
         ),
         only="AMC36...",
         source="Mechanical safety p.9",
@@ -838,8 +840,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="hollow_shaft_mounting",
         value=(
             "Mount the encoder on the motor shaft without forcing the encoder shaft. Fasten the fixing plate (4) to "
-            "the rear of the motor with a cylindrical-head screw M3 (5). Fix the collar (3) to the encoder shaft with "
-            "its screw."
+            "the rear of the motor with an M3 cylindrical-head screw (5). Fix the collar (3) to the encoder shaft "
+            "with its screw."
         ),
         only="AMC36...",
         source="3.4",
@@ -847,7 +849,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="wiring",
         value=(
-            "Switch the supply off while wiring. Cut the wires of unused signals to different lengths and insulate "
+            "Switch off the supply before wiring. Cut the wires of unused signals to different lengths and insulate "
             "each of them. If they touch, the device may be damaged beyond repair."
         ),
         source="Electrical safety p.8, 4",
@@ -902,7 +904,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="revolutions_while_off",
         value=(
-            "With more than 4,096 revolutions set, which is the factory default (65,536), the shaft must not turn by "
+            "With more than 4,096 revolutions set, which is the factory default (65,536), the shaft must not turn "
             "more than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute "
             "position is lost."
         ),
@@ -912,8 +914,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="description_file",
         value=(
-            "The BiSS encoders come with the file idbiss4C69.xml, to be installed in the BiSS master. It is available "
-            "from www.lika.it > Rotary encoders > Absolute encoders > SSI and BiSS interface."
+            "The BiSS encoders come with the file idbiss4C69.xml, which must be installed in the BiSS master. It is "
+            "available from www.lika.it > Rotary encoders > Absolute encoders > SSI and BiSS interface."
         ),
         only="...-I7-...",
         source="6.1",
@@ -922,12 +924,15 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
 
 #: Content of figures that is missing from the text of the manual.
 LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
-    LostFigure("Drawings of the overall dimensions of AM36 and AMC36.", source="3.1, 3.2"),
+    LostFigure("Drawings with the overall dimensions of the AM36 and AMC36.", source="3.1, 3.2"),
     LostFigure("Picture of the coupling (1), the flange (2) and the screws (3).", source="3.3"),
     LostFigure("Picture of the collar (3), the fixing plate (4) and the screw (5).", source="3.4"),
     LostFigure("Front view of the connector with its pin numbers.", source="4.1"),
     LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text also describes it.",
+        (
+            "Timing diagram of an SSI transmission, with the edges 1, 2 and 3 and the time Tm. The text also "
+            "describes them."
+        ),
         source="5.1",
     ),
     LostFigure("Content missing after the description of the pause Tp, probably a drawing of the pause.", source="5.3"),
@@ -961,7 +966,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="do_not_tool",
-        title="The verb tool, which means machining, is easily misread",
+        title="The manual uses the easily misread verb tool for machining",
         printed="\"do not tool the encoder or its shaft\"",
         used="The generated files say that neither the encoder nor its shaft may be machined.",
         why="\"To tool\" means to work a part with a tool.",
@@ -972,12 +977,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="input_levels",
-        title="The manual does not clearly give the low and high input voltages",
+        title="The manual does not clearly state the low and high input voltages",
         printed="The inputs are connected to 0VDC or +VDC, low and high logic level.",
         used="0VDC is the low level. +VDC is the high level.",
         why=(
             "The table of connections lists +10VDC +30VDC but not +VDC, which is probably the supply. The manual does "
-            "not give the threshold voltages or the input current. It does not say whether an input may be left open."
+            "not give the threshold voltages or the input current, and it does not say whether an input may be left "
+            "open."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -986,12 +992,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="order_code_17",
-        title="The BiSS models are printed with 17 instead of I7",
+        title="The manual prints the BiSS models with 17 instead of I7",
         printed="AMx36xx/xxxx-17-... and AMx36xx/4096-17-...",
         used="I7 is the code for BiSS. 17 is also accepted and shown as unlisted.",
         why=(
             "Registers 7Ah and 7Bh of the Device ID, which the manual relates to the order code, contain 49h 37h. The "
-            "words next to them are \"I7 = BiSS C interface\". The text comes from optical character recognition, "
+            "manual explains them as \"I7 = BiSS C interface\". The text comes from optical character recognition, "
             "which confuses I and 1 in other places too."
         ),
         status=Status.SETTLED,
@@ -1001,7 +1007,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="order_code_edition_1_1",
-        title="Edition 1.1 writes the order codes in another way",
+        title="Edition 1.1 writes the order codes differently",
         printed=(
             "Edition 1.0: AMx36xx/4096-BG-..., AMx36xx/4096-17-... Edition 1.1: AMx36xx/4096SCx-..., in a table "
             "AMM3616/4096SCx..."
@@ -1012,8 +1018,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         why=(
             "Only the BiSS pages of edition 1.1 are available. That manual is listed under the series AM 3616/4096BG, "
-            "without the hyphen. The meaning of the digit x is not known. In other families it stands for the supply. "
-            "AMM is assumed to be a misprint for AM."
+            "without the hyphen. The meaning of the digit x is not known. In other families, it stands for the "
+            "supply. AMM is assumed to be a misprint for AM."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1031,8 +1037,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "The manual does not say which is which. The AMM5 manual calls the output of its BG1 models binary. The "
             "SMA21 manual calls the output of its G1x models Gray and also lists BG and GG. This spec infers that the "
-            "letters have the same meaning in this manual. To check, turn the shaft slowly. If neighbouring positions "
-            "jump, the other code is in use."
+            "letters have the same meaning in this manual. To check, turn the shaft slowly. If the decoded position "
+            "jumps, the encoder uses the other code."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1041,7 +1047,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_singleturn_resolution",
-        title="The singleturn resolution of the BiSS models is left open",
+        title="The manual does not give the singleturn resolution of the BiSS models",
         printed=(
             "AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as default and maximum "
             "in all BiSS models. 4Bh accepts numbers up to the \"number of physical information per revolution (= "
@@ -1051,8 +1057,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1 lists the "
             "same two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits. The "
-            "limit of 4Bh is the physical resolution and equals the default, so the default of 4Bh in an encoder "
-            "would decide between 16, 19 and 20 bits."
+            "limit of 4Bh is the physical resolution and equals the default, so the default of 4Bh in a real encoder "
+            "would show whether the resolution is 16, 19 or 20 bits."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1066,7 +1072,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="revolutions_4096",
-        title="The order code has 4,096 revolutions, the registers have 65,536",
+        title="The order code gives 4,096 revolutions, but the registers give 65,536",
         printed=(
             "Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: if more than "
             "4,096 are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is "
@@ -1074,9 +1080,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The registers and the frame use 65,536. 4096 is used only on the label.",
         why=(
-            "An encoder that stores 65,536 revolutions could be turned by 32,767 while off. 2,047 is half of 4,096 "
-            "minus one. Perhaps the encoder distinguishes only the 4,096 revolutions of the order code while it is "
-            "off, and counts the others only while it is powered. The manual does not say so."
+            "An encoder that stores 65,536 revolutions could be turned by 32,767 revolutions while it is off. 2,047 "
+            "is half of 4,096 minus one. Perhaps the encoder distinguishes only the 4,096 revolutions of the order "
+            "code while it is off, and counts the others only while it is powered. The manual does not say so."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1092,12 +1098,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="supply_by_order_code",
-        title="No order code contains the supply voltage that it should give",
+        title="The order codes do not give the supply voltage as they should",
         printed=(
             "Supply voltage: \"Refer to the ordering code\". The connection table lists +10VDC +30VDC unconditionally"
         ),
-        used="All models have +10 V to +30 V.",
-        why="None of the printed order codes has a part for the supply.",
+        used="The supply of all models is +10 V to +30 V.",
+        why="None of the printed order codes has a field for the supply.",
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("characteristics.supply", "characteristics.supply_class"),
@@ -1105,13 +1111,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="cable_impedance",
-        title="The conductor resistance of the cable is called an impedance",
+        title="The manual calls the conductor resistance of the cable an impedance",
         printed="Impedance: \"148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)\"",
         used="The values are conductor resistances.",
         why=(
-            "A value in ohms per kilometre that depends on the cross-section of the conductor is a resistance. An "
-            "impedance does not depend on the length. The ASC85 manual prints the same numbers as conductor "
-            "resistance."
+            "A value in ohms per kilometer that depends on the cross-section of the conductor is a resistance. The "
+            "characteristic impedance of a cable does not depend on its length. The ASC85 manual prints the same "
+            "numbers as conductor resistance."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1120,7 +1126,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_positions_28_bits",
-        title="The number of positions with 28 bits has a wrong digit",
+        title="The printed number of positions for 28 bits has a wrong digit",
         printed="AMx3616/4096: 28 bits, 268,425,456",
         used="268,435,456",
         why="2^28 is 268,435,456. The next row, 2^31, is correct.",
@@ -1133,7 +1139,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_bit_numbers",
         title="The bits of the SSI words are numbered from 1 instead of 0",
         printed="The bits of the SSI words are numbered 28 ... 1 and 31 ... 1",
-        used="The words have bits 27:0 and 30:0.",
+        used="The bits of the words are numbered 27:0 and 30:0.",
         why="The table counts from 1. Section 6 of the same manual counts from 0, as this spec does everywhere.",
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -1156,15 +1162,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_order",
-        title="The order of singleturn and multiturn is missing from the manual",
+        title="The manual does not give the order of singleturn and multiturn",
         printed="The manual gives only the length of the position, not the order of singleturn and multiturn",
         used=(
-            "Multiturn comes first, as the more significant part. Singleturn follows. In Gray code, both form one "
-            "word."
+            "The multiturn part comes first and is the more significant part. The singleturn part follows. In Gray "
+            "code, they form one word."
         ),
         why=(
             "The preset, which becomes the position, is one number from 0 to \"Information per revolution\" × "
-            "\"Number of revolutions\" − 1. Figures that might show the order are lost in the text of the manual."
+            "\"Number of revolutions\" − 1. The figures that might show the order are missing from our copy of the "
+            "manual."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1173,7 +1180,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        title="The clock for cables under 400 m is below the allowed range",
+        title="The clock limit for cables under 400 m is below the clock range",
         printed=(
             "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 3 MHz"
         ),
@@ -1186,7 +1193,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        title="The table of cable lengths has no cable for 400 kHz to 3 MHz",
+        title="The cable length table allows no cable from 400 kHz to 3 MHz",
         printed=(
             "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 3 MHz"
         ),
@@ -1202,13 +1209,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The words and the sign for the SSI pause of 12 µs disagree",
+        title="The wording and the sign for the SSI pause of 12 µs disagree",
         printed="5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs)",
         used="The minimum is 12 µs. Use a longer pause.",
         why=(
             "The words \"at least\" allow 12 µs, but the sign \">\" does not. A pause of exactly 12 µs leaves no "
-            "margin in either case. A typical value means that longer times occur, and an encoder with a Tm above 12 "
-            "µs is not ready then. The AMM5 manual, with the same Tm, requires 20 µs."
+            "margin in either case. A typical value means that longer times occur, and an encoder whose Tm is above "
+            "12 µs is not ready in time. The AMM5 manual, with the same Tm, requires 20 µs."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1217,12 +1224,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_documents",
-        title="Three names are used for one BiSS document",
+        title="The manual uses three names for one BiSS document",
         printed=(
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.4: \"BiSS C Protocol "
             "Description\""
         ),
-        used="The document meant is the BiSS C protocol description of iC-Haus.",
+        used="All three names are read as the BiSS C protocol description from iC-Haus.",
         why=(
             "The manufacturer's manuals use different names for this document. The protocol description is public, "
             "and the manuals use its terms."
@@ -1234,16 +1241,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        title="The start value of the BiSS CRCs is missing from the manual",
+        title="The manual does not give the start value of the BiSS CRCs",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
         ),
         used="The start value is 0.",
         why=(
-            "In public BiSS documents, the start value is 0 unless something else is stated. BiSS devices may have "
-            "another start value. With another start value, the CRC of every frame fails, with or without errors on "
-            "the line."
+            "In public BiSS documents, the start value is 0 unless stated differently. BiSS devices may have a "
+            "different start value. With the wrong start value, the CRC check of every frame fails, with or without "
+            "errors on the line."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1252,7 +1259,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="command_default",
-        title="A write-only register has a default",
+        title="The manual gives a default for a write-only register",
         printed="Register 48h is write only (wo). Its default is 00, here and in the list of defaults",
         used="The register is write only. 00 is the value to which it returns.",
         why=(
@@ -1268,10 +1275,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="control_data_bit",
         title="The control frame bit is described in the wrong place",
         printed="Control Data is the \"transmission of a single bit\" that follows the SCD data.",
-        used="The generated files do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a control frame layout from this sentence.",
         why=(
-            "In the BiSS protocol description, to which 6.4 refers, the encoder's bit comes before the data. After "
-            "the data, only the master's bit is sent, during the time-out."
+            "In the BiSS protocol description, which section 6.4 refers to, the encoder's bit comes before the data. "
+            "After the data, only the master's bit is sent, during the time-out."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1280,12 +1287,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="scd_length_at_run_time",
-        title="The manual leaves open when the frame changes its length",
+        title="The manual does not say when the length of the frame changes",
         printed="Position \"has a variable length according to the resolution of the encoder\", at most 36 bits",
         used="As soon as a resolution is written, the position has the number of bits given by registers 56h and 57h.",
         why=(
-            "56h and 57h show the bits used for the current resolution, and a new resolution is active at once. The "
-            "manual does not state directly that the frame then becomes shorter instead of containing zeros."
+            "56h and 57h show the bits used for the current resolution, and a new resolution takes effect "
+            "immediately. The manual does not state directly that the frame then becomes shorter instead of "
+            "containing zeros."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1318,14 +1326,14 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_id_variant",
-        title="The profile ID 0000h does not fit the variant 0-24",
+        title="The profile ID 0000h does not match variant 0-24",
         printed="Profile ID 00 00. See Standard encoder profile, Variant 0-24",
         used="The profile ID is 00 00. The generated files do not derive a data length from it.",
         why=(
             "In the BiSS protocol description, 0000 means no profile. In profilebiss.xml, it is BP0, the universal "
-            "profile, with a data channel of zero length, because bits 15:13 and 12:8 are 0. The SMA21 and ASC85 "
-            "manuals have 28xx, with the data length in the low byte, for variants 0-24 and similar ones. A position "
-            "of up to 36 bits also does not fit into 24 bits."
+            "profile, with a data channel of zero length, because bits 15:13 and 12:8 are 0. For variants 0-24 and "
+            "similar ones, the SMA21 and ASC85 manuals give 28xx, with the data length in the low byte. A position of "
+            "up to 36 bits also does not fit into 24 bits."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1334,9 +1342,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="serial_number_coding",
-        title="The manual does not give the coding of year, week and serial number",
+        title="The manual does not give the encoding of year, week and serial number",
         printed=(
-            "\"in hexadecimal notation. Register 44: year\", register 45: week, \"Registers 46 and 47: serial "
+            "\"in hexadecimal notation\", \"Register 44: year\", register 45: week, \"Registers 46 and 47: serial "
             "number\""
         ),
         used=(
@@ -1365,7 +1373,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="set_resolution saves the resolution first, and only then writes and activates the preset.",
         why=(
-            "According to the descriptions of 4Bh and 4Eh, a preset written after the resolution would stay. "
+            "According to the descriptions of 4Bh and 4Eh, a preset written after the resolution would be kept. "
             "According to those of 48h and 50h, the command clears it. The manual does not say what the command "
             "\"Save parameters on EEPROM\" does to such a preset."
         ),
@@ -1376,15 +1384,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="enable_preset_polarity",
-        title="One warning gives the bit Enable preset the opposite polarity",
+        title="One warning gives the Enable preset bit the opposite polarity",
         printed=(
             "Enable preset: \"set to 1 the bit 2\" to enable. Preset: values can be entered only if the bit is \"1\". "
             "The Configuration table says that 0 is Enable and 1 is Disable"
         ),
         used="0 enables the preset function. 1 disables it.",
         why=(
-            "The table, the default (0 = Enable), 4.4, both examples and the list of defaults use 0 for enable. The "
-            "same bit in the SMA21 manual also has this polarity. Edition 1.1 repeats the warning in Preset."
+            "The table, the default (0 = Enable), section 4.4, both examples and the list of defaults use 0 for "
+            "enable. The same bit in the SMA21 manual also has this polarity. Edition 1.1 repeats the warning under "
+            "Preset."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -1393,7 +1402,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="example_bit_8",
-        title="The example calls Counting direction bit 8 instead of bit 6",
+        title="One example numbers Counting direction as bit 8 instead of bit 6",
         printed="\"Bit 8 Counting direction\", in the list of the configuration example",
         used="Counting direction is bit 6.",
         why=(
@@ -1407,12 +1416,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="italian_words",
-        title="Italian words remain in the English manual",
+        title="The English manual contains Italian words",
         printed="\"non usato\" in the configuration example, \"e seg.\" in the index",
         used="The generated files use \"Not used\" and \"and the following page\".",
         why=(
-            "These words were left over from the Italian edition. The table of the register prints Not used for the "
-            "same bits."
+            "These words were left over from the Italian edition. The register table prints \"Not used\" for the same "
+            "bits."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1428,8 +1437,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The high byte comes first.",
         why=(
-            "Only Preset has such a table, with its MSB in the first register. In the BiSS protocol description, the "
-            "most significant byte has the lowest address."
+            "Only the Preset register has such a table, with its MSB in the first byte. In the BiSS protocol "
+            "description, the most significant byte has the lowest address."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1438,12 +1447,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="resolution_byte_by_byte",
-        title="The manual does not say when a value of several bytes becomes active",
-        printed=(
-            "A new value is \"active immediately after transmission\". Values that are not a power of two cannot be "
-            "accepted."
-        ),
-        used="The bytes are written in ascending order of address, without another access in between.",
+        title="The manual does not say when a multi-byte value becomes active",
+        printed="A new value is \"active immediately after transmission\". Only powers of two are accepted.",
+        used="The bytes are written in ascending address order, with no other access in between.",
         why=(
             "The registers are written byte by byte. In a change from 10 00 00h to 00 10 00h, the first byte alone "
             "gives 00 00 00h, which is not a power of two. The manual does not say when a multi-byte value counts as "
@@ -1460,9 +1466,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="revolutions_above_max",
-        title="The rule for too many revolutions can never apply",
+        title="The rule for a revolution count above the maximum can never apply",
         printed="A value greater than the maximum allowed value \"is forced to the default value\".",
-        used="The generated files do not apply this rule. Every value of the register is allowed.",
+        used="The generated files do not apply this rule. Every register value is allowed.",
         why="The two bytes cover 1 to 65,535 and, as 00 00h, the maximum 65,536. A greater value cannot be entered.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1471,7 +1477,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_default_length",
-        title="The printed default of Preset has six bytes instead of five",
+        title="The printed Preset default has six bytes instead of five",
         printed="\"Default = 00 00 00 00 00 00h\"",
         used="The default is five bytes of 00.",
         why=(
@@ -1485,7 +1491,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="error_and_warning_unused",
-        title="The manual does not say what 0 means in the unused error bits",
+        title="The manual does not say what 0 means in two unused bits",
         printed="Error and warning: not used, always 1",
         used=(
             "A frame with either bit at 0 is decoded, and the bit is reported. The position is not usable if nE is 0. "
@@ -1493,7 +1499,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         why=(
             "The manual does not say what 0 means in these bits. In the BiSS protocol, both bits are active when they "
-            "are 0. Another encoder or a later firmware may use them."
+            "are 0. Another encoder or later firmware may use them."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1502,7 +1508,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
-        title="All models share one device ID",
+        title="All models have the same device ID, despite different data lengths",
         printed="The manual gives one device ID, AM I7 2 with the software version, for all models",
         used="The device ID is used as printed.",
         why=(
@@ -1517,7 +1523,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout_length",
-        title="The rule for the BiSS time-out is missing from the manual",
+        title="The manual does not give the rule for the BiSS time-out",
         printed="BiSS time-out: \"Self-adaptable to the clock, 10 µs max.\"",
         used="The time-out is at most 10 µs. No rule is given.",
         why=(
@@ -1542,10 +1548,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="insulating",
-        title="Circuits are insulted instead of insulated",
+        title="A typo turns insulating circuits into insulting them",
         printed="\"possibility of insulting the circuits galvanically\"",
         used="The generated files do not use the sentence.",
-        why="The sentence is about optocouplers, which insulate circuits.",
+        why="The sentence is about optocouplers, which isolate circuits.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         source="5.1",
@@ -1576,7 +1582,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi, parameters.modulus"
         ),
         used="not known",
-        why="No page on SSI is public. Only the name of the series shows that SSI models with BG exist.",
+        why="No page about SSI is public. Only the series name shows that SSI models with BG exist.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("order_code.output", "interfaces.ssi", "parameters.modulus"),
@@ -1600,8 +1606,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used=(
             "For edition 1.1, only two facts are known: the address of the register, and that one of its bits must be "
             "1 before a preset can be entered. Edition 1.0 prints the same sentence, which is listed as an erratum. "
-            "The bits are assumed to have the same meaning as in edition 1.0. One of them sets the code of the "
-            "position."
+            "The bits are assumed to have the same meaning as in edition 1.0. One of them selects binary or Gray code "
+            "for the position."
         ),
         why="The page that describes it is not public.",
         status=Status.SETTLED,
@@ -1634,7 +1640,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is "
             "known only that 01 in 48h stores a resolution. Its other values and the pause after it are not known. No "
-            "procedure is known to be correct."
+            "procedure is known to be correct for this edition."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1682,7 +1688,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="In edition 1.1: connectors, inputs and supply",
         printed="connectors, inputs, supply",
         used="not known",
-        why="No page on connections is public.",
+        why="No page about connections is public.",
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("connectors", "inputs", "supply"),
@@ -1697,7 +1703,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "characteristics.solid_shaft_coupling, characteristics.solid_shaft_mounting and 11 more"
         ),
         used="not known",
-        why="No page on safety, mounting and cables is public.",
+        why="No page about safety, mounting and cables is public.",
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=(

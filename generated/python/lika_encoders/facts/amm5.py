@@ -140,7 +140,7 @@ ORDER_CODE: Final = OrderCode(
     note=(
         "On the label, a hyphen and further characters follow the interface. The manual does not explain them. The "
         "order code and the serial number are printed on the label on the encoder body and in the delivery document. "
-        "Lika asks for both numbers in every enquiry. Technical data are in the catalogue."
+        "Quote both numbers in every inquiry to Lika. Technical data are in the catalog."
     ),
     source="Cover, 5 p.27, 6 p.31, 7 p.41",
 )
@@ -157,8 +157,8 @@ CRCS: Final[tuple[Crc, ...]] = (
         polynomial="x^6 + x + 1",
         note=(
             "The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order "
-            "(most significant bit first) and the range (position, error and warning bit) come from public BiSS "
-            "documents."
+            "(most significant bit first) and the covered bits (position, error and warning bit) come from public "
+            "BiSS documents."
         ),
         source="6.2.1 p.33, prot: p.7-8, renishaw: data sheet, icmu: p.30",
     ),
@@ -172,8 +172,8 @@ CRCS: Final[tuple[Crc, ...]] = (
         xorout=0x0F,
         polynomial="x^4 + x + 1",
         note=(
-            "The manual prints the polynomial and says that the output is inverted. The start value 0 and the range "
-            "come from public BiSS documents."
+            "The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered "
+            "bits come from public BiSS documents."
         ),
         source="6.3 p.34, prot: p.9-14, icmu: p.30",
     ),
@@ -201,32 +201,32 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Printed: 5.1: "The output code can be Binary or Gray", see the order code. 5.2: "The output code is BINARY", see the
 # order code.
 # Used: The output code is binary.
-# Why: Section 5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no part for the output
+# Why: Section 5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no field for the output
 # code and only one SSI variant, BG1.
 #
-# Erratum: The clock for cables under 400 m is below the allowed range (open) [5.3]:
+# Erratum: The clock limit for cables under 400 m is below the clock range (open) [5.3]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open) [5.3]:
+# Erratum: The cable length table allows no cable from 400 kHz to 4 MHz (open) [5.3]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The words and the sign for the SSI pause of 20 µs disagree (open) [5.1, 5.3, it: 5.3]:
+# Erratum: The wording and the sign for the SSI pause of 20 µs disagree (open) [5.1, 5.3, it: 5.3]:
 # Printed: Pause of at least 20 µs (Tp > 20 µs).
 # Used: The minimum is 20 µs. Use a longer pause.
 # Why: The words "at least" allow 20 µs, but the sign ">" does not.
 #
 # Before edition 1.6 [Document release]:
 # Not present: SSI and RS-485.
-# Why: This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.
+# Why: This revision added the SSI and RS-485 versions. All earlier encoders had BiSS.
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.29"),
     alignment=Alignment.MSB_LEFT,
     output_code="binary",
-    signals="EIA RS-422, clock and data have a logic level of typically 5 V",
+    signals="EIA RS-422, with a typical logic level of 5 V for clock and data",
     cable_lengths=(
         CableLength(shorter_than_m=50, below_hz=400_000, source="5.3"),
         CableLength(shorter_than_m=100, below_hz=300_000, source="5.3"),
@@ -257,9 +257,9 @@ SSI: Final = SsiFacts(
         ),
     ),
     note=(
-        "One master and one slave communicate point to point, in one direction. There are two twisted pairs for clock "
-        "and data, and six wires in all. The first falling edge of the clock stores the position. The next rising "
-        "edge starts the transmission with the MSB. Each further rising edge outputs one bit, down to the LSB. The "
+        "One master and one slave communicate point to point, in one direction. Clock and data each use a twisted "
+        "pair, and the cable has six wires. The first falling edge of the clock latches the position. The next rising "
+        "edge starts the transmission with the MSB. Each subsequent rising edge outputs one bit, down to the LSB. The "
         "last rising edge ends the cycle, so a word of n bits takes up to n + 1 rising edges (13 bits: 14 edges). The "
         "time Tm may follow the word immediately."
     ),
@@ -268,11 +268,11 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum: The manual does not list the registers of the profile ID (open) [6 p.31, 6.4 p.35, prot: p.14-15]:
-# Printed: The encoder complies with the "Standard encoder profile". No register 42h to 43h is listed.
+# Erratum: The manual does not list the profile ID registers (open) [6 p.31, 6.4 p.35, prot: p.14-15]:
+# Printed: The encoder complies with the "Standard encoder profile". Registers 42h and 43h are not listed.
 # Used: The generated files have no profile ID.
 #
-# Erratum: The lowest clock is below the range of BiSS (open) [6.5 p.40, prot: p.18]:
+# Erratum: The lowest clock is below the BiSS clock range (open) [6.5 p.40, prot: p.18]:
 # Printed: The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.
 # Used: The lowest clock is 50 kHz.
 # Why: In the BiSS protocol description, the clock range starts at 80 kHz.
@@ -280,8 +280,8 @@ SSI: Final = SsiFacts(
 # Before edition 1.4 [Document release]:
 # Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure set_preset, the procedure
 # store_preset, the procedure save_parameters and the procedure activate_preset.
-# Why: The Command register was updated, so older encoders may have other values or another pause. Every procedure ends
-# by accessing this register, so no procedure is known to be correct for these encoders.
+# Why: The Command register was updated, so older encoders may have different values or a different pause. Every
+# procedure ends by accessing this register, so no procedure is known to be correct for these encoders.
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=50_000, max_hz=10_000_000, source="6.5 p.40"),
@@ -298,14 +298,14 @@ BISS: Final = BissFacts(
         ControlField(
             name="register_address",
             bits=7,
-            meaning="Register to read or to write",
+            meaning="Register to read or write",
             printed_name="Register address",
             source="6.3 p.34",
         ),
         ControlField(
             name="rw",
             bits=2,
-            meaning="Direction of the access",
+            meaning="Access direction",
             printed_name="RW",
             values=(
                 NamedValue("write", 1, meaning="Write the register"),
@@ -337,8 +337,8 @@ BISS: Final = BissFacts(
         Timing(
             name="eeprom_write",
             meaning=(
-                "Time between a write to the Command register and the next function. The EEPROM is written during "
-                "this time"
+                "Time to wait after a write to the Command register before the next function. The EEPROM is written "
+                "during this time"
             ),
             at_least_us=30_000,
             source="6.4 p.39",
@@ -356,31 +356,30 @@ BISS: Final = BissFacts(
 # Erratum: The encoder ID 23h may be the decimal number 23 (open) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
 # samples/drivers/sei/slave/tamagawa/README_en.rst]:
 # Printed: "ENID: encoder ID, fixed value = 23h".
-# Used: 23h is the expected encoder ID. A frame with another ID is decoded, and the ID is reported.
-# Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal. HPMicro's sample prints ENID 0x17. The 23h
-# may be a decimal 23 that was mistaken for hexadecimal. The ID does not show whether the frame is valid. The sync code,
-# data ID, length and CRC do.
+# Used: 23h is the expected encoder ID. A frame with a different ID is decoded, and the ID is reported.
+# Why: T-format encoders with 23 bits usually have the ID 17h, which is 23 in decimal. HPMicro's sample prints ENID
+# 0x17. The printed 23h may be a decimal 23 that was mistaken for hexadecimal. The ID does not show whether the frame is
+# valid. The sync code, data ID, length and CRC do.
 #
-# Erratum: Table and note disagree on what data ID 8 resets (open) [7.4.2 p.45, ti_sdk:
+# Erratum: A table and a note disagree on what data ID 8 resets (open) [7.4.2 p.45, ti_sdk:
 # docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
 # Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8.
 # Used: The generated files follow the table. Data ID 8 resets singleturn and multiturn data.
-# Why: The table says it twice, the note only in passing. However, public T-format documents list three resets: of the
-# data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the first would be this
-# request.
+# Why: The table says so twice, but the note mentions it only in passing. However, public T-format documents list three
+# resets: of the data within one revolution, of the multiturn data, and of errors. C and 7 are two of them, so this
+# request would be the first.
 #
 # Erratum: The interval between the ten reset requests is ambiguous (open) [7.4.2 p.45, it: 7.4.2 p.45]:
 # Printed: The request is sent ten times in succession, at transmission intervals of 40 µs or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
-# Erratum: The reply time over RS-485 is missing from the manual (open) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2
-# p.41]:
+# Erratum: The manual does not give the reply time over RS-485 (open) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
 # Printed: The manual describes requests and replies, but not the time between them.
-# Used: The generated files have no reply time and no time-out. The master chooses its time-out.
+# Used: The generated files have no reply time and no time-out. The user of the master chooses the time-out.
 #
 # Before edition 1.6 [Document release]:
 # Not present: SSI and RS-485.
-# Why: This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.
+# Why: This revision added the SSI and RS-485 versions. All earlier encoders had BiSS.
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.41"),
@@ -422,7 +421,7 @@ RS485: Final = Rs485Facts(
             id=0x06,
             control=0x32,
             purpose=Purpose.WRITE,
-            meaning="Write one byte of the EEPROM",
+            meaning="Write one byte to the EEPROM",
             source="7.3.1 p.42",
         ),
         DataIdFacts(
@@ -430,7 +429,7 @@ RS485: Final = Rs485Facts(
             id=0x0D,
             control=0xEA,
             purpose=Purpose.READ,
-            meaning="Read one byte of the EEPROM",
+            meaning="Read one byte from the EEPROM",
             source="7.3.1 p.42",
         ),
         DataIdFacts(
@@ -516,11 +515,11 @@ RS485: Final = Rs485Facts(
         ),
     ),
     note=(
-        "Each byte is sent between a start bit and a delimiter, least significant bit first (7.6). These are ten "
-        "bits, as a serial port with one stop bit sends them. The low byte of a number is sent first, in binary code "
-        "(7.4). Each reply of the encoder begins with the control field that it received from the master. To check "
-        "that a byte has been written to the EEPROM, read it back with data ID D. The manual gives no EEPROM write "
-        "time for this interface. MEM BUSY shows when a write is in progress."
+        "Each byte is sent between a start bit and a delimiter, least significant bit first (7.6). This gives ten "
+        "bits per byte, the same as a serial port with one stop bit. The low byte of a number is sent first, in "
+        "binary code (7.4). Each reply of the encoder begins with the control field that it received from the master. "
+        "To check that a byte has been written to the EEPROM, read it back with data ID D. The manual gives no EEPROM "
+        "write time for this interface. MEM BUSY shows when a write is in progress."
     ),
     source="7 p.41",
 )
@@ -532,13 +531,13 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="error",
             printed_name="Error, nE",
             meaning=(
-                "error active in the system. Reports, for instance, that circuitry and disk are not aligned (gap out "
-                "of tolerance, circuitry not installed properly). In multiturn models (.../65K...) it also reports "
-                "that the battery is depleted. The encoder cannot operate with a depleted battery."
+                "an error is active in the system. Reports, for instance, that the circuitry and the disk are not "
+                "aligned (gap out of tolerance, circuitry not installed properly). In multiturn models (.../65K...), "
+                "it also reports that the battery is depleted. The encoder cannot operate with a depleted battery."
             ),
             remedy=(
                 "If the disk is misaligned, switch off, align the disk and continue connecting the encoder. If the "
-                "battery of a multiturn model is depleted, replace the battery. Steps on the hardware page: Battery "
+                "battery of a multiturn model is depleted, replace it. Steps on the hardware page: Battery "
                 "replacement with error"
             ),
             makes_position=Verdict.NOT_USABLE,
@@ -548,9 +547,9 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="warning",
             printed_name="Warning, nW",
             meaning=(
-                "warning active in the system. Reports an error in the magnetic multiturn system, which may make the "
-                "number of revolutions wrong, or a low battery. The bit does not distinguish the two (erratum "
-                "position_under_error)."
+                "a warning is active in the system. Reports an error in the magnetic multiturn system, which may make "
+                "the number of revolutions wrong, or a low battery. The bit does not distinguish the two causes "
+                "(erratum position_under_error)."
             ),
             remedy=(
                 "Replace a low battery as soon as possible. For an error in the multiturn system, the manual gives no "
@@ -579,7 +578,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             printed_name="EE_1",
             meaning=(
                 "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0. A "
-                "single bit covers BUSY, which clears itself, and errors that remain until they are reset."
+                "single bit combines BUSY, which clears itself, with errors that remain until they are reset."
             ),
             remedy="Request data ID 3. Its ALMC shows the active error",
             makes_position=Verdict.NOT_USABLE,
@@ -602,15 +601,15 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="busy",
             printed_name="BUSY",
-            meaning="not ready after power-on or during a reset. All position data are 0",
-            remedy="The flag clears itself (once the speed of rotation is 300 rpm or less)",
+            meaning="the encoder is not ready after power-on or during a reset. All position data are 0",
+            remedy="The flag clears itself (once the rotational speed is 300 rpm or less)",
             makes_position=Verdict.NOT_USABLE,
             source="7.4.1 p.44",
         ),
         Report(
             name="st_error",
             printed_name="STERR",
-            meaning="counted and calculated data disagree",
+            meaning="the counted and calculated data disagree",
             remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
             makes_position=Verdict.NOT_USABLE,
             source="7.4.1 p.44",
@@ -625,7 +624,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="ps_error",
             printed_name="PSERR",
-            meaning="singleturn and multiturn count inconsistent, or a counting error",
+            meaning="the singleturn and multiturn counts are inconsistent, or there is a counting error",
             remedy="Turn on the main power twice, or reset the error with data ID 7 or C",
             makes_position=Verdict.NOT_USABLE,
             source="7.4.1 p.44",
@@ -633,7 +632,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="mt_error",
             printed_name="MTERR",
-            meaning="external battery below 3.05 V",
+            meaning="the external battery is below 3.05 V",
             remedy=(
                 "Replace the battery, then reset the error with data ID 7 or C. Steps on the hardware page: Battery "
                 "replacement with error"
@@ -644,7 +643,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="battery_alarm",
             printed_name="BATT",
-            meaning="external battery below 3.15 V",
+            meaning="the external battery is below 3.15 V",
             remedy=(
                 "Replace the battery as soon as possible, then reset the error with data ID 7 or C. Steps on the "
                 "hardware page: Battery replacement without error"
@@ -655,14 +654,14 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="eeprom_write_reply_mem_busy",
             printed_name="MEM BUSY",
-            meaning="writing, request not executed",
+            meaning="the encoder is writing, and the request was not executed",
             remedy="Send the request again",
             source="7.5 p.46",
         ),
         Report(
             name="eeprom_read_reply_mem_busy",
             printed_name="MEM BUSY",
-            meaning="memory busy, request not executed",
+            meaning="the memory is busy, and the request was not executed",
             remedy="Send the request again",
             source="7.5 p.46",
         ),
@@ -704,12 +703,12 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="error",
                 printed_name="Error, nE",
                 meaning=(
-                    "Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance, circuitry "
-                    "not installed properly). In multiturn models (.../65K...) it also reports that the battery is "
-                    "depleted. The encoder cannot operate with a depleted battery."
+                    "Reports, for instance, that the circuitry and the disk are not aligned (gap out of tolerance, "
+                    "circuitry not installed properly). In multiturn models (.../65K...), it also reports that the "
+                    "battery is depleted. The encoder cannot operate with a depleted battery."
                 ),
                 active="low",
-                when_active="error active in the system",
+                when_active="an error is active in the system",
                 when_inactive="no active error",
                 names=ReadOnly({"it": "Errore"}),
                 source="6.2.1 p.32, 3.4",
@@ -719,10 +718,11 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="Warning, nW",
                 meaning=(
                     "Reports an error in the magnetic multiturn system, which may make the number of revolutions "
-                    "wrong, or a low battery. The bit does not distinguish the two (erratum position_under_error)."
+                    "wrong, or a low battery. The bit does not distinguish the two causes (erratum "
+                    "position_under_error)."
                 ),
                 active="low",
-                when_active="warning active in the system",
+                when_active="a warning is active in the system",
                 when_inactive="no active warning",
                 names=ReadOnly({"it": "Avvertenza"}),
                 source="6.2.1 p.33, 4.3.1 p.23",
@@ -737,14 +737,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
         "data_request": (
             FieldFacts(
                 name="sync",
-                meaning="Start of a frame, binary 010",
+                meaning="Start of the frame, binary 010",
                 constant=2,
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
@@ -752,14 +752,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
         "eeprom_write_request": (
             FieldFacts(
                 name="sync",
-                meaning="Start of a frame, binary 010",
+                meaning="Start of the frame, binary 010",
                 constant=2,
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
@@ -777,14 +777,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
         "eeprom_read_request": (
             FieldFacts(
                 name="sync",
-                meaning="Start of a frame, binary 010",
+                meaning="Start of the frame, binary 010",
                 constant=2,
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
@@ -801,14 +801,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
         "singleturn_reply": (
             FieldFacts(
                 name="sync",
-                meaning="Start of a frame, binary 010",
+                meaning="Start of the frame, binary 010",
                 constant=2,
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
@@ -830,7 +830,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning="A single bit covers BUSY, which clears itself, and errors that remain until they are reset",
+                meaning="A single bit combines BUSY, which clears itself, with errors that remain until they are reset",
                 active="high",
                 when_active=(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
@@ -851,14 +851,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
         "multiturn_reply": (
             FieldFacts(
                 name="sync",
-                meaning="Start of a frame, binary 010",
+                meaning="Start of the frame, binary 010",
                 constant=2,
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
@@ -880,7 +880,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning="A single bit covers BUSY, which clears itself, and errors that remain until they are reset",
+                meaning="A single bit combines BUSY, which clears itself, with errors that remain until they are reset",
                 active="high",
                 when_active=(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
@@ -901,14 +901,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
         "encoder_id_reply": (
             FieldFacts(
                 name="sync",
-                meaning="Start of a frame, binary 010",
+                meaning="Start of the frame, binary 010",
                 constant=2,
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
@@ -930,7 +930,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning="A single bit covers BUSY, which clears itself, and errors that remain until they are reset",
+                meaning="A single bit combines BUSY, which clears itself, with errors that remain until they are reset",
                 active="high",
                 when_active=(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
@@ -942,21 +942,21 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="encoder_id",
                 printed_name="ENID",
-                meaning="Encoder ID, printed as 23h. A frame with another ID is still decoded",
+                meaning="Encoder ID, printed as 23h. A frame with a different ID is still decoded",
             ),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
         "complete_reply": (
             FieldFacts(
                 name="sync",
-                meaning="Start of a frame, binary 010",
+                meaning="Start of the frame, binary 010",
                 constant=2,
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
@@ -978,7 +978,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_other_error",
                 printed_name="EE_1",
-                meaning="A single bit covers BUSY, which clears itself, and errors that remain until they are reset",
+                meaning="A single bit combines BUSY, which clears itself, with errors that remain until they are reset",
                 active="high",
                 when_active=(
                     "BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data are 0"
@@ -997,7 +997,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="encoder_id",
                 printed_name="ENID",
-                meaning="Encoder ID, printed as 23h. A frame with another ID is still decoded",
+                meaning="Encoder ID, printed as 23h. A frame with a different ID is still decoded",
             ),
             FieldFacts(
                 name="multiturn",
@@ -1011,7 +1011,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="busy",
                 printed_name="BUSY",
                 active="high",
-                when_active="not ready after power-on or during a reset. All position data are 0",
+                when_active="the encoder is not ready after power-on or during a reset. All position data are 0",
                 when_inactive="ready",
                 names=ReadOnly({"it": "Flag OCCUPATO"}),
                 source="7.4 p.43",
@@ -1020,7 +1020,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="st_error",
                 printed_name="STERR",
                 active="high",
-                when_active="counted and calculated data disagree",
+                when_active="the counted and calculated data disagree",
                 when_inactive="no ST error",
                 names=ReadOnly({"it": "Errore ST"}),
                 source="7.4 p.43",
@@ -1030,7 +1030,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="ps_error",
                 printed_name="PSERR",
                 active="high",
-                when_active="singleturn and multiturn count inconsistent, or a counting error",
+                when_active="the singleturn and multiturn counts are inconsistent, or there is a counting error",
                 when_inactive="no PS error",
                 names=ReadOnly({"it": "Errore PS"}),
                 source="7.4 p.43",
@@ -1039,7 +1039,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="mt_error",
                 printed_name="MTERR",
                 active="high",
-                when_active="external battery below 3.05 V",
+                when_active="the external battery is below 3.05 V",
                 when_inactive="no MT error",
                 names=ReadOnly({"it": "Errore MT"}),
                 source="7.4 p.43",
@@ -1048,7 +1048,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="battery_alarm",
                 printed_name="BATT",
                 active="high",
-                when_active="external battery below 3.15 V",
+                when_active="the external battery is below 3.15 V",
                 when_inactive="no battery alarm",
                 names=ReadOnly({"it": "Allarme batteria"}),
                 source="7.4 p.43",
@@ -1058,14 +1058,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
         "eeprom_write_reply": (
             FieldFacts(
                 name="sync",
-                meaning="Start of a frame, binary 010",
+                meaning="Start of the frame, binary 010",
                 constant=2,
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
@@ -1079,24 +1079,24 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="mem_busy",
                 printed_name="MEM BUSY",
                 active="high",
-                when_active="writing, request not executed",
-                when_inactive="request accepted",
+                when_active="the encoder is writing, and the request was not executed",
+                when_inactive="the request was accepted",
                 source="7.5 p.46",
             ),
-            FieldFacts(name="data", printed_name="EDF", meaning="Byte of the request, or 00h while busy"),
+            FieldFacts(name="data", printed_name="EDF", meaning="Byte from the request, or 00h while busy"),
             FieldFacts(name="crc", printed_name="CRC"),
         ),
         "eeprom_read_reply": (
             FieldFacts(
                 name="sync",
-                meaning="Start of a frame, binary 010",
+                meaning="Start of the frame, binary 010",
                 constant=2,
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(
                 name="data_id",
                 printed_name="Data ID",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source="7.3.1 p.42, stmbl: src/comps/smartabs.c",
             ),
             FieldFacts(name="parity", source="7.3.1 p.42, stmbl: src/comps/smartabs.c"),
@@ -1110,8 +1110,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="mem_busy",
                 printed_name="MEM BUSY",
                 active="high",
-                when_active="memory busy, request not executed",
-                when_inactive="byte read",
+                when_active="the memory is busy, and the request was not executed",
+                when_inactive="the byte was read",
                 source="7.5 p.46",
             ),
             FieldFacts(name="data", printed_name="EDF", meaning="Byte read, or 00h while busy"),
@@ -1144,10 +1144,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             names=ReadOnly({"it": "Preset"}),
             meaning="Value that the encoder reports at the current shaft position once the preset is activated",
             note=(
-                "Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the register "
-                "again with \"Preset setting enable\" and save the value. Then activate it, if it should take effect "
-                "immediately. The manual suggests activating it at a standstill. The preset can be used, for "
-                "instance, to align the zero points of encoder and application."
+                "Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, disable writing "
+                "again with \"Preset setting enable\" and save the value. Then activate the preset if it should take "
+                "effect immediately. The manual suggests activating it with the shaft at a standstill. The preset can "
+                "be used, for instance, to align the zero points of the encoder and the application."
             ),
             source="6.4 p.35",
         ),
@@ -1161,7 +1161,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             default=b"\x00",
             fields=(FieldFacts(name="state"),),
             names=ReadOnly({"it": "Abilitazione impostazione preset"}),
-            meaning="Opens the Preset registers for writing, and closes them again",
+            meaning="Enables or disables writing to the Preset registers",
             note="The list of defaults (section 10) gives 00, although the register cannot be read.",
             source="6.4 p.38, 10 p.52, it: 6.4 p.38",
         ),
@@ -1174,7 +1174,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             fields=(FieldFacts(name="serial"),),
             names=ReadOnly({"it": "Numero di serie"}),
-            meaning="Year and week of production and a serial number, as the decimal digits of one binary number",
+            meaning="Production year and week, and a serial number, as the decimal digits of one binary number",
             source="6.4 p.38, it: 6.4 p.39",
         ),
         "command": Register(
@@ -1201,11 +1201,11 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             access=Access.READ_ONLY,
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             fields=(
-                FieldFacts(name="name", meaning="Name of the device (41 4D 4D 35 in hexadecimal)"),
+                FieldFacts(name="name", meaning="Device name (41 4D 4D 35 in hexadecimal)"),
                 FieldFacts(name="release", meaning="Hardware-software release, printed as xx xx"),
             ),
             names=ReadOnly({"it": "ID dispositivo"}),
-            meaning="Name of the device and its hardware-software release",
+            meaning="Device name and hardware-software release",
             source="6.4 p.39",
         ),
         "manufacturer_id": Register(
@@ -1235,13 +1235,13 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         field="busy",
         detected="In normal operation, when the main power is turned on",
         latch=False,
-        remedy="The flag clears itself (once the speed of rotation is 300 rpm or less)",
+        remedy="The flag clears itself (once the rotational speed is 300 rpm or less)",
         names=ReadOnly({"it": "Flag OCCUPATO"}),
         source="7.4.1 p.44",
     ),
     Alarm(
         name="ps_error",
-        meaning="Singleturn and multiturn counting are inconsistent, or there is a counting error",
+        meaning="The singleturn and multiturn counts are inconsistent, or there is a counting error",
         printed_name="PS error",
         field="ps_error",
         detected="In normal operation",
@@ -1253,7 +1253,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
     ),
     Alarm(
         name="st_error",
-        meaning="The period counter is inconsistent: counted and calculated data disagreed in a check",
+        meaning="The period counter is inconsistent: a check found that the counted and calculated data disagree",
         printed_name="ST error",
         field="st_error",
         detected="In normal operation",
@@ -1426,13 +1426,13 @@ LEDS: Final[tuple[Led, ...]] = (
             LedState(
                 "red in operation",
                 (
-                    "An error is active, for instance misalignment of circuitry and disk: gap out of tolerance, "
-                    "circuitry not installed properly"
+                    "An error is active, for instance a misalignment of the circuitry and the disk: gap out of "
+                    "tolerance, circuitry not installed properly"
                 ),
             ),
             LedState(
                 "red with a depleted battery",
-                "The encoder cannot operate. Replace the battery. Over RS-485 this is the MT error.",
+                "The encoder cannot operate. Replace the battery. Over RS-485, this is the MT error.",
                 only=".../65K...",
                 by_hand=("battery_replacement_with_error",),
             ),
@@ -1449,7 +1449,7 @@ LEDS: Final[tuple[Led, ...]] = (
             LedState("red in operation", "There is an error in the magnetic multiturn system", only=".../65K..."),
             LedState(
                 "red with a low battery",
-                "Replace the battery as soon as possible. Over RS-485 this is the \"Battery alarm\".",
+                "Replace the battery as soon as possible. Over RS-485, this is the \"Battery alarm\".",
                 only=".../65K...",
                 by_hand=("battery_replacement_without_error",),
             ),
@@ -1477,7 +1477,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="light_protection",
         value=(
             "Light significantly affects the operation of the encoder, which is calibrated for operation without "
-            "light. Before starting the system and checking it, mount the motor cap and shield the encoder from light "
+            "light. Before starting and checking the system, mount the motor cap and shield the encoder from light "
             "sources."
         ),
         source="Preliminary information p.7",
@@ -1486,7 +1486,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="enclosure",
         value=(
             "The encoder must be protected by an enclosure that suits the application. According to the Italian "
-            "edition, the encoder and the disk must be protected from the industrial environment in which they are "
+            "edition, the encoder and the disk must be protected from the industrial environment where they are "
             "installed."
         ),
         source="Preliminary information p.7, 1.3 p.8, it: 1.3 p.9",
@@ -1495,7 +1495,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="personnel",
         value=(
             "Only qualified personnel may install and maintain the encoder, with the power supply disconnected and "
-            "the mechanical parts at rest. They must follow the accident prevention rules of the country. Use the "
+            "the mechanical parts at rest. They must follow the local accident prevention regulations. Use the "
             "encoder only for the purpose it was designed for. High current, voltage and moving parts can injure or "
             "kill."
         ),
@@ -1510,7 +1510,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="emc_precautions",
         value=(
-            "Discharge your body and tools before handling the encoder. Use a stabilised, noise-free supply, with EMC "
+            "Discharge your body and tools before handling the encoder. Use a stabilized, noise-free supply, with EMC "
             "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
             "necessary and away from high-voltage power cables. Mount the device away from capacitive and inductive "
             "noise sources, or shield it from them. Do not place strong magnets on or near the unit."
@@ -1530,7 +1530,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="mechanical_safety",
         value=(
             "Do not disassemble or machine the encoder. Do not machine the disk or ring. Avoid knocks and shocks. "
-            "Observe the ambient conditions specified by the manufacturer."
+            "Operate it only under the ambient conditions specified by the manufacturer."
         ),
         source="1.3 p.8",
     ),
@@ -1538,8 +1538,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="esd_handling",
         value=(
             "Open the box and handle the electronics only in an electrostatic protective area (EPA) and while you are "
-            "properly grounded. Use a wrist strap to ground through a 1 MΩ resistor, a smock of dissipative material, "
-            "and dissipative gloves, which also keep the code disk clean."
+            "properly grounded. Use a wrist strap that is connected to ground through a 1 MΩ resistor, a smock of "
+            "dissipative material, and dissipative gloves, which also keep the code disk clean."
         ),
         source="1.4 p.9",
         values=(Quantity(quantity="resistance", unit="MΩ", typical=1),),
@@ -1556,15 +1556,15 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="disk_cleaning",
         value=(
-            "Clean the disk before mounting. Use a soft dry cloth or lens tissue in circular motions. For stubborn "
-            "stains, use a soft cloth with a few drops of alcohol. Never use petrol, kerosene, benzene or other "
+            "Clean the disk before mounting. Use a soft dry cloth or lens tissue with a circular motion. For stubborn "
+            "stains, use a soft cloth with a few drops of alcohol. Never use gasoline, kerosene, benzene or other "
             "solvents."
         ),
         source="1.4, 3.3 p.16",
     ),
     Characteristic(
         name="mounting_support",
-        value="Shaft and flange with pilot (Figure 1), or shaft and flange with pins (Figure 2)",
+        value="Shaft and flange with a pilot (Figure 1), or shaft and flange with pins (Figure 2)",
         source="3.1 p.12",
     ),
     Characteristic(
@@ -1579,8 +1579,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="shaft_diameter",
         value=(
-            "At most Ø 24 mm. The shaft of the code disk must match that of the drive exactly, without reducing "
-            "sleeves"
+            "At most Ø 24 mm. The shaft of the code disk must match the drive shaft exactly, without reducing sleeves"
         ),
         source="3.1",
         values=(Quantity(quantity="length", unit="mm", max=24),),
@@ -1588,16 +1587,16 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="spacer",
         value=(
-            "The code disk rests on spacer PF5019. Press it down gently and make sure that it lies flat before fixing "
-            "it"
+            "The code disk rests on spacer PF5019. Press it down gently and make sure that it lies flat before "
+            "fastening it"
         ),
         source="it: 3.3",
     ),
     Characteristic(
         name="disk_grub_screws",
         value=(
-            "Two screws, M3 × 3 UNI5929, fully sunk. Screws that stick out hit the encoder unit and may damage its "
-            "LEDs"
+            "Two screws, M3 × 3 UNI5929, screwed in fully. Screws that protrude hit the encoder unit and may damage "
+            "its LEDs"
         ),
         source="3.3, it: 3.3",
     ),
@@ -1611,7 +1610,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="encoder_placement",
         value=(
             "Slide the encoder unit over the disk until the screw holes match. The pilot of the flange or the pins "
-            "guide it. The enclosure must not touch the disk."
+            "guide the unit. The enclosure must not touch the disk."
         ),
         source="3.4, it: 3.4",
     ),
@@ -1628,7 +1627,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="disk_alignment",
-        value="The mark punched in the disk is centred in the encoder unit to within ±10° mechanical",
+        value="The mark punched into the disk is centered in the encoder unit to within ±10° (mechanical)",
         source="3.4",
         values=(Quantity(quantity="angle", unit="°", min=-10, max=10),),
     ),
@@ -1644,8 +1643,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="connection_order",
         value=(
             "With the supply off and the battery not wired, connect the EC-DF19-LK-TF12-... cable. Then connect the "
-            "battery. Then switch the supply on. Both LEDs blink for a while and go off if the installation "
-            "succeeded. If one stays on, repeat the procedure."
+            "battery. Then switch the supply on. Both LEDs blink for a while and then turn off if the installation "
+            "succeeded. If an LED stays on, repeat the procedure."
         ),
         only=".../65K...",
         source="3.4",
@@ -1654,7 +1653,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="connection_order_singleturn",
         value=(
             "With the supply off, connect the EC-DF19-LK-TF12-... cable. Then switch the supply on. Both LEDs blink "
-            "for a while and go off if the installation succeeded. If one stays on, repeat the procedure."
+            "for a while and then turn off if the installation succeeded. If an LED stays on, repeat the procedure."
         ),
         only=".../1...",
         source="3.4, 4.3 p.23",
@@ -1662,7 +1661,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="wiring",
         value=(
-            "Switch the supply off while wiring. Cut the wires of unused signals to different lengths and insulate "
+            "Switch off the supply before wiring. Cut the wires of unused signals to different lengths and insulate "
             "each of them. If they touch, the device may be damaged beyond repair."
         ),
         source="4 p.20",
@@ -1747,14 +1746,14 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "Use this procedure if, at power-on, the ERROR bit, the ERROR LED or both are active. 1. Stop the disk at "
             "any point. 2. Switch the supply off. 3. Remove the depleted battery. 4. Install and connect the new "
             "battery. 5. Switch the supply on: the ERROR LED is on or blinks. 6. Switch the supply off. 7. Switch the "
-            "supply on. 8. The ERROR LED is off. 9. The positions are provided again: the singleturn position is the "
-            "same as before, the multiturn position is different. 10. Turn the disk slowly: both LEDs must be off. "
-            "11. If the ERROR LED lights up, keep turning the disk until the ERROR LED goes off. Then keep turning "
-            "the disk until the ERROR LED lights up again. Finally, keep turning the disk until the ERROR LED goes "
-            "off. 12. Stop the disk. 13. Remove the battery. 14. Short-circuit the battery terminals (white and blue "
-            "wires) to discharge the residual voltage. 15. Switch the supply off. 16. Install and connect the battery "
-            "again. 17. Switch the supply on: the ERROR LED is on or blinks. 18. Switch the supply off. 19. Switch "
-            "the supply on. 20. The ERROR LED is off. 21. Turn the disk: both LEDs are off."
+            "supply on. 8. The ERROR LED is off. 9. The positions are available again: the singleturn position is the "
+            "same as before, but the multiturn position is different. 10. Turn the disk slowly: both LEDs must be "
+            "off. 11. If the ERROR LED lights up, keep turning the disk until the ERROR LED turns off. Then keep "
+            "turning the disk until the ERROR LED lights up again. Finally, keep turning the disk until the ERROR LED "
+            "turns off. 12. Stop the disk. 13. Remove the battery. 14. Short-circuit the battery terminals (white and "
+            "blue wires) to discharge any residual voltage. 15. Switch the supply off. 16. Install and connect the "
+            "battery again. 17. Switch the supply on: the ERROR LED is on or blinks. 18. Switch the supply off. 19. "
+            "Switch the supply on. 20. The ERROR LED is off. 21. Turn the disk: both LEDs are off."
         ),
         only=".../65K...",
         source="4.3.2 p.24",
@@ -1762,7 +1761,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="counting_direction",
         value=(
-            "The position counts up with clockwise rotation seen from the flange side (Figure 6). The direction is "
+            "The position counts up with clockwise rotation as seen from the flange side (Figure 6). The direction is "
             "fixed"
         ),
         source="4.6 p.26",
@@ -1782,7 +1781,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="sine_cosine_phase",
         value=(
-            "The order of A and B is given for clockwise rotation seen from the shaft side (English edition) or from "
+            "The order of A and B is given for clockwise rotation, seen from the shaft side (English edition) or from "
             "the flange side (Italian edition)"
         ),
         only="...BG1-..., ...SC1-...",
@@ -1792,7 +1791,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="sine_cosine_level",
         value=(
             "1 Vpp between the normal and the inverted signal (differential). The frequency is proportional to the "
-            "speed of rotation"
+            "rotational speed"
         ),
         only="...BG1-..., ...SC1-...",
         source="8 p.49, 8.1 p.49",
@@ -1808,32 +1807,32 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             Quantity(quantity="voltage", unit="Vpp", typical=1, where="VA / Av"),
         ),
     ),
-    Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
+    Characteristic(name="disposal", value="Dispose of the device separately", source="Back cover"),
 )
 
 #: Content of figures that is missing from the text of the manual.
 LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure(
         (
-            "Figures 1 and 2: dimensions of shaft and flange, with pilot and with pins. The text does not say which "
-            "of them is for AMM5A and which for AMM5B."
+            "Figures 1 and 2: dimensions of the shaft and the flange, with a pilot and with pins. The text does not "
+            "say which figure is for the AMM5A and which is for the AMM5B."
         ),
         source="3.1 p.12",
     ),
-    LostFigure("Figures 3, 4 and 5: overall dimensions of AMM5A, AMM5B and the code disk.", source="3.2 p.14"),
+    LostFigure("Figures 3, 4 and 5: overall dimensions of the AMM5A, the AMM5B and the code disk.", source="3.2 p.14"),
     LostFigure(
         (
-            "Pictures of the mounting steps, and the wording of step 1, which is missing in both texts. The English "
-            "text also lacks step 2 and most of step 3, so they are taken from the Italian text."
+            "Pictures of the mounting steps, and the wording of step 1, which is missing from both texts. The English "
+            "text also lacks step 2 and most of step 3, so this spec takes them from the Italian text."
         ),
         source="3.3 p.16, 3.4, it: 3.3 p.16",
     ),
-    LostFigure("Pictures of steps 3 to 8, among them the position of the mark on the disk.", source="3.4"),
+    LostFigure("Pictures of steps 3 to 8, including the position of the mark on the disk.", source="3.4"),
     LostFigure("Picture of the connector with its pin numbers.", source="4.1 p.20"),
     LostFigure("Pictures next to the two battery replacement procedures.", source="4.3 p.23"),
-    LostFigure("Figure 6: standard counting direction. The text also describes it.", source="4.6 p.26"),
+    LostFigure("Figure 6: standard counting direction. The text also describes them.", source="4.6 p.26"),
     LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text also describes it.",
+        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text also describes them.",
         source="5.1",
     ),
     LostFigure("Content missing after the description of the pause Tp, probably a drawing of the pause.", source="5.3"),
@@ -1846,16 +1845,19 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
         "Logic circuit of the 4-bit CRC. The text does not give the start value, so it is taken from public documents.",
         source="6.3 p.34",
     ),
-    LostFigure("Bit structure of the Preset registers. It is taken from the list of bits below it.", source="6.4"),
+    LostFigure(
+        "Bit structure of the Preset registers. This spec takes it from the list of bits below the figure.",
+        source="6.4",
+    ),
     LostFigure(
         (
-            "Tables of steps 2 and 3 of the preset example, bits and bytes. They are taken from the list of register "
-            "writes."
+            "Bit and byte tables of steps 2 and 3 of the preset example. This spec takes their values from the list "
+            "of register writes."
         ),
         source="6.4",
     ),
     LostFigure("Recommended BiSS input circuit.", source="6.6 p.40"),
-    LostFigure("Waveforms of sine and cosine.", source="8 p.49"),
+    LostFigure("Waveforms of the sine and cosine signals.", source="8 p.49"),
     LostFigure(
         "Voltage levels of the sine and cosine signals, and the recommended input circuit with R1 and R2.",
         source="8.1",
@@ -1867,7 +1869,7 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="do_not_tool",
-        title="The verb tool, which means machining, is easily misread",
+        title="The manual uses the easily misread verb tool for machining",
         printed="\"do not tool the encoder or the disk/ring\"",
         used="The generated files say that neither the encoder nor the disk or ring may be machined.",
         why="The Italian edition says \"non eseguire lavorazioni meccaniche\", which means \"do not machine\".",
@@ -1878,14 +1880,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ground_wire",
-        title="The ground pin must be used, but the cable has no wire for it",
+        title="The manual lists no cable wire for the ground pin that must be used",
         printed=(
-            "Pin 1 is the ground of the encoder and must be used. The tables of the mating cable list no wire for it."
+            "Pin 1 is the ground of the encoder and must be used. The tables of the mating cable do not list a wire "
+            "for it."
         ),
         used="The tables are listed as printed. No wire is assumed for pin 1.",
         why=(
-            "All twelve conductors (6 × 2) are used for other functions. The manual does not say whether the shield "
-            "or the drain wire is connected to pin 1."
+            "All twelve conductors (6 × 2) are used for other signals. The manual does not say whether the shield or "
+            "the drain wire is connected to pin 1."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1894,10 +1897,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="heading_g1",
-        title="The cable table is headed G1 instead of BG1",
+        title="The heading of the cable table says G1 instead of BG1",
         printed="Heading of the cable table: \"...G1-... and ...SC1-... order codes\"",
         used="The cable belongs to the ...BG1-... and ...SC1-... order codes.",
-        why="The connector that mates with the cable (4.1.1) and all lists of models have BG1. No model has G1.",
+        why="The connector that mates with the cable (4.1.1) and all lists of models have BG1. No order code has G1.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("order_code", "connectors.ssi_biss_cable"),
@@ -1905,7 +1908,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="cable_fahrenheit",
-        title="The temperature of +20 °C is converted to -4 °F",
+        title="The manual converts the temperature of +20 °C to -4 °F",
         printed="Conductor resistance at +20°C / -4°F",
         used="The temperature is +20 °C, which is 68 °F.",
         why="−4 °F is −20 °C. The Italian edition gives only +20 °C.",
@@ -1921,7 +1924,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Battery voltage between 3 V and 5.5 V. Alarms below 3.15 V (Battery alarm) and below 3.05 V (MT error)"
         ),
         used="Both values are listed as printed.",
-        why="From 3.00 V to 3.15 V, a battery is within its range but still raises an alarm.",
+        why="From 3.00 V to 3.15 V, a battery is within its range but raises an alarm.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("characteristics.battery_voltage", "alarms.battery_alarm", "alarms.mt_error"),
@@ -1937,8 +1940,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The output code is binary",
         why=(
-            "Section 5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no part for the "
-            "output code and only one SSI variant, BG1."
+            "Section 5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no field for "
+            "the output code and only one SSI variant, BG1."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -1964,10 +1967,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_table_65kkg1",
-        title="The table of word lengths has 65KKG1 instead of 65KBG1",
+        title="The word length table prints 65KKG1 instead of 65KBG1",
         printed="AMM5A17/65KKG1... and five more in the English table of word lengths",
         used="The order codes contain 65KBG1",
-        why="The table just below it and the Italian edition have 65KBG1. No model has KG1.",
+        why="The table just below it and the Italian edition have 65KBG1. No order code has KG1.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("order_code", "interfaces.ssi.ssi_word"),
@@ -1975,7 +1978,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cpr",
-        title="The positions over all revolutions are called counts per revolution",
+        title="The manual calls positions over all revolutions counts per revolution",
         printed="8,589,934,592 cpr, 137,438,953,472 cpr and 549,755,813,888 cpr for the multiturn models",
         used="The numbers are positions over all 65,536 revolutions, not counts per revolution.",
         why=(
@@ -1989,15 +1992,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_order",
-        title="The order of singleturn and multiturn is missing from the manual",
+        title="The manual does not give the order of singleturn and multiturn",
         printed=(
             "The manual prints only \"17 + 16 bits\" and the like, not the order of singleturn and multiturn in the "
             "position"
         ),
-        used="Multiturn comes first, as the more significant part. Singleturn follows.",
+        used="The multiturn part comes first and is the more significant part. The singleturn part follows.",
         why=(
-            "The Preset registers contain one number with multiturn above singleturn (6.4). Figures that might show "
-            "the order are lost in the text of the manual."
+            "The Preset registers contain one number with multiturn above singleturn (6.4). The figures that might "
+            "show the order are missing from our copy of the manual."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2006,7 +2009,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        title="The clock for cables under 400 m is below the allowed range",
+        title="The clock limit for cables under 400 m is below the clock range",
         printed=(
             "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz"
         ),
@@ -2019,7 +2022,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        title="The table of cable lengths has no cable for 400 kHz to 4 MHz",
+        title="The cable length table allows no cable from 400 kHz to 4 MHz",
         printed=(
             "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz"
         ),
@@ -2035,8 +2038,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_id_missing",
-        title="The manual does not list the registers of the profile ID",
-        printed="The encoder complies with the \"Standard encoder profile\". No register 42h to 43h is listed.",
+        title="The manual does not list the profile ID registers",
+        printed="The encoder complies with the \"Standard encoder profile\". Registers 42h and 43h are not listed.",
         used="The generated files have no profile ID.",
         why=(
             "The BiSS register map has the profile ID at 42h to 43h. The manual does not say what an unlisted "
@@ -2051,10 +2054,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="control_data_bit",
         title="The control frame bit is described in the wrong place",
         printed="Control Data is the \"transmission of a single bit\" that follows the SCD data.",
-        used="The generated files do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a control frame layout from this sentence.",
         why=(
-            "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
-            "the data, only the master's bit is sent, during the time-out."
+            "In the BiSS protocol description, which section 6.3 refers to, the encoder's bit comes before the data. "
+            "After the data, only the master's bit is sent, during the time-out."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2063,12 +2066,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="scd_length",
-        title="The frame is one bit longer than the printed length",
+        title="The frame is one bit longer than printed",
         printed="SCD data is nbitres+7 long.",
         used="The length is position_bits + 8.",
         why=(
-            "Position, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres + 8. nbitres+7 is the number of "
-            "the top bit in the table."
+            "Position, 1 error bit, 1 warning bit and 6 CRC bits add up to nbitres + 8. In the table, nbitres+7 is "
+            "the number of the top bit."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -2077,12 +2080,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_documents",
-        title="Three names are used for one BiSS document",
+        title="The manual uses three names for one BiSS document",
         printed=(
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"BiSS C Protocol "
             "Description\""
         ),
-        used="The document meant is the BiSS C protocol description of iC-Haus.",
+        used="All three names are read as the BiSS C protocol description from iC-Haus.",
         why=(
             "The manufacturer's manuals use different names for this document. The protocol description is public, "
             "and the manuals use its terms."
@@ -2094,16 +2097,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        title="The start value of the BiSS CRCs is missing from the manual",
+        title="The manual does not give the start value of the BiSS CRCs",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
         ),
         used="The start value is 0.",
         why=(
-            "In public BiSS documents, the start value is 0 unless something else is stated. BiSS devices may have "
-            "another start value. With another start value, the CRC of every frame fails, with or without errors on "
-            "the line."
+            "In public BiSS documents, the start value is 0 unless stated differently. BiSS devices may have a "
+            "different start value. With the wrong start value, the CRC check of every frame fails, with or without "
+            "errors on the line."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2112,18 +2115,18 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="error_bits_leds_alarms",
-        title="Error bits, LEDs and alarms do not correspond one to one",
+        title="The manual's error bits, LEDs and alarms do not match one to one",
         printed=(
             "nE and LED 1: misalignment and the like, or a depleted battery, see MT error. nW and LED 2: an error in "
             "the magnetic multiturn system, or a low battery, see Battery alarm. RS-485: EE_0 for ST error, EE_1 for "
             "BUSY flag, PS error, Battery alarm and MT error"
         ),
-        used="Each bit, LED and alarm is used as printed. None is derived from another.",
+        used="Each bit, LED and alarm is used as printed. None is derived from any other.",
         why=(
             "The bits, LEDs and alarms do not map one to one. Over RS-485, MT error means a depleted battery and "
-            "corresponds to LED 1, but an error in the multiturn system is the warning of LED 2. PS error and BUSY "
-            "flag have no LED and no bit of their own, and ST error is not mentioned with nE. Over BiSS, a depleted "
-            "battery is an error. Over RS-485, it shares a bit with a low battery."
+            "corresponds to LED 1, but an error in the multiturn system is the warning of LED 2. The PS error and the "
+            "BUSY flag have no LED and no separate bit, and the ST error is not mentioned with nE. Over BiSS, a "
+            "depleted battery is an error. Over RS-485, it shares a bit with a low battery."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2139,12 +2142,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="unused_status_bits",
-        title="The manual does not say what other values of the unused bits mean",
+        title="The manual does not say what nonzero unused bits mean",
         printed="EI_3 to EI_0 and four more bits of SF and ALMC are printed as 0",
         used="A reply with other values is decoded, and the bits are reported. Its position is usable with a warning.",
         why=(
-            "The manual does not say what other values mean. Later firmware may use such a bit. Sync code, data ID, "
-            "parity and CRC show that the frame is valid without it."
+            "The manual does not say what other values mean. Later firmware may use such a bit. The sync code, data "
+            "ID, parity and CRC are sufficient to show that the frame is valid."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2158,7 +2161,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_under_error",
-        title="Which errors affect the position is only partly described",
+        title="The manual only partly says which errors affect the position",
         printed=(
             "BUSY: all position data are 0. \"The battery is spent. The encoder cannot operate.\" Low battery "
             "(warning only): the position is kept. The manual does not say how the other errors affect the position."
@@ -2167,18 +2170,18 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors "
             "stay active until they are reset. In multiturn models, the MT error or the warning bit also makes the "
             "position unusable. With the battery alarm, it is usable with a warning. The same applies to the warning "
-            "bit if you choose to treat it as a low battery. EE_1, which combines BUSY, PS error, battery alarm and "
-            "MT error, makes the position unusable. If the frame also carries these four flags (data ID 3), they "
-            "decide instead."
+            "bit if you choose to interpret it as a low battery. EE_1, which combines BUSY, PS error, battery alarm "
+            "and MT error, makes the position unusable. If the frame also carries these four flags (data ID 3), they "
+            "determine the verdict instead."
         ),
         why=(
             "PS error and ST error are faults of the counting itself. The position may have been counted wrongly "
             "before the error was detected. If EE_1 is the only information, the position may be the 0 that is sent "
-            "while BUSY is active. The warning bit means a low battery, with which the position is kept (4.3.1), or "
-            "an error in the magnetic multiturn system, which may make the number of revolutions wrong. The frame "
-            "does not distinguish them, so the worse case applies by default. After a depleted battery the singleturn "
-            "position is correct (4.3.2, step 9). The position in replies that carry only the singleturn position is "
-            "still treated as not usable."
+            "while BUSY is active. The warning bit means either a low battery, in which case the position is kept "
+            "(4.3.1), or an error in the magnetic multiturn system, which may make the number of revolutions wrong. "
+            "The frame does not distinguish them, so the worse case applies by default. After a depleted battery has "
+            "been replaced, the singleturn position is correct (4.3.2, step 9). Replies that carry only the "
+            "singleturn position are still treated as not usable."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2193,7 +2196,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_limit",
-        title="Only the Italian edition allows the total resolution as preset",
+        title="Only the Italian edition allows the total resolution as a preset",
         printed=(
             "English: less than the total hardware resolution. Italian: less than or equal to it (\"minore o "
             "uguale\")"
@@ -2207,7 +2210,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_byte_11",
-        title="Byte 11h is assigned to singleturn bits that it does not contain",
+        title="The manual assigns byte 11h to singleturn bits it does not contain",
         printed="Bytes 11h to 14h \"are used for singleturn information\".",
         used="Byte 11h contains no singleturn bit.",
         why=(
@@ -2221,11 +2224,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_revolutions",
-        title="The singleturn models are counted among those with 65,536 turns",
+        title="The English edition gives singleturn models 65,536 revolutions",
         printed=(
             "English: \"the number of revolutions is always 65,536\" in all models. Italian: in all multiturn models"
         ),
-        used="Singleturn models have no multiturn bits. Their bits 48:33 are assumed to be 0.",
+        used="Singleturn models have no multiturn bits. Bits 48:33 of these models are assumed to be 0.",
         why=(
             "Models with 1 revolution exist (preliminary information, 5.2, 6.2.1). The manual does not give the "
             "content of their bits 48:33."
@@ -2237,15 +2240,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_bits_below_lsb",
-        title="The manual does not describe the bits below the lowest singleturn bit",
+        title="The manual does not describe the bits below the singleturn position",
         printed=(
             "The manual says only that bits 9:8 and byte 11h are 0. The lowest singleturn bit is bit 12 for 21 bits "
             "and bit 16 for 17 bits."
         ),
         used="All bits below the lowest singleturn bit are 0.",
         why=(
-            "The example with 21 bits has 0 in bits 11:8 (byte 12h is 30h). The AMM80 manual shows the same for 20 "
-            "bits. For 17 bits, the manual does not define bits 15:10."
+            "The example with 21 bits has a 0 in each of bits 11:8 (byte 12h is 30h). The AMM80 manual shows the same "
+            "for 20 bits. For 17 bits, the manual does not define bits 15:10."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2254,12 +2257,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_binary_digits",
-        title="The example of a preset has 39 binary digits instead of 37",
+        title="The preset example has 39 binary digits instead of 37",
         printed=(
             "1,000,003 in binary: 39 digits in the English edition, 37 in the Italian, both called the 21-bit format"
         ),
         used="The number has 37 bits, 16 for multiturn and 21 for singleturn.",
-        why="21 + 16 = 37 is the resolution of the model. The two extra digits are leading zeros.",
+        why="The resolution of the model is 21 + 16 = 37 bits. The two extra digits are leading zeros.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("examples.preset_register",),
@@ -2267,12 +2270,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_bank_select",
-        title="The preset uses registers that BiSS reserves for banks",
+        title="The preset uses registers that BiSS reserves for bank access",
         printed="Register 40h is Preset setting enable. The preset is at 11h to 17h.",
         used="The registers are used as printed.",
         why=(
             "In the BiSS register map, 40h selects the bank, and 00h to 3Fh is the area that it switches. A master "
-            "that follows the map may write 40h on its own. Bank 1 would open the preset, and bank 0 would close it."
+            "that follows the map may write to 40h on its own. Selecting bank 1 would enable writing to the preset, "
+            "and selecting bank 0 would disable it."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2281,12 +2285,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
-        title="All models share one device ID",
+        title="All models have the same device ID, despite different data lengths",
         printed="The manual gives one device ID, AMM5 with the release, for all models",
         used="The device ID is used as printed.",
         why=(
-            "BiSS requires a different device ID for each data length. The SC1 models have six lengths. Unless the "
-            "release bytes, printed as xx, differ with them, a master cannot distinguish the models."
+            "BiSS requires a different device ID for each data length. The SC1 models have six different data "
+            "lengths. Unless the release bytes, printed as xx, also differ, a master cannot distinguish the models."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2295,13 +2299,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="serial_number_order",
-        title="Sister manuals read the serial number in opposite byte orders",
+        title="Manuals of sister models give opposite serial number byte orders",
         printed="44h to 47h read \"0A E8 69 EE\", decimal 18 30 03630",
         used="The high byte comes first, as printed.",
         why=(
             "The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to 47h and "
             "reverses it. The AMM80 manual agrees with this one. Manual 1.7 updated registers 44h to 47h, so an older "
-            "AMM5 may answer in the other order. An impossible year or week indicates the wrong order."
+            "AMM5 may use the other order. An impossible year or week indicates the wrong order."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2310,9 +2314,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_setting_enable_default",
-        title="Two write-only registers have a default",
+        title="The manual gives defaults for two write-only registers",
         printed=(
-            "Registers 40h and 77h are write only (wo). The list of defaults has 00 for 40h, and 77h goes back to 00 "
+            "Registers 40h and 77h are write only (wo). The list of defaults gives 00 for 40h, and 77h returns to 00 "
             "by itself"
         ),
         used="The registers are write only. They are 00 after power-on, and 77h returns to 00.",
@@ -2327,7 +2331,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_min_clock",
-        title="The lowest clock is below the range of BiSS",
+        title="The lowest clock is below the BiSS clock range",
         printed="The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.",
         used="The lowest clock is 50 kHz.",
         why="In the BiSS protocol description, the clock range starts at 80 kHz.",
@@ -2341,7 +2345,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="The manual does not describe the structure of the control field",
         printed="The manual prints one byte for each data ID, without its structure",
         used="Bits 2:0 are 010, bits 6:3 are the data ID, and bit 7 is the even parity of the data ID.",
-        why="All nine printed bytes fit this structure. Public sources give it for the T-format.",
+        why="All nine printed bytes match this structure. Public sources give the same structure for the T-format.",
         status=Status.SETTLED,
         severity=Severity.OMISSION,
         affects=("field_groups.control_field",),
@@ -2351,11 +2355,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="encoder_id_23h",
         title="The encoder ID 23h may be the decimal number 23",
         printed="\"ENID: encoder ID, fixed value = 23h\"",
-        used="23h is the expected encoder ID. A frame with another ID is decoded, and the ID is reported.",
+        used="23h is the expected encoder ID. A frame with a different ID is decoded, and the ID is reported.",
         why=(
-            "T-format encoders of 23 bits usually have 17h, which is 23 in decimal. HPMicro's sample prints ENID "
-            "0x17. The 23h may be a decimal 23 that was mistaken for hexadecimal. The ID does not show whether the "
-            "frame is valid. The sync code, data ID, length and CRC do."
+            "T-format encoders with 23 bits usually have the ID 17h, which is 23 in decimal. HPMicro's sample prints "
+            "ENID 0x17. The printed 23h may be a decimal 23 that was mistaken for hexadecimal. The ID does not show "
+            "whether the frame is valid. The sync code, data ID, length and CRC do."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2369,7 +2373,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="busy_and_errors_in_one_bit",
-        title="One bit combines BUSY with errors that keep the position",
+        title="One bit combines BUSY with errors that leave the position intact",
         printed="EE_1 = 1: \"BUSY flag, PS error, Battery alarm, or MT error\"",
         used=(
             "EE_1 is one flag, status_other_error. Do not trust a position received with this flag until ALMC has "
@@ -2391,16 +2395,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="mem_busy_on_read",
-        title="Table and sentence give MEM BUSY different meanings for a read",
+        title="The manual gives MEM BUSY two different meanings for a read",
         printed=(
             "Table, reading with MEM BUSY 1: \"Reading is being executed\", \"Request for reading is invalid\". "
             "Sentence below: 1 = \"Writing is being executed\""
         ),
         used="MEM BUSY 1 means that the memory is busy and the request is not executed. Send the request again.",
         why=(
-            "If a read request were invalid because reading is being executed, it would never be answered. A write is "
-            "probably in progress, as the sentence says. The row for writing has the same wording, with writing "
-            "instead of reading."
+            "If a read request were invalid because a read is being executed, no read request would ever be answered. "
+            "A write is probably in progress, as the sentence says. The row for writing has the same wording, with "
+            "\"writing\" instead of \"reading\"."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2409,11 +2413,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="reset_ids_singleturn_value",
-        title="The manual says that three reset requests concern the singleturn value",
+        title="The manual links three reset requests to the singleturn value",
         printed="Resetting data/errors: Data ID 7, 8 and C, each (singleturn value)",
         used="The parenthesis describes the content of the reply. Section 7.4.2 describes which data are reset.",
         why=(
-            "In 7.4, the replies carry ABS0 to ABS2. Data ID 7 resets errors only, and C does not change the "
+            "In section 7.4, the replies carry ABS0 to ABS2. Data ID 7 resets only errors, and C does not change the "
             "singleturn data."
         ),
         status=Status.SETTLED,
@@ -2428,8 +2432,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The remedy is given as printed. To be safe, switch the supply off and on two times.",
         why=(
             "This could mean two power cycles, or that the supply is switched off and on again. The manual does not "
-            "say. After a battery replacement, the supply is switched on, off and on again before the ERROR LED is "
-            "off (4.3.2, steps 5 to 8), which suggests two cycles."
+            "say which. After a battery replacement, the supply is switched on, off and on again before the ERROR LED "
+            "turns off (4.3.2, steps 5 to 8), which suggests two cycles."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2438,20 +2442,20 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="blinking_error_led",
-        title="A blinking LED means success in one section, an error in another",
+        title="A blinking LED means success in one section and an error in another",
         printed=(
             "Section 9: after power-on \"the LEDs blink for a while\" and go off if the installation succeeded. LED 1 "
             "\"lights up RED when the battery is spent\". 4.3.2, steps 5 and 17: after power-on the ERROR LED is on "
             "or blinks."
         ),
         used=(
-            "Both apply. An LED that blinks after power-on and then goes off by itself indicates success. An ERROR "
+            "Both apply. An LED that blinks after power-on and then turns off by itself indicates success. An ERROR "
             "LED that stays on or continues to blink indicates an error."
         ),
         why=(
             "Section 9 does not mention a blinking LED with an error, but 4.3.2 does. The manual does not say how "
-            "long an LED blinks after a successful installation, or whether the two differ in any other way. While it "
-            "blinks, rely on the error bit."
+            "long an LED blinks after a successful installation, or whether the two kinds of blinking differ in any "
+            "other way. While the LED blinks, rely on the error bit."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2461,16 +2465,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="singleturn_without_battery",
-        title="Battery alarms are printed for models without a battery",
+        title="The manual lists battery alarms for models without a battery",
         printed=(
             "\"Battery power supply is only available in multiturn encoder versions (.../65K... order code)\". The "
             "warning bit, Battery alarm (BATT), MT error (MTERR), LED 2, and the step Connect the battery (3.4) are "
             "printed for all models."
         ),
         used=(
-            "In singleturn models (.../1...), nW, BATT and MTERR have no explanation. An active bit is reported, and "
-            "the position is usable with a warning. Without ALMC (data IDs 0 and 1), EE_1 makes the position "
-            "unusable, since it may be BUSY. The step is left out."
+            "In singleturn models (.../1...), the manual does not explain nW, BATT and MTERR. An active bit is "
+            "reported, and the position is usable with a warning. Without ALMC (data IDs 0 and 1), EE_1 makes the "
+            "position unusable, since it may mean BUSY. The step is omitted."
         ),
         why=(
             "The manual does not say what these bits mean without a battery and a multiturn system, or whether they "
@@ -2493,10 +2497,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="battery_alarm_reset",
-        title="The battery alarm is missing from one list of errors to be reset",
+        title="One list of resettable errors omits the battery alarm",
         printed=(
-            "7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch errors (PS error, "
-            "ST error, MT error)"
+            "7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latched errors (PS "
+            "error, ST error, MT error)"
         ),
         used="Data IDs 7 and C also clear the battery alarm.",
         why=(
@@ -2516,15 +2520,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="data_id_8_scope",
-        title="Table and note disagree on what data ID 8 resets",
+        title="A table and a note disagree on what data ID 8 resets",
         printed=(
             "Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8"
         ),
         used="The generated files follow the table. Data ID 8 resets singleturn and multiturn data.",
         why=(
-            "The table says it twice, the note only in passing. However, public T-format documents list three resets: "
-            "of the data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the "
-            "first would be this request."
+            "The table says so twice, but the note mentions it only in passing. However, public T-format documents "
+            "list three resets: of the data within one revolution, of the multiturn data, and of errors. C and 7 are "
+            "two of them, so this request would be the first."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2533,18 +2537,18 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="mem_busy_position",
-        title="The place of MEM BUSY in the address byte is doubtful",
+        title="The printed position of MEM BUSY in the address byte is doubtful",
         printed="MEM BUSY is bit 0 of the address field, and the address is bits 7:1, so address 5 is sent as 0Ah.",
         used=(
             "Either position is possible. The user must choose, and there is no default. With the wrong choice, an "
-            "access reaches twice the address or half of it, and a write overwrites other data there. Read and "
-            "compare before you write."
+            "access goes to twice or half the address, and a write overwrites other data there. Read and compare "
+            "before you write."
         ),
         why=(
-            "Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F "
-            "01 4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in "
-            "all of them, but according to this manual it is 0 from a master. TI's driver sends the address as given, "
-            "EA 05 EF for address 5, where this manual has EA 0A E0. Only address 0 is the same in both."
+            "Two independent T-format stacks put the unshifted address into bits 6:0 of the byte. HPMicro prints 32 "
+            "7F 01 4C (page 1), 32 01 5A 69 (write 5Ah to address 01h) and EA 01 EB (read address 01h). Bit 0 is 1 in "
+            "all of them, but according to this manual, a master always sends it as 0. TI's driver sends the address "
+            "unshifted, EA 05 EF for address 5, where this manual has EA 0A E0. Only address 0 is the same in both."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2565,7 +2569,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc_coverage",
-        title="The sentence about the bytes covered by the CRC is garbled",
+        title="The manual's sentence about the bytes covered by the CRC is garbled",
         printed="Calculation \"to all 8 bits except for Start bit and Delimiter of fields rather than CRC\"",
         used="The CRC covers the 8 bits of every field before it, without start bits and delimiters.",
         why=(
@@ -2579,9 +2583,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc_example_frame",
-        title="The frame of the CRC example does not fit any reply",
+        title="The frame in the CRC example does not match any reply",
         printed="Request 02h, reply \"32h 10h 01h 28h B0h 08h B3h\" with fields CF, SF, DF0 to DF3, CRC",
-        used="The bytes are used only as a check of the CRC. As a reply, they are rejected because of their length.",
+        used=(
+            "The bytes are used only as a check of the CRC. The decoder rejects them as a reply because of their "
+            "length."
+        ),
         why=(
             "The CRC is correct. A reply begins with the control field of its request. 32h is the control field of "
             "data ID 6, whose reply has four bytes and no SF. No data ID has four data bytes."
@@ -2593,12 +2600,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc_code_bit_order",
-        title="The printed CRC code expects the bits of a byte MSB first",
+        title="The printed CRC code expects the bits of each byte MSB first",
         printed="Data is configured LSB first. The printed code takes the bits of a string in order.",
         used="The CRC is the XOR of all bytes before it, which is x^8 + 1 with input and output reflected.",
         why=(
-            "With the bits of the example LSB first, the code returns CDh, which is the printed B3h with its bits "
-            "reversed. It returns B3h only if each byte is passed MSB first."
+            "With the bits of the example in LSB-first order, the code returns CDh, which is the printed B3h with its "
+            "bits reversed. It returns B3h only if each byte is passed MSB first."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -2618,15 +2625,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="sine_cosine_view",
-        title="The editions look at the sine signals from opposite sides",
+        title="The editions describe the sine signals as seen from opposite sides",
         printed=(
             "Clockwise rotation seen from the shaft side (English) or from the flange side (Italian, \"vista dal lato "
             "flangia\")"
         ),
         used="The generated files quote both.",
         why=(
-            "According to 4.6 of both editions, the position counts up clockwise as seen from the flange side. If the "
-            "shaft side is the opposite side, the order of A and B would be reversed. The waveforms are lost."
+            "According to section 4.6 of both editions, the position counts up clockwise as seen from the flange "
+            "side. If the shaft side is the opposite side, the order of A and B would be reversed. The waveforms are "
+            "missing from our copy."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2635,7 +2643,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="leds_at_power_on",
-        title="The Italian edition has LEDs that light up instead of blinking",
+        title="In the Italian edition, the LEDs light up instead of blinking",
         printed="Italian 3.4: the LEDs light up for a moment (\"si accendono per un attimo\"). Elsewhere: they blink",
         used="The LEDs blink for a while.",
         why="Section 3.4 of the English edition and section 9 of both editions say so.",
@@ -2646,12 +2654,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_default_length",
-        title="The printed default of Preset has five bytes instead of seven",
+        title="The printed Preset default has five bytes instead of seven",
         printed="Default of Preset: 00 00 00 00 00",
         used="The default is seven bytes of 00.",
         why=(
-            "The register has seven bytes, 11h to 17h. Five bytes written from 11h on would leave 16h and 17h, most "
-            "of the multiturn part, unchanged."
+            "The register has seven bytes, 11h to 17h. Writing five bytes starting at 11h would leave 16h and 17h, "
+            "most of the multiturn part, unchanged."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -2660,10 +2668,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="led_list_numbers",
-        title="Both LED meanings have the number 2",
+        title="The manual numbers both LED meanings as 2",
         printed="Both items of each list of LED meanings have the number 2.",
         used="The items are listed as two meanings of the same LED, without numbers.",
-        why="Nothing precedes them. The list of the bits Error and Warning (6.2.1) has the same two items as 1 and 2.",
+        why=(
+            "No other item comes before them. The list for the Error and Warning bits (6.2.1) has the same two items, "
+            "numbered 1 and 2."
+        ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("leds.led_1_error", "leds.led_2_warning"),
@@ -2671,7 +2682,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="battery_replacement_position",
-        title="The multiturn position is called correct although it has changed",
+        title="The manual calls a changed multiturn position correct",
         printed=(
             "Step 9: \"singleturn and multiturn positions are provided properly\", and then \"the multiturn position "
             "is different than before\""
@@ -2681,8 +2692,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "again."
         ),
         why=(
-            "A multiturn position that differs from the one before is not correct. Section 4.3.1 uses the same words "
-            "for the case in which both are kept."
+            "A multiturn position that differs from the previous one is not correct. Section 4.3.1 uses the same "
+            "words for the case in which both positions are kept."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2692,13 +2703,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="battery_shorted_under_supply",
-        title="The battery terminals are shorted while the supply is on",
+        title="The manual has the battery terminals shorted while the supply is on",
         printed="Step 14: short-circuit the battery terminals. Step 15: \"switch the 5Vdc power supply off\"",
         used="The steps are given as printed.",
         why=(
             "The terminals are short-circuited while the supply is still on. The manual does not say whether the "
-            "encoder can supply them then, or whether the two steps were swapped. The residual voltage would also be "
-            "discharged with the supply off."
+            "encoder can then supply the terminals, or whether the two steps were swapped. The residual voltage would "
+            "also be discharged with the supply off."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2712,9 +2723,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="The request is sent ten times in succession, at transmission intervals of 40 µs or more",
         used="No other request is sent in between. After each request, at least 40 µs pass before the next one begins.",
         why=(
-            "The manual does not say whether an interval is the gap between two requests or the time from start to "
-            "start. A gap of 40 µs satisfies both. It also does not say whether a request with another data ID "
-            "restarts the count."
+            "The manual does not say whether an interval is the gap between two requests or the time from the start "
+            "of one to the start of the next. A gap of 40 µs satisfies both. The manual also does not say whether a "
+            "request with a different data ID restarts the count."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2728,11 +2739,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="reset_standstill",
-        title="A shaft turning at 300 rpm is called stopped",
+        title="The manual calls a shaft turning at 300 rpm stopped",
         printed="Note on data IDs C and 7: \"while the encoder shaft is in stop (rotational speed 300 rpm or less)\"",
         used="The condition is standstill, which the manual defines as 300 rpm or less.",
         why=(
-            "A shaft at 300 rpm is not at a standstill. The descriptions of C and 7 have no condition at all. The "
+            "A shaft at 300 rpm is not at a standstill. The descriptions of C and 7 do not give a condition. The "
             "description of data ID 8 requires a stop but gives no speed."
         ),
         status=Status.OPEN,
@@ -2746,12 +2757,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="busy_clear",
-        title="The manual's two conditions that clear BUSY differ",
+        title="The manual gives two different conditions for clearing BUSY",
         printed=(
             "BUSY flag: returns to 0 when the delay is over. How to clear: by itself (turning speed \"decreased to "
             "300 rpm or less\")"
         ),
-        used="Both conditions are given as printed.",
+        used="Both conditions are listed as printed.",
         why=(
             "The description mentions no speed. The manual does not say whether power-on above 300 rpm keeps the flag "
             "set, with all position data at 0."
@@ -2763,7 +2774,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The words and the sign for the SSI pause of 20 µs disagree",
+        title="The wording and the sign for the SSI pause of 20 µs disagree",
         printed="Pause of at least 20 µs (Tp > 20 µs)",
         used="The minimum is 20 µs. Use a longer pause.",
         why="The words \"at least\" allow 20 µs, but the sign \">\" does not.",
@@ -2774,9 +2785,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_polarity",
-        title="The manual does not give the polarity of the RS-485 lines A and B",
+        title="The manual does not give the polarity of RS-485 lines A and B",
         printed="The manual names A (RS-485) and B (RS-485), without + or -",
-        used="The names are given as printed. No polarity is assumed.",
+        used="The names are listed as printed. No polarity is assumed.",
         why=(
             "The manual does not say which of A and B is the positive line, and manufacturers name them in opposite "
             "ways. The SMA21 manual prints A as REQ+ / SD+ and B as REQ- / SD-. If the encoder does not reply, swap A "
@@ -2789,9 +2800,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_reply_time",
-        title="The reply time over RS-485 is missing from the manual",
+        title="The manual does not give the reply time over RS-485",
         printed="The manual describes requests and replies, but not the time between them",
-        used="The generated files have no reply time and no time-out. The master chooses its time-out.",
+        used="The generated files have no reply time and no time-out. The user of the master chooses the time-out.",
         why=(
             "The manual gives neither the shortest nor the longest time from the end of a request to the reply. "
             "Without a shortest time, the master must release the line immediately after the stop bit of its request. "
@@ -2811,7 +2822,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The flag is active when the main power is turned on.",
         why=(
             "The flag indicates a delay at power-on or a reset in progress. According to the Italian wording, the "
-            "flag can be set at any time under power, which affects how it clears (see erratum busy_clear)."
+            "flag can be set at any time while power is on, which affects how it clears (see erratum busy_clear)."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2824,8 +2835,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="English: tinned copper braid \"with tinned copper drain wire\". Italian: tinned copper braid only",
         used="The cable has a drain wire.",
         why=(
-            "Both describe the same cable. Only an inspection of the cable can settle it. This also determines "
-            "whether a wire reaches pin 1 (see erratum ground_wire)."
+            "Both editions describe the same cable. Only an inspection of the cable can show which is right. It would "
+            "also show whether a wire reaches pin 1 (see erratum ground_wire)."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2834,10 +2845,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_at_standstill",
-        title="The editions disagree on which preset step needs a standstill",
+        title="The editions disagree on which preset step requires a standstill",
         printed=(
-            "English: set the preset (setting) with the shaft in stop. Italian: activate it (\"attivare\") with the "
-            "shaft in stop"
+            "English: set the preset (setting) with the shaft at a standstill. Italian: activate it (\"attivare\") "
+            "with the shaft at a standstill"
         ),
         used=(
             "A standstill is suggested for the procedures that activate a preset, not for the one that only stores "
@@ -2854,13 +2865,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_save_and_activate",
-        title="One edition saves and activates the preset in a single step",
+        title="The Italian edition saves and activates the preset in one step",
         printed=(
             "English: save, \"or both save and activate\". Italian: save, or save and at the same time "
             "(contemporaneamente) activate"
         ),
         used="Two commands are used, 01 to save and then 02 to activate.",
-        why="After saving, both editions continue with the command to activate. The example writes 01 and then 02.",
+        why=(
+            "After saving, both editions continue with the command that activates the preset. The example writes 01 "
+            "and then 02."
+        ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("procedures.set_preset", "procedures.store_preset"),
@@ -2887,8 +2901,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="not known",
         why=(
-            "Mounting information and characteristics of the mounting flange were updated. The table does not say "
-            "which parts of section 3 changed."
+            "The mounting information and the characteristics of the mounting flange were updated. The table does not "
+            "say which parts of section 3 changed."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2914,8 +2928,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="not known",
         why=(
             "Registers 44h to 47h were updated. The table does not give their earlier content. The manual of the "
-            "AMM36, a sister model, prints EE 69 E8 0A for the number that is 0A E8 69 EE here and says that it must "
-            "be reversed. An older AMM5 may do the same."
+            "AMM36, a sister model, prints EE 69 E8 0A for the number that is 0A E8 69 EE in this manual and says "
+            "that it must be reversed. An older AMM5 may behave in the same way."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2930,7 +2944,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "Registers 78h to 7Dh were updated. The table does not give their earlier content. The manual of the "
             "AMM36, a sister model, has the device ID only in 78h to 7Bh, the type of time-out in 7Ch and the "
-            "software release in 7Dh. An older AMM5 may do the same."
+            "software release in 7Dh. An older AMM5 may have the same layout."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2942,7 +2956,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="Before edition 1.6: order code (interface)",
         printed="order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1",
         used="left out",
-        why="This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.",
+        why="This revision added the SSI and RS-485 versions. All earlier encoders had BiSS.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("order_code.interface",),
@@ -2953,7 +2967,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="Before edition 1.6: SSI and RS-485",
         printed="interfaces.ssi, interfaces.rs485",
         used="left out",
-        why="This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.",
+        why="This revision added the SSI and RS-485 versions. All earlier encoders had BiSS.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.ssi", "interfaces.rs485"),
@@ -2968,7 +2982,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "field_groups.address_of_request and 12 more"
         ),
         used="left out",
-        why="These parts belong to RS-485.",
+        why="These parts belong to the RS-485 interface.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=(
@@ -3011,7 +3025,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="Before edition 1.6: interfaces of SSI BiSS connector and interfaces of SSI BiSS cable",
         printed="connectors.ssi_biss_connector.interfaces, connectors.ssi_biss_cable.interfaces",
         used="biss",
-        why="SSI did not exist yet.",
+        why="There was no SSI version yet.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("connectors.ssi_biss_connector.interfaces", "connectors.ssi_biss_cable.interfaces"),
@@ -3033,7 +3047,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="Before edition 1.4: Register 3Bh, Counting direction",
         printed="Register 3Bh, Counting direction",
         used="not known",
-        why="This revision removed the register. The table does not say which values it took, or when.",
+        why=(
+            "This revision removed the register. The table does not say which values the register accepted, or during "
+            "which period."
+        ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         source="Document release",
@@ -3047,8 +3064,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="not known",
         why=(
-            "The Command register was updated, so older encoders may have other values or another pause. Every "
-            "procedure ends by accessing this register, so no procedure is known to be correct for these encoders."
+            "The Command register was updated, so older encoders may have different values or a different pause. "
+            "Every procedure ends by accessing this register, so no procedure is known to be correct for these "
+            "encoders."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -3068,7 +3086,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="Before edition 1.4: counting direction",
         printed="characteristics.counting_direction",
         used="not known",
-        why="The information on the counting direction was updated.",
+        why="The information about the counting direction was updated.",
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("characteristics.counting_direction",),
@@ -3080,8 +3098,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="All information that was marked \"to be updated\"",
         used="not known",
         why=(
-            "The revision removed \"to-be-updated\" information. The table does not say which information was marked, "
-            "or whether it was correct."
+            "This revision removed \"to-be-updated\" information. The table does not say which information was "
+            "marked, or whether it was correct."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -3123,7 +3141,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "characteristics.connection_order_singleturn"
         ),
         used="not known",
-        why="The information on the LEDs and the mounting instructions were updated.",
+        why="The LED information and the mounting instructions were updated.",
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=(

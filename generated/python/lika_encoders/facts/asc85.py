@@ -76,7 +76,7 @@ ORDER_CODE: Final = OrderCode(
         ),
         Part(
             name="output",
-            meaning="Interface and code of the position",
+            meaning="Interface and position encoding",
             values=(
                 PartValue(text="BG", meaning="SSI, binary", source="5 p.15"),
                 PartValue(text="GG", meaning="SSI, Gray", source="5 p.15"),
@@ -86,7 +86,7 @@ ORDER_CODE: Final = OrderCode(
         ),
         Part(
             name="supply",
-            meaning="Supply voltage. The manual gives the two digits for SC and none for BG and GG",
+            meaning="Supply voltage. The manual gives two digits for SC and none for BG and GG",
             values=(PartValue(text="1", meaning="+5 V DC ±5 %"), PartValue(text="2", meaning="+10 V DC to +30 V DC")),
             open="[0-9]",
             source="4 p.13",
@@ -98,8 +98,8 @@ ORDER_CODE: Final = OrderCode(
     ),
     note=(
         "On the label, a hyphen and further characters follow the supply. The manual does not explain them. The order "
-        "code and the serial number are printed on the label on the encoder body and in the delivery document. Lika "
-        "asks for both numbers in every enquiry. Technical data are in the catalogue."
+        "code and the serial number are printed on the label on the encoder body and in the delivery document. Quote "
+        "both numbers in every inquiry to Lika. Technical data are in the catalog."
     ),
     source="Cover, 4 p.13, 5 p.15, 5.2 p.16, 6 p.19",
 )
@@ -116,8 +116,8 @@ CRCS: Final[tuple[Crc, ...]] = (
         polynomial="x^6 + x + 1",
         note=(
             "The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order "
-            "(most significant bit first) and the range (everything from the position to the warning bit, with the "
-            "constant 0 where it is sent) come from public BiSS documents."
+            "(most significant bit first) and the covered bits (everything from the position to the warning bit, with "
+            "the constant 0 where it is sent) come from public BiSS documents."
         ),
         source="6.2.1 p.21, prot: p.7-8, renishaw: data sheet, icmu: p.30",
     ),
@@ -131,8 +131,8 @@ CRCS: Final[tuple[Crc, ...]] = (
         xorout=0x0F,
         polynomial="x^4 + x + 1",
         note=(
-            "The manual prints the polynomial and says that the output is inverted. The start value 0 and the range "
-            "come from public BiSS documents."
+            "The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered "
+            "bits come from public BiSS documents."
         ),
         source="6.3 p.22, prot: p.9-14, icmu: p.30",
     ),
@@ -140,16 +140,16 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum: The clock for cables under 400 m is below the allowed range (open) [5.3 p.17]:
+# Erratum: The clock limit for cables under 400 m is below the clock range (open) [5.3 p.17]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open) [5.3 p.17]:
+# Erratum: The cable length table allows no cable from 400 kHz to 4 MHz (open) [5.3 p.17]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The words and the sign for the SSI pause of 12 µs disagree (open) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
+# Erratum: The wording and the sign for the SSI pause of 12 µs disagree (open) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
 # Printed: Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs.
 # Used: The minimum is 12 µs. Use a longer pause.
 
@@ -157,7 +157,7 @@ SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.3 p.17"),
     alignment=Alignment.MSB_LEFT,
     output_code="by_order_code",
-    signals="EIA RS-422, clock and data have a logic level of typically 5 V",
+    signals="EIA RS-422, with a typical logic level of 5 V for clock and data",
     cable_lengths=(
         CableLength(shorter_than_m=50, below_hz=400_000, source="5.3 p.17"),
         CableLength(shorter_than_m=100, below_hz=300_000, source="5.3 p.17"),
@@ -188,9 +188,9 @@ SSI: Final = SsiFacts(
         ),
     ),
     note=(
-        "One master and one slave communicate point to point, in one direction. There are two twisted pairs for clock "
-        "and data, and six wires in all. The first falling edge of the clock stores the position. The next rising "
-        "edge starts the transmission with the MSB. Each further rising edge outputs one bit, down to the LSB. The "
+        "One master and one slave communicate point to point, in one direction. Clock and data each use a twisted "
+        "pair, and the cable has six wires. The first falling edge of the clock latches the position. The next rising "
+        "edge starts the transmission with the MSB. Each subsequent rising edge outputs one bit, down to the LSB. The "
         "last rising edge ends the cycle, so a word of n bits takes up to n + 1 rising edges (13 bits: 14 edges). The "
         "time Tm may follow the word immediately."
     ),
@@ -199,7 +199,7 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum: The rule for the BiSS time-out is missing from the manual (open) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
+# Erratum: The manual does not give the rule for the BiSS time-out (open) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
 # Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz).
 # Used: Only the printed value is used. The generated files have no rule for other clock frequencies.
 
@@ -213,14 +213,14 @@ BISS: Final = BissFacts(
         ControlField(
             name="register_address",
             bits=7,
-            meaning="Register to read or to write",
+            meaning="Register to read or write",
             printed_name="Register address",
             source="6.3 p.21",
         ),
         ControlField(
             name="rw",
             bits=2,
-            meaning="Direction of the access",
+            meaning="Access direction",
             printed_name="RW",
             values=(
                 NamedValue("write", 1, meaning="Write the register"),
@@ -262,8 +262,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="error",
             printed_name="Error, nE",
             meaning=(
-                "error active in the system. Normal or fault status of the encoder. The error register shows the "
-                "active error."
+                "an error is active in the system. Normal or fault status of the encoder. The error register shows "
+                "the active error."
             ),
             remedy="Read the error register (69h). It shows the active errors.",
             makes_position=Verdict.NOT_USABLE,
@@ -273,8 +273,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="warning",
             printed_name="Warning, nW",
             meaning=(
-                "warning active in the system. Normal or fault status of the encoder. The error register shows the "
-                "active warning."
+                "a warning is active in the system. Normal or fault status of the encoder. The error register shows "
+                "the active warning."
             ),
             remedy="Read the error register (69h). It shows the active warnings.",
             makes_position=Verdict.USABLE_WITH_WARNING,
@@ -295,13 +295,18 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 unit="counts",
                 source="6.2.1 p.20",
             ),
-            FieldFacts(name="zero", printed_name="0", meaning="Always 0, between position and error bit", constant=0),
+            FieldFacts(
+                name="zero",
+                printed_name="0",
+                meaning="Always 0, between the position and the error bit",
+                constant=0,
+            ),
             FieldFacts(
                 name="error",
                 printed_name="Error, nE",
                 meaning="Normal or fault status of the encoder. The error register shows the active error.",
                 active="low",
-                when_active="error active in the system",
+                when_active="an error is active in the system",
                 when_inactive="no active error",
                 source="6.2.1 p.20",
             ),
@@ -310,7 +315,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 printed_name="Warning, nW",
                 meaning="Normal or fault status of the encoder. The error register shows the active warning.",
                 active="low",
-                when_active="warning active in the system",
+                when_active="a warning is active in the system",
                 when_inactive="no active warning",
                 source="6.2.1 p.20",
             ),
@@ -343,7 +348,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     unit="bits",
                 ),
             ),
-            meaning="Identification code of the encoder profile, BP1 (Standard Encoder Profile)",
+            meaning="Encoder profile identification code, BP1 (Standard Encoder Profile)",
             note=(
                 "The manual prints one value for all models, although the data length fits only the model with 25 "
                 "bits. The length is therefore not used to identify the encoder. For the variant, the manual refers "
@@ -396,10 +401,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     printed_name="DC maximum offset",
                     meaning=(
                         "Set together with \"Signal error\". The signal monitoring checks the DC voltage of all "
-                        "analogue signal lines."
+                        "analog signal lines."
                     ),
                     active="high",
-                    when_active="an analogue signal line has reached the upper threshold of its DC voltage",
+                    when_active="an analog signal line has reached the upper threshold of its DC voltage",
                     when_inactive="no active error",
                     source="6.4 p.25",
                 ),
@@ -441,10 +446,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     printed_name="DC minimum offset",
                     meaning=(
                         "Set together with \"Signal error\". The signal monitoring checks the DC voltage of all "
-                        "analogue signal lines."
+                        "analog signal lines."
                     ),
                     active="high",
-                    when_active="an analogue signal line has fallen to the lower threshold of its DC voltage",
+                    when_active="an analog signal line has fallen to the lower threshold of its DC voltage",
                     when_inactive="no active error",
                     source="6.4 p.24",
                 ),
@@ -488,10 +493,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     printed_name="Configuration completed",
                     active="high",
                     when_active=(
-                        "configuration registers verified by their CRC and absolute data read by the absolute data "
-                        "interface"
+                        "the configuration registers have been verified by their CRC and the absolute data interface "
+                        "has read the absolute data"
                     ),
-                    when_inactive="configuration not completed",
+                    when_inactive="the configuration is not complete",
                     source="6.4 p.29",
                 ),
                 FieldFacts(
@@ -532,10 +537,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     meaning="See the commands save_configuration and verify_configuration.",
                     active="high",
                     when_active=(
-                        "internal data bus busy, for example with a CRC verification or a transfer of configuration "
-                        "data from or to the EEPROM"
+                        "the internal data bus is busy, for example with a CRC verification or a transfer of "
+                        "configuration data to or from the EEPROM"
                     ),
-                    when_inactive="internal data bus free",
+                    when_inactive="the internal data bus is free",
                     source="6.4 p.28",
                 ),
                 FieldFacts(
@@ -555,17 +560,17 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     printed_name="Position data valid",
                     meaning="See the command request_position.",
                     active="high",
-                    when_active="the present position data are valid",
+                    when_active="the current position data are valid",
                     when_inactive="new position data are not available yet",
                     source="6.4 p.28",
                 ),
             ),
-            meaning="Present status of the system, the read side of Command & status",
+            meaning="Current system status, the read side of Command & status",
             note=(
-                "The register is read separately, not together with a position. It shows the status at the time of "
-                "reading. It therefore gives no verdict on a position in a frame, which has its own Error and Warning "
-                "bits, or on a position read from the position register at another time. Before reading the position "
-                "register, wait until \"Position data valid\" is 1, as in the procedure request_position."
+                "The register is read separately from the position and shows the status at the time of reading. It "
+                "therefore gives no verdict on a position in a frame, which has its own Error and Warning bits, or on "
+                "a position read from the position register at another time. Before reading the position register, "
+                "wait until \"Position data valid\" is 1, as in the procedure request_position."
             ),
             source="6.4 p.25, 6.4 p.27",
         ),
@@ -578,10 +583,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order=ByteOrder.LOW_BYTE_FIRST,
             meaning="Absolute position",
             note=(
-                "The table uses bits 31:6, which are 26 bits, and calls bits 5:0 \"not used\". It does not give their "
-                "content. If the resolution is 25 bits, the 26 bits are interpreted as the position, followed in bit "
-                "6 by the constant 0 bit of the BiSS frame. At a lower resolution, the position is also interpreted "
-                "as left-aligned. The low byte comes first, unlike in the other multi-byte registers."
+                "The table uses bits 31:6, which are 26 bits, and calls bits 5:0 \"not used\" without giving their "
+                "content. At a resolution of 25 bits, the 26 bits are interpreted as the position followed by one "
+                "more bit: bit 6 is the constant 0 bit of the BiSS frame. At lower resolutions, the position is also "
+                "interpreted as left-aligned. The low byte comes first, unlike in the other multi-byte registers."
             ),
             source="6.4 p.29",
         ),
@@ -613,7 +618,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="configuration_error",
                     printed_name="Configuration error",
                     active="high",
-                    when_active="configuration error, or configuration being written or verified",
+                    when_active="a configuration error is active, or the configuration is being written or verified",
                     when_inactive="no configuration error",
                     source="6.4 p.30",
                 ),
@@ -621,8 +626,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="synchronization_error",
                     printed_name="Synchronization error",
                     active="high",
-                    when_active="the internal synchronisation between cycle counter and interpolator failed",
-                    when_inactive="no synchronisation error",
+                    when_active="the internal synchronization between the cycle counter and the interpolator failed",
+                    when_inactive="no synchronization error",
                     source="6.4 p.30",
                 ),
                 FieldFacts(
@@ -656,8 +661,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             ),
             meaning="Currently active error and warning messages",
             note=(
-                "Bits 2 and 7 are not used. A fault also sets the status \"Warning message\" or \"Error message\", or "
-                "both. Reading the position clears a message. The message appears again while its cause persists."
+                "Bits 2 and 7 are not used. A fault also sets the status \"Warning message\", \"Error message\" or "
+                "both. Reading the position clears the messages. A message reappears as long as its cause persists."
             ),
             source="6.4 p.29",
         ),
@@ -669,10 +674,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             access=Access.READ_ONLY,
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             fields=(
-                FieldFacts(name="name", meaning="Name of the device, ASC85 without its C (41 53 38 35 in hexadecimal)"),
+                FieldFacts(name="name", meaning="Device name, ASC85 without the C (41 53 38 35 in hexadecimal)"),
                 FieldFacts(name="release", meaning="Hardware-software release, printed as 30 31"),
             ),
-            meaning="Name of the device and its hardware-software release",
+            meaning="Device name and hardware-software release",
             note=(
                 "The revision table of the manual lists hardware 0 and software 1, which are the two characters of "
                 "the release."
@@ -705,50 +710,50 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         register="error_register",
         field="control_error",
         latch=True,
-        remedy="Reading the position clears the message. It appears again while its cause persists",
+        remedy="Reading the position clears the message. It reappears as long as its cause persists",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
     ),
     Alarm(
         name="signal_error",
         meaning=(
-            "The AC amplitude of a differential signal or the DC voltage of an analogue signal line has reached a "
+            "The AC amplitude of a differential signal or the DC voltage of an analog signal line has reached a "
             "threshold. Bits 0, 1, 4 and 5 of the diagnostic data show which."
         ),
         printed_name="Signal error",
         register="error_register",
         field="signal_error",
         latch=True,
-        remedy="Reading the position clears the message. It appears again while its cause persists",
+        remedy="Reading the position clears the message. It reappears as long as its cause persists",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
     ),
     Alarm(
         name="synchronization_error",
-        meaning="The internal synchronisation between the cycle counter and the interpolator failed.",
+        meaning="The internal synchronization between the cycle counter and the interpolator failed.",
         printed_name="Synchronization error",
         register="error_register",
         field="synchronization_error",
         latch=True,
-        remedy="Reading the position clears the message. It appears again while its cause persists",
+        remedy="Reading the position clears the message. It reappears as long as its cause persists",
         cleared_by=("reset_errors",),
         source="6.4 p.30",
     ),
     Alarm(
         name="configuration_error",
         meaning=(
-            "The cause is one of: power-on without EEPROM, CRC error at power-on with EEPROM, error while writing the "
-            "EEPROM with command 01, CRC error after a software reset with command 03, CRC error after a verification "
-            "with command 04, failure of the EEPROM. The bit is also set temporarily, without an error, during the "
-            "write with command 01 and the verification with command 04."
+            "The cause is one of these: power-on without an EEPROM, a CRC error at power-on with an EEPROM, an error "
+            "while writing the EEPROM with command 01, a CRC error after a software reset with command 03, a CRC "
+            "error after a verification with command 04, or an EEPROM failure. The bit is also set temporarily, "
+            "without an error, during the write with command 01 and the verification with command 04."
         ),
         printed_name="Configuration error",
         register="error_register",
         field="configuration_error",
-        detected="At power-on, after a software reset, when the configuration is written to the EEPROM or verified",
+        detected="At power-on, after a software reset, and when the configuration is written to the EEPROM or verified",
         remedy=(
-            "The message clears itself at the end of a successful write or verification, but not of a failed one. "
-            "Like all messages, it is cleared by reading the position. It appears again while its cause persists"
+            "The message clears itself after a successful write or verification, but not after a failed one. Like all "
+            "messages, it is also cleared by reading the position. It reappears as long as its cause persists"
         ),
         cleared_by=("reset_errors",),
         source="6.4 p.30",
@@ -760,7 +765,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         register="error_register",
         field="interpolation_error",
         latch=True,
-        remedy="Reading the position clears the message. It appears again while its cause persists",
+        remedy="Reading the position clears the message. It reappears as long as its cause persists",
         cleared_by=("reset_errors",),
         source="6.4 p.31",
     ),
@@ -775,7 +780,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         field="absolute_data_error",
         detected="When the absolute data interface reads, for example after command 02",
         latch=True,
-        remedy="Reading the position clears the message. It appears again while its cause persists",
+        remedy="Reading the position clears the message. It reappears as long as its cause persists",
         cleared_by=("reset_errors",),
         source="6.4 p.31",
     ),
@@ -806,7 +811,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
     Connector(
         name="m23_connector",
         kind=ConnectorKind.CONNECTOR,
-        title="M23 12-pin, counted counter-clockwise, male",
+        title="M23 12-pin, numbered counterclockwise, male",
         interfaces=(Interface.SSI, Interface.BISS),
         contacts=(
             Contact("1", "CLOCK IN - / MA -"),
@@ -872,7 +877,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(name="scanning", value="Singleturn rotary encoder with optical scanning", source="Cover"),
     Characteristic(
         name="shaft",
-        value="Thru-bore shaft of 50 mm (1.9685 in)",
+        value="Thru-bore shaft with a diameter of 50 mm (1.9685 in)",
         source="Cover",
         values=(
             Quantity(quantity="length", unit="mm", typical=50, where="bore"),
@@ -890,7 +895,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="personnel",
         value=(
             "Only qualified personnel may install and maintain the encoder, with the power supply disconnected and "
-            "the mechanical parts at rest. They must follow the accident prevention rules of the country. Use the "
+            "the mechanical parts at rest. They must follow the local accident prevention regulations. Use the "
             "encoder only for the purpose it was designed for. High current, voltage and moving parts can injure or "
             "kill."
         ),
@@ -905,7 +910,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="emc_precautions",
         value=(
-            "Discharge your body and tools before handling the encoder. Use a stabilised, noise-free supply, with EMC "
+            "Discharge your body and tools before handling the encoder. Use a stabilized, noise-free supply, with EMC "
             "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
             "necessary and away from high-voltage power cables. Mount the device away from capacitive and inductive "
             "noise sources, or shield it from them. Do not place strong magnets on or near the unit."
@@ -924,7 +929,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="mechanical_safety",
         value=(
             "Do not disassemble the encoder. Do not machine the encoder or its shaft. Do not subject the device or "
-            "its shaft to knocks or shocks. Observe the ambient conditions specified by the manufacturer."
+            "its shaft to knocks or shocks. Operate it only under the ambient conditions specified by the "
+            "manufacturer."
         ),
         source="1.3 p.8",
     ),
@@ -946,7 +952,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="eccentric_screws",
-        value="Three, M4, for a hex key of 3.0 mm",
+        value="Three, M4, for a 3.0 mm hex key",
         source="3.3 p.12",
         values=(Quantity(quantity="length", unit="mm", typical=3, where="hex key"),),
     ),
@@ -959,7 +965,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="wiring",
         value=(
-            "Switch the supply off while wiring. Cut the wires of unused signals to different lengths and insulate "
+            "Switch off the supply before wiring. Cut the wires of unused signals to different lengths and insulate "
             "each of them. If they touch, the device may be damaged beyond repair."
         ),
         source="4 p.13",
@@ -1025,7 +1031,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="cable_temperature_dynamic",
-        value="−40 °C to +90 °C (−40 °F to +194 °F) in dynamic installation",
+        value="−40 °C to +90 °C (−40 °F to +194 °F) in a dynamic installation",
         source="4.3 p.14",
         values=(
             Quantity(quantity="temperature", unit="°C", min=-40, max=90),
@@ -1034,7 +1040,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="cable_temperature_fixed",
-        value="−50 °C to +90 °C (−58 °F to +194 °F) in fixed installation",
+        value="−50 °C to +90 °C (−58 °F to +194 °F) in a fixed installation",
         source="4.3 p.14",
         values=(
             Quantity(quantity="temperature", unit="°C", min=-50, max=90),
@@ -1043,7 +1049,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="cable_resistance",
-        value="At most 90 Ω/km (0.22 mm²) and 148 Ω/km (0.14 mm²) per conductor",
+        value="At most 90 Ω/km (0.22 mm²) or 148 Ω/km (0.14 mm²) per conductor",
         source="4.3 p.14",
         values=(
             Quantity(quantity="resistance_per_length", unit="Ω/km", max=90, where="wires of 0.22 mm²"),
@@ -1052,16 +1058,16 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="counting_direction",
-        value="The position counts up with clockwise rotation, as shown in a picture. The direction is fixed",
+        value="The position counts up with clockwise rotation, as shown in a figure. The direction is fixed",
         source="4.5 p.14",
     ),
-    Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
+    Characteristic(name="disposal", value="Dispose of the device separately", source="Back cover"),
 )
 
 #: Content of figures that is missing from the text of the manual.
 LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
-    LostFigure("Overall dimensions in millimetres.", source="3.1 p.11"),
-    LostFigure("Dimensions of the mounting support in millimetres.", source="3.2 p.11"),
+    LostFigure("Overall dimensions in millimeters.", source="3.1 p.11"),
+    LostFigure("Dimensions of the mounting support in millimeters.", source="3.2 p.11"),
     LostFigure("Picture of the mounting with parts 1 to 4. The text also gives their names.", source="3.3 p.12"),
     LostFigure(
         "Front view of the M12 connector with its pin numbers. The table in section 4 lists the pins.",
@@ -1073,8 +1079,8 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     ),
     LostFigure(
         (
-            "Standard counting direction. The text says clockwise as shown in the figure, but not from which side. "
-            "This spec therefore does not give the side."
+            "Standard counting direction. The text says \"clockwise as shown in the figure\" but does not say from "
+            "which side. This spec therefore does not give the side."
         ),
         source="4.5 p.14",
     ),
@@ -1083,7 +1089,7 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
         source="5.1 p.15",
     ),
     LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text also describes it.",
+        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text also describes them.",
         source="5.1",
     ),
     LostFigure(
@@ -1114,8 +1120,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="\"do not touch the encoder or its shaft\"",
         used="The generated files say that neither the encoder nor its shaft may be machined.",
         why=(
-            "Mounting the encoder as in 3.3 requires touching both. The same list has \"do not tool\" in the AM36 and "
-            "AMM5 manuals, so touch is probably a misprint of tool. This manual does not prove it."
+            "Mounting the encoder as described in section 3.3 requires touching both. In the AM36 and AMM5 manuals, "
+            "the same list has \"do not tool\", so \"touch\" is probably a misprint for \"tool\". This manual alone "
+            "does not prove it."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -1124,15 +1131,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="resistance_by_cross_section",
-        title="Conductor resistances are not assigned to the wires",
+        title="The manual does not say which wires have which conductor resistance",
         printed=(
             "Wires 2 × 0.22 mm² + 6 × 0.14 mm². Conductor resistance ≤ 90 Ω/km / ≤ 148 Ω/km. The manual does not "
             "assign these values to the wires"
         ),
         used="90 Ω/km is the resistance of the 0.22 mm² wires, and 148 Ω/km that of the 0.14 mm² wires.",
         why=(
-            "Both pairs have the same order, and the thicker of two copper wires has the lower resistance. The AM36 "
-            "manual prints it this way."
+            "Both pairs of values are in the same order, and the thicker of two copper wires has the lower "
+            "resistance. The AM36 manual assigns the values in this way."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1141,7 +1148,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="torque_maximum",
-        title="The maximum torques have tolerances",
+        title="The manual gives maximum torques with tolerances",
         printed="Max. tightening torque 2 ± 0.2 Nm and 2.5 ± 0.5 Nm",
         used="Both values are given as printed.",
         why="A maximum has no tolerance. The manual does not say whether 2 Nm and 2.5 Nm are target values or limits.",
@@ -1154,13 +1161,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="connector_free_pins",
         title="The manual does not list the unused pins of the connectors",
         printed=(
-            "The table has rows for six pins of the M12 and of the M23 connector, and two rows \"not connected\" with "
-            "a dash for both connectors"
+            "The table has rows for six pins of the M12 and M23 connectors, and two \"not connected\" rows with a "
+            "dash for both connectors"
         ),
         used="Pins 7 and 8 of the M12 connector and pins 5 to 10 of the M23 connector are omitted.",
         why=(
             "The connectors have 8 and 12 pins. The other pins are probably not connected, but the manual says so "
-            "only of two wires of the cable."
+            "only for two wires of the cable."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1169,15 +1176,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="supply_digit",
-        title="The supply digit is explained for the BiSS models only",
+        title="The manual explains the supply digit only for the BiSS models",
         printed=(
-            "The supply voltage is explained for SC1 and SC2 only, as an example. BG and GG are printed with three "
+            "The supply voltage is explained only for SC1 and SC2, as an example. BG and GG are printed with three "
             "dots."
         ),
         used="1 and 2 have the same meaning after BG and GG. Any other digit is accepted as unlisted.",
         why=(
-            "The table of connections and its footnote, the supply voltage as in the order code, apply to SSI and "
-            "BiSS alike. The manual does not list which digits exist."
+            "The connection table and its footnote, which refers to the order code for the supply voltage, apply to "
+            "both SSI and BiSS. The manual does not list the existing digits."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1188,14 +1195,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_code_letters",
         title="The manual does not say which of BG and GG is Gray code",
         printed=(
-            "\"The output code can be GRAY or BINARY\", see the order code. The order codes are BG and GG, without "
-            "their meaning."
+            "\"The output code can be GRAY or BINARY\", see the order code. The order codes BG and GG are not "
+            "explained."
         ),
         used="BG is binary, GG is Gray.",
         why=(
             "The AMM5 manual has one SSI code, BG1, and calls its output binary. The SMA21 manual calls the output of "
             "its G1x models Gray and also lists BG and GG. This spec infers that the letters have the same meaning in "
-            "this manual. To check, turn the shaft slowly. If neighbouring positions jump, the other code is in use."
+            "this manual. To check, turn the shaft slowly. If the decoded position jumps, the encoder uses the other "
+            "code."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1222,7 +1230,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="The SSI bits are numbered 20 ... 1 to 25 ... 1",
         used="The bits are 19:0 to 24:0, with bit 0 as the LSB.",
         why=(
-            "The table of lengths lists words of 20 to 25 bits, which leaves no room for another bit at position 0. "
+            "The table of lengths lists words of 20 to 25 bits, which leaves no room for an extra bit at position 0. "
             "Everything else in the manual counts from 0. (The SMA21 manual also numbers its position n ... 1, and "
             "has an error bit at 0.)"
         ),
@@ -1233,7 +1241,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        title="The clock for cables under 400 m is below the allowed range",
+        title="The clock limit for cables under 400 m is below the clock range",
         printed=(
             "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz"
         ),
@@ -1246,7 +1254,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        title="The table of cable lengths has no cable for 400 kHz to 4 MHz",
+        title="The cable length table allows no cable from 400 kHz to 4 MHz",
         printed=(
             "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz"
         ),
@@ -1262,14 +1270,14 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The words and the sign for the SSI pause of 12 µs disagree",
+        title="The wording and the sign for the SSI pause of 12 µs disagree",
         printed="Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs",
         used="The minimum is 12 µs. Use a longer pause.",
         why=(
             "The words \"at least\" allow 12 µs, but the sign \">\" does not. A pause of exactly 12 µs leaves no "
-            "margin in either case. The encoder is ready again only after Tm, and the typical Tm is too short for "
-            "every encoder with a longer Tm. With the same Tm, the AMM5 manual requires 20 µs and the SMA21 manual 16 "
-            "µs."
+            "margin in either case. The encoder is ready again only after Tm, and a pause of the typical Tm is too "
+            "short for any encoder with a longer Tm. With the same Tm, the AMM5 manual requires 20 µs and the SMA21 "
+            "manual 16 µs."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1278,12 +1286,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_documents",
-        title="Three names are used for one BiSS document",
+        title="The manual uses three names for one BiSS document",
         printed=(
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"BiSS C Protocol "
             "Description\""
         ),
-        used="The document meant is the BiSS C protocol description of iC-Haus.",
+        used="All three names are read as the BiSS C protocol description from iC-Haus.",
         why=(
             "The manufacturer's manuals use different names for this document. The protocol description is public, "
             "and the manuals use its terms."
@@ -1295,17 +1303,17 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        title="The start value of the BiSS CRCs is missing from the manual",
+        title="The manual does not give the start value of the BiSS CRCs",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
         ),
         used="The start value is 0.",
         why=(
-            "In public BiSS documents, the start value is 0 unless something else is stated. The one public driver "
-            "for this encoder also uses this value. However, a public controller with the same registers lets its "
-            "manufacturer set any start value. With another start value, the CRC of every frame fails, with or "
-            "without errors on the line."
+            "In public BiSS documents, the start value is 0 unless stated differently. The one public driver for this "
+            "encoder also uses this value. However, a public controller with the same registers lets its manufacturer "
+            "set any start value. With the wrong start value, the CRC check of every frame fails, with or without "
+            "errors on the line."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1317,7 +1325,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="cycle_counter",
-        title="A singleturn encoder's cycle counter is mentioned without explanation",
+        title="The manual does not explain the cycle counter of a singleturn encoder",
         printed=(
             "Command 02 sets the cycle counter. Synchronization error is about \"the cycle counter and the "
             "interpolator\""
@@ -1325,8 +1333,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The command and the error are described as printed.",
         why=(
             "This is a singleturn encoder, so it does not count revolutions. The manual does not say what the counter "
-            "counts. In a public controller with the same commands, it counts the periods of the sine and cosine "
-            "signals within the turn."
+            "counts. In a public controller with the same commands, the cycle counter counts the periods of the sine "
+            "and cosine signals within the turn."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1342,10 +1350,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="control_data_bit",
         title="The control frame bit is described in the wrong place",
         printed="Control Data is the \"transmission of a single bit\" that follows the SCD data.",
-        used="The generated files do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a control frame layout from this sentence.",
         why=(
-            "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
-            "the data, only the master's bit is sent, during the time-out."
+            "In the BiSS protocol description, which section 6.3 refers to, the encoder's bit comes before the data. "
+            "After the data, only the master's bit is sent, during the time-out."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1354,7 +1362,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="scd_length",
-        title="The table of the frame has one bit more than the printed length",
+        title="The frame table has one bit more than the printed frame length",
         printed=(
             "SCD data is nbitres+8 long. Its parts, including a 0 bit, add up to nbitres + 9, and the preliminary "
             "information gives 34 bits for 25"
@@ -1369,9 +1377,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "the one public driver written for this encoder reads 25 bits, nE, nW and 6 CRC bits, 33 in all, without "
             "the 0 bit, and 33 is nbitres+8 as printed. A receiver that reads one bit too many or too few rejects "
             "every intact frame, because the inverted CRC never matches a frame shifted by one bit. This does not "
-            "hold for a word that a master received with the correct length. The CRC does not detect leading zeros, "
-            "so the wrong layout accepts every second position and shows half or twice its value. Also, the frame for "
-            "25 bits without the 0 bit is as long as the frame for 24 bits with it."
+            "apply to a word that a master received with the correct length. The CRC does not detect leading zeros, "
+            "so the wrong layout accepts every second position and shows half or twice its value. Also, the 25-bit "
+            "frame without the 0 bit is as long as the 24-bit frame with it."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1404,14 +1412,14 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_variant",
-        title="The profile variant is printed in two ways",
+        title="The manual prints two versions of the profile variant",
         printed="Variant 0-24++ in the table, Variant 0-24 in the sentence below it",
         used="0-24++",
         why=(
             "The table lists the value for this encoder. In the SMA21 manual, 0-24 is used with 20 to 24 bits and "
             "0-24+++ with 25. In profilebiss.xml, bits 15:13 of a profile ID select the profile, and 0 is BP0. In "
-            "281Ah they are 001, which would be BP1. The public part of profilebiss.xml ends within BP0, and no other "
-            "public document gives the meaning of the + signs."
+            "281Ah they are 001, which would be BP1. The public part of profilebiss.xml ends partway through BP0, and "
+            "no other public document explains the + signs."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -1425,8 +1433,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The serial number is decoded as a single number.",
         why=(
             "In the AMM5 manual, the same register contains year, week and number as decimal digits. Read this way, "
-            "the example is 17 12 56846, week 12 of 2017, two months before this manual. The SMA21 manual has the "
-            "year in 44h and the week in 45h, which contain 0Ah and 35h here."
+            "the example is 17 12 56846, week 12 of 2017, two months before this manual. In the SMA21 manual, the "
+            "year is in 44h and the week is in 45h. In this example, those registers contain 0Ah and 35h."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1435,7 +1443,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="absolute_data_valid_bit",
-        title="Absolute data valid is bit 2 in one place and bit 1 in another",
+        title="The manual prints Absolute data valid as bit 2 and as bit 1",
         printed="Command 02: \"The status bit 2 Absolute data valid\". List of status bits: bit 1",
         used="Absolute data valid is bit 1.",
         why=(
@@ -1449,7 +1457,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="internal_data_bus_busy_bit",
-        title="Internal data bus busy is bit 3 in one place and bit 2 in another",
+        title="The manual prints Internal data bus busy as bit 3 and as bit 2",
         printed="Commands 01 and 04: \"the status bit 3 Internal data bus busy\". List of status bits: bit 2",
         used="Internal data bus busy is bit 2.",
         why=(
@@ -1472,8 +1480,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="No bit of the error register is interpreted as a warning. All are active errors.",
         why=(
             "The manual does not say which of them make nE active and set \"Error message\", and which set nW and "
-            "\"Warning message\". A public controller with the same registers has two masks for this, which the "
-            "manufacturer sets."
+            "\"Warning message\". A public controller with the same registers has two masks for this purpose, which "
+            "the manufacturer sets."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1500,16 +1508,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_register_bits",
-        title="The position register is described for one resolution only",
+        title="The manual describes the position register for only one resolution",
         printed="Position: registers 61h to 64h with 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models",
         used=(
             "The exponents are the bit numbers of the register. The position is left-aligned at bit 31 and "
             "position_bits wide. The bits below it are unspecified."
         ),
         why=(
-            "No model has 26 bits. 25 bits and the constant 0 bit of the frame fill this width. The manual does not "
-            "say whether the position remains left-aligned at 20 to 24 bits, or what the bits below it contain then. "
-            "A public controller has 26 singleturn bits at the same addresses."
+            "No model has 26 bits. The 25 bits of the position and the constant 0 bit of the frame fill this width. "
+            "The manual does not say whether the position remains left-aligned at 20 to 24 bits, or what the bits "
+            "below it then contain. A public controller has 26 singleturn bits at the same addresses."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1518,13 +1526,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="error_reset",
-        title="Two ways of reading the position could reset the errors",
+        title="The manual does not say how reading the position resets the errors",
         printed="\"the reset is performed upon reading out position data\"",
         used="Reading the position register resets the messages.",
         why=(
             "Each BiSS frame carries the position, and a register is read bit by bit over many frames. If each frame "
             "counted as reading out position data, a message would be reset before the register could show it. The "
-            "manual does not say which interpretation is meant."
+            "manual does not say which kind of reading it means."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1538,12 +1546,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
-        title="All models share one device ID",
+        title="All models have the same device ID, despite different data lengths",
         printed="The manual gives one device ID, AS85 with the release 01, for all models",
         used="The device ID is used as printed.",
         why=(
-            "BiSS requires a different device ID for each data length. The SC models have six lengths. Since the "
-            "profile ID is also the same, a master cannot distinguish the models."
+            "BiSS requires a different device ID for each data length. The SC models have six different data lengths. "
+            "Since the profile ID is also the same, a master cannot distinguish the models."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1552,13 +1560,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout",
-        title="The rule for the BiSS time-out is missing from the manual",
+        title="The manual does not give the rule for the BiSS time-out",
         printed="BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz)",
         used="Only the printed value is used. The generated files have no rule for other clock frequencies.",
         why=(
             "An adaptive time-out depends on the clock, but the manual gives no rule. At 10 MHz, the one and a half "
-            "clock periods of the BiSS description and of the AMM5 manual are 0.15 µs. 0.35 µs is three and a half "
-            "periods."
+            "clock periods in the BiSS description and the AMM5 manual are 0.15 µs. The printed 0.35 µs is three and "
+            "a half periods."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1567,22 +1575,22 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="insulating",
-        title="Circuits are insulted instead of insulated",
+        title="A typo turns insulating circuits into insulting them",
         printed="\"possibility of insulting the circuits galvanically\"",
         used="The generated files do not use the sentence.",
-        why="The sentence is about optocouplers, which insulate circuits.",
+        why="The sentence is about optocouplers, which isolate circuits.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         source="5.1",
     ),
     Erratum(
         name="eds_bank_missing",
-        title="The manual does not list the registers of the EDS",
-        printed="Status bit 3: write access permitted to the EDS memory area. No registers 40h and 41h are listed.",
+        title="The manual does not list the EDS registers",
+        printed="Status bit 3: write access permitted to the EDS memory area. Registers 40h and 41h are not listed.",
         used="The generated files have no EDS.",
         why=(
             "In the BiSS register map, 40h selects the bank and 41h contains the EDS bank. The manual does not say "
-            "whether there is an EDS, or where."
+            "whether there is an EDS or where it is."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,

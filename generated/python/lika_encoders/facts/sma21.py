@@ -118,8 +118,8 @@ ORDER_CODE: Final = OrderCode(
     note=(
         "On the label, a hyphen and further characters follow the resolution. The manual does not explain them. It "
         "prints x for the supply digit of all models except JP1, and explains 1 and 4 by example. The order code and "
-        "the serial number are printed on the label on the encoder body and in the delivery document. Lika asks for "
-        "both numbers in every enquiry. Technical data are in the catalogue. The order code of the tape is in its "
+        "the serial number are printed on the label on the encoder body and in the delivery document. Quote both "
+        "numbers in every inquiry to Lika. Technical data are in the catalog. The order code of the tape is in its "
         "data sheet."
     ),
     source="Cover, 4.1 p.15, 4.10 p.18, 5 p.19, 6 p.24, 7 p.37",
@@ -137,8 +137,8 @@ CRCS: Final[tuple[Crc, ...]] = (
         polynomial="x^6 + x + 1",
         note=(
             "The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order "
-            "(most significant bit first) and the range (position, error and warning bit) come from public BiSS "
-            "documents."
+            "(most significant bit first) and the covered bits (position, error and warning bit) come from public "
+            "BiSS documents."
         ),
         source="6.2 p.26, prot: p.7-8, renishaw: data sheet, icmu: p.30",
     ),
@@ -152,8 +152,8 @@ CRCS: Final[tuple[Crc, ...]] = (
         xorout=0x0F,
         polynomial="x^4 + x + 1",
         note=(
-            "The manual prints the polynomial and says that the output is inverted. The start value 0 and the range "
-            "come from public BiSS documents."
+            "The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered "
+            "bits come from public BiSS documents."
         ),
         source="6.3 p.27, prot: p.9-14, icmu: p.30",
     ),
@@ -177,16 +177,16 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum: The clock for cables under 400 m is below the allowed range (open) [5.3 p.22]:
+# Erratum: The clock limit for cables under 400 m is below the clock range (open) [5.3 p.22]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum: The table of cable lengths has no cable for 400 kHz to 1 MHz (open) [5.3 p.22]:
+# Erratum: The cable length table allows no cable from 400 kHz to 1 MHz (open) [5.3 p.22]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum: The words and the sign for the SSI pause of 16 µs disagree (open) [5.1, 5.3 p.22]:
+# Erratum: The wording and the sign for the SSI pause of 16 µs disagree (open) [5.1, 5.3 p.22]:
 # Printed: Pause of at least 16 µs (Tp > 16 µs).
 # Used: The minimum is 16 µs. Use a longer pause.
 # Why: The words "at least" allow 16 µs, but the sign ">" does not.
@@ -195,7 +195,7 @@ SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=1_000_000, source="5.3 p.22"),
     alignment=Alignment.MSB_LEFT,
     output_code="by_order_code",
-    signals="RS-422, clock and data have a logic level of typically 5 V",
+    signals="RS-422, with a typical logic level of 5 V for clock and data",
     cable_lengths=(
         CableLength(shorter_than_m=50, below_hz=400_000, source="5.3 p.22"),
         CableLength(shorter_than_m=100, below_hz=300_000, source="5.3 p.22"),
@@ -226,9 +226,9 @@ SSI: Final = SsiFacts(
         ),
     ),
     note=(
-        "One master and one slave communicate point to point, in one direction. There are two twisted pairs for clock "
-        "and data, and six wires in all. The first falling edge of the clock stores the position. The next rising "
-        "edge starts the transmission with the MSB. Each further rising edge outputs one bit, down to the LSB. The "
+        "One master and one slave communicate point to point, in one direction. Clock and data each use a twisted "
+        "pair, and the cable has six wires. The first falling edge of the clock latches the position. The next rising "
+        "edge starts the transmission with the MSB. Each subsequent rising edge outputs one bit, down to the LSB. The "
         "last rising edge ends the cycle, so a word of n bits takes n + 1 rising edges (13 bits: 14 edges). The "
         "master sends at least as many clocks as the word has bits. The time Tm may follow the word immediately."
     ),
@@ -237,7 +237,7 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum: Bits that should be 0 carry data with an offset (open) [6.2 p.25, 6.4 p.32]:
+# Erratum: With an offset, bits that should be 0 carry data (open) [6.2 p.25, 6.4 p.32]:
 # Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions of 20
 # bits.
 # Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes up the whole field of
@@ -245,18 +245,18 @@ SSI: Final = SsiFacts(
 # rejected.
 # Why: The highest offset is the number of positions that the whole field can hold minus the number of positions at the
 # resolution. The limit refers to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the
-# bits above the position carry data. The zeros of 6.2 apply only if no offset is selected. Only a frame of an encoder
-# with an offset could confirm this.
+# bits above the position carry data. The zeros of section 6.2 apply only if no offset is selected. Only a frame from an
+# encoder with an offset could confirm this.
 #
-# Erratum: The data lengths in the profile IDs count different bits (open) [6.4 p.28, asc85: 6.4 p.23]:
+# Erratum: The data lengths in the profile IDs do not match the frame (open) [6.4 p.28, asc85: 6.4 p.23]:
 # Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a field of
 # 24 bits.
 # Used: Each profile ID is used as printed.
 # Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the whole
-# field, not of the position, and the variant with one more bit has one plus sign fewer. A master that takes the length
-# of the data from the profile ID would miss 4, 2 or 1 bits with this encoder.
+# field, not of the position, and the variant with one more bit has one plus sign fewer. With this encoder, a master
+# that takes the data length from the profile ID would miss 4, 2 or 1 bits.
 #
-# Erratum: The rule for the BiSS time-out is missing from the manual (open) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
+# Erratum: The manual does not give the rule for the BiSS time-out (open) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
 # Printed: The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule.
 # Used: The time-out is at most 16 µs.
 
@@ -267,11 +267,11 @@ BISS: Final = BissFacts(
     network=Network(topology="point_to_point", multiple_slaves=False, source="6 p.24"),
     timeout=Timeout(rule=TimeoutRule.FOLLOWS_CLOCK, at_most_ns=16_000, source="6.5 p.34"),
     control_data=(
-        ControlField(name="register_address", bits=7, meaning="Register to read or to write", source="6.3 p.27"),
+        ControlField(name="register_address", bits=7, meaning="Register to read or write", source="6.3 p.27"),
         ControlField(
             name="rw",
             bits=2,
-            meaning="Direction of the access",
+            meaning="Access direction",
             printed_name="RW",
             values=(
                 NamedValue("write", 1, meaning="Write the register"),
@@ -304,8 +304,8 @@ BISS: Final = BissFacts(
         Timing(
             name="eeprom_write",
             meaning=(
-                "Time between a write to the Command register and the next function. The EEPROM is written during "
-                "this time"
+                "Time to wait after a write to the Command register before the next function. The EEPROM is written "
+                "during this time"
             ),
             at_least_us=30_000,
             source="6.4 p.29",
@@ -320,7 +320,7 @@ BISS: Final = BissFacts(
 
 # RS-485
 #
-# Erratum: Zero setting over RS-485 is both ruled out and described (open) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
+# Erratum: The manual both rules out and describes zero setting over RS-485 (open) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
 # Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and RS-485.
 # 7.3.3.2: data ID F resets the position to 0.
 # Used: Data ID F is used as described in 7.3.1 and 7.3.3.2.
@@ -330,9 +330,9 @@ BISS: Final = BissFacts(
 # 40 µs or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
-# Erratum: The reply time over RS-485 is missing from the manual (open) [7.1 p.37, 7.2 p.37]:
+# Erratum: The manual does not give the reply time over RS-485 (open) [7.1 p.37, 7.2 p.37]:
 # Printed: The manual describes requests and replies, but not the time between them.
-# Used: The generated files have no reply time and no time-out. The master chooses its time-out.
+# Used: The generated files have no reply time and no time-out. The user of the master chooses the time-out.
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.37"),
@@ -388,9 +388,9 @@ RS485: Final = Rs485Facts(
     ),
     note=(
         "Each byte is sent between a start bit, 0, and a delimiter, 1, least significant bit first (7.3.1 to 7.3.4). "
-        "These are ten bits, as a serial port with one stop bit sends them. The low byte of a number is sent first. "
-        "Each reply of the encoder begins with the control field that it received from the master. A request is not "
-        "valid if its sync code, data ID, parity, delimiter or length is wrong."
+        "This gives ten bits per byte, the same as a serial port with one stop bit. The low byte of a number is sent "
+        "first. Each reply of the encoder begins with the control field that it received from the master. A request "
+        "is not valid if its sync code, data ID, parity, delimiter or length is wrong."
     ),
     source="7 p.37",
 )
@@ -402,9 +402,9 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="error",
             printed_name="",
             meaning=(
-                "an error is present and the LED is red. Reading error (the tape is not read properly because it is "
-                "mounted incorrectly, for instance reversed or upside down, its surface is damaged, or the sensor is "
-                "faulty) or frequency error (the sensor moves too fast over the tape)."
+                "an error is present and the LED is red. Reading error (the tape cannot be read properly because it "
+                "is mounted incorrectly, for instance reversed or upside down, because its surface is damaged, or "
+                "because the sensor is faulty) or frequency error (the sensor moves too fast along the tape)."
             ),
             makes_position=Verdict.NOT_USABLE,
             source="5.4 p.22",
@@ -413,8 +413,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="warning",
             printed_name="Warning, nW",
             meaning=(
-                "warning active. Used with the Position check register for an automatic check of the position. It is "
-                "only for Lika's technicians."
+                "a warning is active. Used with the Position check register for an automatic check of the position. "
+                "It is intended only for Lika's technicians."
             ),
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="6.2 p.26",
@@ -422,7 +422,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="status_info",
             printed_name="dd0 ... dd3",
-            meaning="unused bits differ from the documented value 0. Information, not used in this encoder.",
+            meaning="unused bits differ from the documented value 0. Information bits, not used in this encoder.",
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.3.2 p.38, a4: p.298",
         ),
@@ -431,7 +431,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             printed_name="ea0",
             meaning=(
                 "encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position "
-                "is correct. Not stored. The bit clears as soon as the cause is gone."
+                "is correct. The bit is not stored. It clears as soon as the cause is gone."
             ),
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="7.3.2 p.38, a4: p.298",
@@ -457,7 +457,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="overspeed",
             printed_name="Overspeed",
-            meaning="speed too high",
+            meaning="the speed is too high",
             remedy="Reset the errors with data ID B",
             makes_position=Verdict.NOT_USABLE,
             source="7.3.3.1 p.41, 7.3.2 p.38",
@@ -465,7 +465,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="initialization_error",
             printed_name="Initialization error",
-            meaning="error during the initialization, or absolute position not found",
+            meaning="an error occurred during the initialization, or the absolute position was not found",
             remedy=(
                 "Reset the errors with data ID B after the initialization is complete and normal operation has "
                 "started again"
@@ -476,7 +476,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="hardware_error",
             printed_name="Hardware error",
-            meaning="error in the EEPROM",
+            meaning="there is an error in the EEPROM",
             remedy="Reset the errors with data ID B",
             makes_position=Verdict.NOT_USABLE,
             source="7.3.3.1 p.41, 7.3.2 p.38",
@@ -485,8 +485,8 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
             name="encoder_inharmonious_error",
             printed_name="Encoder inharmonious error",
             meaning=(
-                "an alarm that is no longer in manual 1.1 of November 2023. An older encoder may have it. Its cause "
-                "is not known"
+                "an alarm that is no longer in manual 1.1 of November 2023, but that an older encoder may have. Its "
+                "cause is not known"
             ),
             makes_position=Verdict.NOT_USABLE,
             source="7.3.3 p.39, 7.3.3.1 p.40",
@@ -501,7 +501,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
         Report(
             name="low_amplitude_error",
             printed_name="Low amplitude error",
-            meaning="amplitude of the signal too low",
+            meaning="the signal amplitude is too low",
             remedy="Reset the errors with data ID B",
             makes_position=Verdict.NOT_USABLE,
             source="7.3.3.1 p.40, 7.3.2 p.38",
@@ -529,19 +529,19 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
         "ssi_word": (
             FieldFacts(
                 name="position",
-                meaning="Position in counts. Multiplied by the resolution, it gives a length",
+                meaning="Position in counts. Multiply it by the resolution to get a length",
                 unit="counts",
             ),
             FieldFacts(
                 name="error",
                 meaning=(
-                    "Reading error (the tape is not read properly because it is mounted incorrectly, for instance "
-                    "reversed or upside down, its surface is damaged, or the sensor is faulty) or frequency error "
-                    "(the sensor moves too fast over the tape)"
+                    "Reading error (the tape cannot be read properly because it is mounted incorrectly, for instance "
+                    "reversed or upside down, because its surface is damaged, or because the sensor is faulty) or "
+                    "frequency error (the sensor moves too fast along the tape)"
                 ),
                 active="low",
                 when_active="an error is present and the LED is red",
-                when_inactive="normal state without an active error. The LED is off",
+                when_inactive="there is no active error and the LED is off",
                 names=ReadOnly({"it": "Bit di errore"}),
                 source="5.4 p.22",
             ),
@@ -550,14 +550,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="padding",
                 meaning=(
-                    "Zeros above the position, which the manual counts as part of Posizione. There are none while an "
-                    "offset is selected"
+                    "Zeros above the position, which the manual counts as part of \"Posizione\". There are none while "
+                    "an offset is selected"
                 ),
                 constant=0,
             ),
             FieldFacts(
                 name="position",
-                meaning="Position in counts. Multiplied by the resolution, it gives a length",
+                meaning="Position in counts. Multiply it by the resolution to get a length",
                 unit="counts",
                 names=ReadOnly({"it": "Posizione"}),
                 source="6.2 p.25",
@@ -566,13 +566,13 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="error",
                 printed_name="nE",
                 meaning=(
-                    "Reading error (the tape is not read properly because it is mounted incorrectly, for instance "
-                    "reversed or upside down, its surface is damaged, or the sensor is faulty) or frequency error "
-                    "(the sensor moves too fast over the tape)"
+                    "Reading error (the tape cannot be read properly because it is mounted incorrectly, for instance "
+                    "reversed or upside down, because its surface is damaged, or because the sensor is faulty) or "
+                    "frequency error (the sensor moves too fast along the tape)"
                 ),
                 active="low",
                 when_active="an error is present and the LED is red",
-                when_inactive="normal state without an active error. The LED is off",
+                when_inactive="there is no active error and the LED is off",
                 names=ReadOnly({"it": "Errore"}),
                 source="6.2 p.26",
             ),
@@ -580,12 +580,12 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="warning",
                 printed_name="Warning, nW",
                 meaning=(
-                    "Used with the Position check register for an automatic check of the position. It is only for "
-                    "Lika's technicians"
+                    "Used with the Position check register for an automatic check of the position. It is intended "
+                    "only for Lika's technicians"
                 ),
                 active="low",
-                when_active="warning active",
-                when_inactive="no warning active",
+                when_active="a warning is active",
+                when_inactive="no warning is active",
                 reserved="maker",
                 source="6.2 p.26",
             ),
@@ -610,7 +610,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="cc0 ... cc3",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source=(
                     "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -637,7 +637,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="cc0 ... cc3",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source=(
                     "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -652,14 +652,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_info",
                 printed_name="dd0 ... dd3",
-                meaning="Information, not used in this encoder",
+                meaning="Information bits, not used in this encoder",
                 unused=0,
                 source="7.3.2 p.38, a4: p.298",
             ),
             FieldFacts(
                 name="status_alarm",
                 printed_name="ea0",
-                meaning="Not stored. The bit clears as soon as the cause is gone",
+                meaning="The bit is not stored. It clears as soon as the cause is gone",
                 active="high",
                 when_active=(
                     "encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the "
@@ -684,7 +684,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="position",
                 printed_name="ABS0, ABS1, ABS2",
-                meaning="Position in counts. Multiplied by the resolution, it gives a length",
+                meaning="Position in counts. Multiply it by the resolution to get a length",
                 unit="counts",
             ),
             FieldFacts(name="position_padding", meaning="Always zero", constant=0),
@@ -692,7 +692,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="overspeed",
                 printed_name="Overspeed",
                 active="high",
-                when_active="speed too high",
+                when_active="the speed is too high",
                 when_inactive="no overspeed",
                 source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
@@ -700,7 +700,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="initialization_error",
                 printed_name="Initialization error",
                 active="high",
-                when_active="error during the initialization, or absolute position not found",
+                when_active="an error occurred during the initialization, or the absolute position was not found",
                 when_inactive="no initialization error",
                 source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
@@ -708,7 +708,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="hardware_error",
                 printed_name="Hardware error",
                 active="high",
-                when_active="error in the EEPROM",
+                when_active="there is an error in the EEPROM",
                 when_inactive="no hardware error",
                 source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
@@ -718,8 +718,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not implemented",
                 active="high",
                 when_active=(
-                    "an alarm that is no longer in manual 1.1 of November 2023. An older encoder may have it. Its "
-                    "cause is not known"
+                    "an alarm that is no longer in manual 1.1 of November 2023, but that an older encoder may have. "
+                    "Its cause is not known"
                 ),
                 implemented=False,
                 source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
@@ -736,7 +736,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="low_amplitude_error",
                 printed_name="Low amplitude error",
                 active="high",
-                when_active="amplitude of the signal too low",
+                when_active="the signal amplitude is too low",
                 when_inactive="no low amplitude error",
                 source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
@@ -772,7 +772,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="cc0 ... cc3",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source=(
                     "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -787,14 +787,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_info",
                 printed_name="dd0 ... dd3",
-                meaning="Information, not used in this encoder",
+                meaning="Information bits, not used in this encoder",
                 unused=0,
                 source="7.3.2 p.38, a4: p.298",
             ),
             FieldFacts(
                 name="status_alarm",
                 printed_name="ea0",
-                meaning="Not stored. The bit clears as soon as the cause is gone",
+                meaning="The bit is not stored. It clears as soon as the cause is gone",
                 active="high",
                 when_active=(
                     "encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the "
@@ -819,7 +819,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="position",
                 printed_name="ABS0 ... ABS5",
-                meaning="Position in counts. Multiplied by the resolution, it gives a length",
+                meaning="Position in counts. Multiply it by the resolution to get a length",
                 unit="counts",
                 signed=True,
             ),
@@ -839,7 +839,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="data_id",
                 printed_name="cc0 ... cc3",
-                meaning="Type of the request, repeated in the reply",
+                meaning="Type of request, repeated in the reply",
                 source=(
                     "7.3.1 p.38, stmbl: src/comps/smartabs.c, servo2: Firmware/servo407/Core/Src/panasonic_encoder.c"
                 ),
@@ -854,14 +854,14 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="status_info",
                 printed_name="dd0 ... dd3",
-                meaning="Information, not used in this encoder",
+                meaning="Information bits, not used in this encoder",
                 unused=0,
                 source="7.3.2 p.38, a4: p.298",
             ),
             FieldFacts(
                 name="status_alarm",
                 printed_name="ea0",
-                meaning="Not stored. The bit clears as soon as the cause is gone",
+                meaning="The bit is not stored. It clears as soon as the cause is gone",
                 active="high",
                 when_active=(
                     "encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the "
@@ -886,7 +886,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
             FieldFacts(
                 name="position",
                 printed_name="ABS0, ABS1, ABS2",
-                meaning="Position in counts. Multiplied by the resolution, it gives a length",
+                meaning="Position in counts. Multiply it by the resolution to get a length",
                 unit="counts",
             ),
             FieldFacts(name="position_padding", meaning="Always zero", constant=0),
@@ -901,7 +901,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="overspeed",
                 printed_name="Overspeed",
                 active="high",
-                when_active="speed too high",
+                when_active="the speed is too high",
                 when_inactive="no overspeed",
                 source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
@@ -909,7 +909,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="initialization_error",
                 printed_name="Initialization error",
                 active="high",
-                when_active="error during the initialization, or absolute position not found",
+                when_active="an error occurred during the initialization, or the absolute position was not found",
                 when_inactive="no initialization error",
                 source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
@@ -917,7 +917,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="hardware_error",
                 printed_name="Hardware error",
                 active="high",
-                when_active="error in the EEPROM",
+                when_active="there is an error in the EEPROM",
                 when_inactive="no hardware error",
                 source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
@@ -927,8 +927,8 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 meaning="Not implemented",
                 active="high",
                 when_active=(
-                    "an alarm that is no longer in manual 1.1 of November 2023. An older encoder may have it. Its "
-                    "cause is not known"
+                    "an alarm that is no longer in manual 1.1 of November 2023, but that an older encoder may have. "
+                    "Its cause is not known"
                 ),
                 implemented=False,
                 source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
@@ -945,7 +945,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
                 name="low_amplitude_error",
                 printed_name="Low amplitude error",
                 active="high",
-                when_active="amplitude of the signal too low",
+                when_active="the signal amplitude is too low",
                 when_inactive="no low amplitude error",
                 source="7.3.3 p.39, 7.3.3.1 p.40, a4: p.298",
             ),
@@ -981,7 +981,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             access=Access.READ_ONLY,
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             names=ReadOnly({"it": "ID Profilo"}),
-            meaning="Code of the profile used",
+            meaning="Code of the profile that the encoder uses",
             note=(
                 "The profile is the standard encoder profile. Its data format is Variant 0-24 for 50 µm to 2 µm and "
                 "Variant 0-24+++ for 1 µm."
@@ -996,12 +996,12 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             access=Access.READ_ONLY,
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             fields=(
-                FieldFacts(name="year", meaning="Year of production"),
-                FieldFacts(name="week", meaning="Week of production"),
+                FieldFacts(name="year", meaning="Production year"),
+                FieldFacts(name="week", meaning="Production week"),
                 FieldFacts(name="number", meaning="Serial number, assigned in ascending order"),
             ),
             names=ReadOnly({"it": "Numero di serie"}),
-            meaning="Year and week of production and a serial number, in hexadecimal",
+            meaning="Production year and week, and a serial number, in hexadecimal",
             source="6.4 p.29",
         ),
         "command": Register(
@@ -1016,7 +1016,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             wait_ms=30,
             fields=(FieldFacts(name="function"),),
             names=ReadOnly({"it": "Comando"}),
-            meaning="Saves the parameters, activates preset or offset, or restores the defaults",
+            meaning="Saves the parameters, activates the preset or offset, or restores the defaults",
             note="After a command, the register automatically returns to 00.",
             source="6.4 p.29, 12 p.51",
         ),
@@ -1033,17 +1033,14 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="unused_7", meaning="Not used", constant=0, names=ReadOnly({"it": "Non utilizzato"})),
                 FieldFacts(
                     name="counting_direction",
-                    meaning=(
-                        "Counting direction of the absolute position. The incremental signals keep their own "
-                        "direction"
-                    ),
+                    meaning="Counting direction of the absolute position. It does not affect the incremental signals",
                     default=0,
                     names=ReadOnly({"it": "Direzione di conteggio"}),
                     source="6.4 p.31",
                 ),
                 FieldFacts(
                     name="output_code",
-                    meaning="Code of the absolute position",
+                    meaning="Encoding of the absolute position",
                     default=1,
                     names=ReadOnly({"it": "Codice d'uscita"}),
                     source="6.4 p.31",
@@ -1070,7 +1067,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             ),
             names=ReadOnly({"it": "Configurazione"}),
             meaning="Preset or offset, output code and counting direction",
-            note="A new setting is active immediately after its transmission. Save it with the Command register.",
+            note="A new setting takes effect as soon as it has been transmitted. Save it with the Command register.",
             source="6.4 p.30, 12 p.51",
         ),
         "absolute_resolution": Register(
@@ -1083,9 +1080,9 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             names=ReadOnly({"it": "Risoluzione assoluta"}),
             meaning="Resolution of the absolute position",
             note=(
-                "32h is 50 µm, 0Ah 10 µm, 05h 5 µm, 02h 2 µm and 01h 1 µm. The highest positions are 00 0F FF FFh (20 "
-                "bits), 00 3F FF FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 FF FF FFh (25 "
-                "bits)."
+                "32h is 50 µm, 0Ah is 10 µm, 05h is 5 µm, 02h is 2 µm and 01h is 1 µm. The highest positions are 00 "
+                "0F FF FFh (20 bits), 00 3F FF FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits) and 01 "
+                "FF FF FFh (25 bits)."
             ),
             source="6.4 p.31",
         ),
@@ -1111,7 +1108,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     meaning=(
                         "Value that the encoder reports at the current sensor position once the preset is activated. "
                         "All positions before and after it shift accordingly. The preset can be used, for instance, "
-                        "to align the zero points of sensor and application."
+                        "to align the zero points of the sensor and the application."
                     ),
                     source="6.4 p.32",
                 ),
@@ -1123,13 +1120,13 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     max="2^scd_position_bits - 2^position_bits",
                     meaning=(
                         "Value by which the transmitted positions are shifted. The number of positions stays the "
-                        "same, and they start at the offset. The offset is applied to the position of the sensor at "
-                        "the time of activation."
+                        "same, and the positions start at the offset. The offset is applied to the position of the "
+                        "sensor at the time of activation."
                     ),
                     source="6.4 p.32",
                 ),
             ),
-            meaning="Preset or offset, according to the Select preset / offset bit of the Configuration register",
+            meaning="Preset or offset, as selected by the Select preset / offset bit of the Configuration register",
             note=(
                 "The register is available only while the Enable preset / offset bit of the Configuration register is "
                 "0 (enable). Activate it only with the device at rest, with the command Save and activate Preset / "
@@ -1152,7 +1149,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="type", meaning="08h: linear encoder, BiSS C-mode, with incremental signals AB /AB"),
             ),
             names=ReadOnly({"it": "Tipo di dispositivo"}),
-            meaning="Type of the device",
+            meaning="Device type",
             source="6.4 p.33",
         ),
         "sine_cosine_resolution": Register(
@@ -1179,7 +1176,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             reserved="maker",
             names=ReadOnly({"it": "Controllo posizione"}),
             meaning="Used with the warning bit for an automatic check of the position",
-            note="Do not change the value. It is only for Lika's technicians.",
+            note="Do not change the value. It is intended only for Lika's technicians.",
             source="6.4 p.33",
         ),
         "device_id": Register(
@@ -1190,11 +1187,11 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             access=Access.READ_ONLY,
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             fields=(
-                FieldFacts(name="name", meaning="Name of the device (53 4D 32 31 in hexadecimal)"),
+                FieldFacts(name="name", meaning="Device name (53 4D 32 31 in hexadecimal)"),
                 FieldFacts(name="release", meaning="Hardware-software release, printed as xx xx"),
             ),
             names=ReadOnly({"it": "ID dispositivo"}),
-            meaning="Name of the device and its hardware-software release",
+            meaning="Device name and hardware-software release",
             source="6.4 p.34",
         ),
         "manufacturer_id": Register(
@@ -1448,25 +1445,25 @@ LEDS: Final[tuple[Led, ...]] = (
             LedState(
                 "red after power-on",
                 (
-                    "The tape is not read properly because it is mounted incorrectly (for instance reversed relative "
-                    "to the sensor, or upside down), its surface is damaged, or the sensor is faulty. Wrong data may "
-                    "be sent. The LED goes off as soon as the fault is gone."
+                    "The tape cannot be read properly because it is mounted incorrectly (for instance reversed "
+                    "relative to the sensor, or upside down), because its surface is damaged, or because the sensor "
+                    "is faulty. Wrong data may be sent. The LED turns off as soon as the fault is gone."
                 ),
             ),
             LedState(
                 "red in operation",
                 (
-                    "The meaning is the same as after power-on. In addition, the sensor may be moving too fast over "
-                    "the tape (frequency error). The last valid position is frozen until a new valid one is read. "
-                    "Then the LED goes off."
+                    "The meaning is the same as after power-on. In addition, the sensor may be moving too fast along "
+                    "the tape (frequency error). The encoder keeps sending the last valid position until it reads a "
+                    "new valid one. Then the LED turns off."
                 ),
             ),
             LedState(
                 "red",
                 (
                     "There is an error, for instance: gap out of tolerance (Figure 2), sensor not mounted properly, "
-                    "sensor or tape mounted the wrong way round, sensor in the opposite direction to Figure 1, sensor "
-                    "moving too fast, or incorrect supply voltage."
+                    "sensor or tape mounted the wrong way round, sensor direction opposite to Figure 1, sensor moving "
+                    "too fast, or incorrect supply voltage."
                 ),
             ),
         ),
@@ -1496,8 +1493,8 @@ TABLES: Final[tuple[Table, ...]] = (
         columns=("Version", "Maximum tape length mm", "Maximum useful travel mm"),
         rows=(("RS-485 with 1 µm", "16410", "16339"), ("All other models", "32820", "32749")),
         note=(
-            "The travel is also printed in the preliminary information and in 5.2. Maximum number of positions: 25 "
-            "bits, 33,554,432, over SSI and BiSS, and 24 bits, 16,777,216, over RS-485."
+            "The travel is also printed in the preliminary information and in section 5.2. Maximum number of "
+            "positions: 25 bits, 33,554,432, over SSI and BiSS, and 24 bits, 16,777,216, over RS-485."
         ),
         source="4.10 p.18, Informazioni preliminari p.8, Cover",
         units=("", "mm", "mm"),
@@ -1530,16 +1527,19 @@ TABLES: Final[tuple[Table, ...]] = (
     ),
     Table(
         name="troubleshooting",
-        title="Faults and their possible causes",
+        title="Faults and possible causes",
         columns=("Fault", "Possible cause"),
         rows=(
             (
                 "No output signals",
-                "Tape or sensor mounted incorrectly: magnetic side not facing the sensor, or sensor turned (section 3)",
+                (
+                    "Tape or sensor mounted incorrectly: the magnetic side does not face the sensor, or the sensor is "
+                    "turned (section 3)"
+                ),
             ),
             (
                 "No output signals",
-                "Unsuitable protective part between sensor and tape (for example, made of magnetic steel)",
+                "Unsuitable protective part between the sensor and the tape (for example, made of magnetic steel)",
             ),
             (
                 "No output signals",
@@ -1554,7 +1554,7 @@ TABLES: Final[tuple[Table, ...]] = (
             ),
             (
                 "Wrong measurements or none at some positions",
-                "Coupling tolerances not met over the whole axis (section 3)",
+                "Mounting tolerances not met along the whole axis (section 3)",
             ),
             ("Wrong measurements or none at some positions", "Sensor mounted incorrectly on the tape (section 3)"),
             (
@@ -1563,16 +1563,16 @@ TABLES: Final[tuple[Table, ...]] = (
             ),
             (
                 "Wrong measurements or none at some positions",
-                "Frequency error: the sensor moves too fast over the tape",
+                "Frequency error: the sensor moves too fast along the tape",
             ),
             (
                 "Wrong measurements or none at some positions",
-                "Clock of the master too high or too low to synchronise (sections 5 and 6)",
+                "Master clock too high or too low for synchronization (sections 5 and 6)",
             ),
             ("Wrong measurements or none at some positions", "Part of the tape damaged mechanically or magnetically"),
             (
                 "Wrong measurements or none at some positions",
-                "Torsion of the machine, not the sensor: check parallelism and symmetry of motion",
+                "Torsion of the machine, not of the sensor: check parallelism and symmetry of motion",
             ),
         ),
         source="11 p.50",
@@ -1583,20 +1583,20 @@ TABLES: Final[tuple[Table, ...]] = (
 CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="measuring_system",
-        value="Magnetic tape, contactless magnetic sensor that travels over it, and conversion electronics",
+        value="A magnetic tape, a contactless magnetic sensor that travels along it, and conversion electronics",
         source="Informazioni preliminari p.8",
     ),
     Characteristic(
         name="applications",
-        value="Long travel distances on automatic machines and in automation",
+        value="Long travel distances on automatic machines and in automation systems",
         source="Informazioni preliminari p.8",
     ),
     Characteristic(
         name="tape",
         value=(
-            "The sensor works with magnetic tape MTA-A154 only. The tape is magnetised with alternating north and "
-            "south fields and may carry two tracks: the absolute track on one side and a track for the incremental "
-            "signals on the other (certain models, Figure 1). Its mounting is described in its own documentation."
+            "The sensor works only with the MTA-A154 magnetic tape. The tape is magnetized with alternating north and "
+            "south poles and may carry two tracks: the absolute track on one side and a track for the incremental "
+            "signals on the other (certain models, Figure 1). The tape's own documentation describes how to mount it."
         ),
         source="Informazioni preliminari p.8, 3.2 p.11",
     ),
@@ -1610,8 +1610,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="tape_orientation",
         value=(
-            "The tape can be mounted in one direction only. The system does not work if the tape is mounted "
-            "differently from Figure 1"
+            "The tape can be mounted in only one direction. The system does not work if the tape is mounted in a way "
+            "other than shown in Figure 1"
         ),
         source="3.2 p.11, 3.3, 8 p.44",
     ),
@@ -1624,9 +1624,9 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="personnel",
         value=(
             "Only qualified personnel may install and maintain the encoder, with the power supply disconnected and "
-            "the mechanical parts at rest. They must follow the accident prevention rules of the country. Use the "
-            "encoder only for the purpose it was designed for. High currents, voltages and moving parts can injure or "
-            "kill."
+            "the mechanical parts at rest. They must follow the local accident prevention regulations. Use the "
+            "encoder only for the purpose it was designed for. High currents, high voltages and moving parts can "
+            "injure or kill."
         ),
         source="1.1 p.9, 3 p.11, 4 p.15",
     ),
@@ -1639,7 +1639,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="emc_precautions",
         value=(
-            "Discharge your body and tools before handling the encoder. Use a stabilised, noise-free supply, with EMC "
+            "Discharge your body and tools before handling the encoder. Use a stabilized, noise-free supply, with EMC "
             "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
             "necessary and away from power cables. Mount the device as far as possible from sources of interference, "
             "or shield it from them. Keep strong magnets away from the unit."
@@ -1664,24 +1664,24 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="mechanical_safety",
         value=(
             "Mount the device with the mechanical parts at rest. Do not disassemble or machine the device. Avoid "
-            "knocks and strong stress. Protect it from acid and other harmful substances. Observe the ambient "
-            "conditions specified by the manufacturer."
+            "knocks and heavy loads. Protect it from acid and other harmful substances. Operate it only under the "
+            "ambient conditions specified by the manufacturer."
         ),
         source="1.3 p.10",
     ),
     Characteristic(
         name="chips",
         value=(
-            "Mount the device where it is sheltered from machining chips, above all metal chips. Otherwise provide "
-            "for cleaning (brushes, scrapers, compressed air), so that the sensor and the tape do not seize."
+            "Mount the device where it is protected from machining chips, especially metal chips. Otherwise, provide "
+            "for cleaning (brushes, scrapers, compressed air), so that the sensor and the tape do not jam."
         ),
         source="1.3 p.10, 3.2 p.11",
     ),
     Characteristic(
         name="mounting_tolerances",
         value=(
-            "Keep gap, flatness and parallelism between sensor and tape within the limits of Figure 2 over the whole "
-            "travel. Sensor and tape must not touch."
+            "Keep the gap, flatness and parallelism between the sensor and the tape within the limits of Figure 2 "
+            "over the whole travel. The sensor and the tape must not touch."
         ),
         source="3.2 p.11, 3.3 p.12",
     ),
@@ -1705,31 +1705,31 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="gap_without_cover",
-        value="0.1 mm to 0.6 mm between sensor and tape (D) without cover strip",
+        value="0.1 mm to 0.6 mm between the sensor and the tape (D) without a cover strip",
         source="3.3",
         values=(Quantity(quantity="clearance", unit="mm", min=0.1, max=0.6),),
     ),
     Characteristic(
         name="gap_with_cover",
-        value="0.1 mm to 0.4 mm between sensor and tape (D) with cover strip",
+        value="0.1 mm to 0.4 mm between the sensor and the tape (D) with a cover strip",
         source="3.3",
         values=(Quantity(quantity="clearance", unit="mm", min=0.1, max=0.4),),
     ),
     Characteristic(
         name="zero_setting",
         value=(
-            "After mounting, and whenever the sensor or the tape is replaced, the measuring system must be zeroed or "
-            "preset. According to the manual, only the BiSS models have that function. With SSI, the master sets its "
-            "own zero if the application needs one."
+            "After mounting, and whenever the sensor or the tape is replaced, zero or preset the measuring system. "
+            "According to the manual, only the BiSS models have this function. With SSI, the master sets its own zero "
+            "if the application needs one."
         ),
         source="3.3, 5.5 p.23",
     ),
     Characteristic(
         name="tape_length",
         value=(
-            "The whole sensor must stay over the tape: tape = travel + 63 mm (base of the sensor head) + 4 mm (two "
-            "pole pitches) at each end, + 10 mm at each end with the optional end caps. A travel of 5,000 mm needs at "
-            "least 5,071 mm."
+            "The whole sensor must stay over the tape: tape length = travel + 63 mm (base of the sensor head) + 4 mm "
+            "(two pole pitches) at each end, + 10 mm at each end with the optional end caps. A travel of 5,000 mm "
+            "needs at least 5,071 mm."
         ),
         source="3.4 p.14",
         values=(
@@ -1743,7 +1743,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="wiring",
         value=(
-            "Switch the supply off while wiring. Cut the wires of unused signals to different lengths and insulate "
+            "Switch off the supply before wiring. Cut the wires of unused signals to different lengths and insulate "
             "each of them. If they touch, the device may be damaged beyond repair."
         ),
         source="1.2 p.9, 4 p.15",
@@ -1797,7 +1797,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="cable_temperature",
-        value="−50 °C to +90 °C with fixed, −40 °C to +90 °C with moving installation",
+        value="−50 °C to +90 °C in a fixed installation, −40 °C to +90 °C in a moving one",
         source="4.5 p.16",
         values=(
             Quantity(quantity="temperature", unit="°C", min=-50, max=90, where="fixed"),
@@ -1806,7 +1806,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="cable_resistance",
-        value="At most 148 Ω/km (0.14 mm²) and 90 Ω/km (0.25 mm²)",
+        value="At most 148 Ω/km (0.14 mm²) or 90 Ω/km (0.25 mm²)",
         source="4.5 p.16",
         values=(
             Quantity(quantity="resistance_per_length", unit="Ω/km", max=148, where="wires of 0.14 mm²"),
@@ -1816,16 +1816,16 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="cable_length",
         value=(
-            "The limit is given in the section \"Cable lengths\" of the catalogue of linear encoders, or in this "
-            "manual for the output circuit. For longer cables, ask Lika"
+            "The section \"Cable lengths\" of the linear encoder catalog gives the limit, or this manual gives it for "
+            "the output circuit. For longer cables, contact Lika"
         ),
         source="4.5",
     ),
     Characteristic(
         name="counting_direction",
         value=(
-            "The position counts up when the sensor moves in the direction of the white arrow of Figure 1. The "
-            "direction is fixed with SSI and RS-485. Over BiSS it can be inverted (Configuration register), but only "
+            "The position counts up when the sensor moves in the direction of the white arrow in Figure 1. The "
+            "direction is fixed with SSI and RS-485. Over BiSS, it can be inverted (Configuration register), but only "
             "for the absolute position, not for the incremental signals."
         ),
         source="3.2 p.11, 4.7 p.17, 8",
@@ -1838,7 +1838,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="position_range",
-        value="The position counts up from a minimum to a maximum. Both depend on the tape",
+        value="The position counts up from a minimum to a maximum, which both depend on the tape",
         only="SMA21-BGx-..., SMA21-GGx-..., SMA21-G1x-...",
         source="5.5 p.23",
     ),
@@ -1852,8 +1852,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="incremental_signals",
         value=(
-            "AB /AB square waves, Line Driver RS-422, at most 20 mA, protected against heat and short circuit, for "
-            "speed feedback. The tape then has the second track."
+            "AB /AB square waves, Line Driver RS-422, at most 20 mA, protected against overheating and short "
+            "circuits, for speed feedback. In these models, the tape has the second track."
         ),
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="Informazioni preliminari p.8, 4.1 p.15, 4.8 p.17, 8 p.44",
@@ -1862,8 +1862,9 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="incremental_resolution",
         value=(
-            "The resolution is the distance between two successive edges of A and B. Edges per pole: the pole pitch "
-            "of 2,000 µm divided by the resolution, 40 at 50 µm. The manual's picture shows 4 only as an example."
+            "The resolution is the distance between two successive edges of A and B. The number of edges per pole is "
+            "the pole pitch of 2,000 µm divided by the resolution, which is 40 at 50 µm. The manual's figure shows 4 "
+            "only as an example."
         ),
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="8 p.44",
@@ -1874,7 +1875,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="incremental_load",
-        value="The load supply is typically +5 V DC. It may be higher if the current stays within 20 mA",
+        value="The load supply is typically +5 V DC. It may be higher if the current does not exceed 20 mA",
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="8.1 p.46",
         values=(
@@ -1884,7 +1885,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     ),
     Characteristic(
         name="incremental_cable_length",
-        value="At most 150 m. The highest frequency depends on cable length and load",
+        value="At most 150 m. The highest frequency depends on the cable length and the load",
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="8.1 p.46",
         values=(Quantity(quantity="length", unit="m", max=150),),
@@ -1892,8 +1893,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="error_position",
         value=(
-            "If the tape cannot be read in operation, the last valid position is frozen until a new valid one is "
-            "read. At power-on, wrong data may be sent while the error lasts."
+            "If the tape cannot be read during operation, the encoder keeps sending the last valid position until it "
+            "reads a new valid one. At power-on, wrong data may be sent as long as the error lasts."
         ),
         source="9 p.47",
     ),
@@ -1910,13 +1911,13 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="maintenance",
         value=(
-            "No special care is needed. From time to time, check the structure for loose screws, check the coupling "
-            "tolerances between sensor and tape over the whole travel (wear increases the play), and clean the tape "
-            "with a soft, clean cloth."
+            "No special care is needed. From time to time, check the structure for loose screws, check the mounting "
+            "tolerances between the sensor and the tape over the whole travel (wear increases the play), and clean "
+            "the tape with a soft, clean cloth."
         ),
         source="10 p.49",
     ),
-    Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
+    Characteristic(name="disposal", value="Dispose of the device separately", source="Back cover"),
 )
 
 #: Content of figures that is missing from the text of the manual.
@@ -1924,25 +1925,29 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure("Overall dimensions.", source="3.1 p.11"),
     LostFigure(
         (
-            "Figure 1: pairing of sensor and tape, the tracks of the tape, the white arrow of the counting direction, "
-            "and the dimensions 1 to 4 of the measuring length, which section 3.4 describes in words."
+            "Figure 1: how the sensor and the tape fit together, the tracks of the tape, the white arrow for the "
+            "counting direction, and the dimensions 1 to 4 of the measuring length, which section 3.4 describes in "
+            "words."
         ),
         source="3.3 p.12",
     ),
     LostFigure(
-        "Figure 2: tolerances of gap, flatness and parallelism between sensor and tape. Only the gap is in the text.",
+        (
+            "Figure 2: tolerances for gap, flatness and parallelism between the sensor and the tape. The text gives "
+            "only the gap."
+        ),
         source="3.3",
     ),
     LostFigure("Content missing after the text on the measuring length, probably a drawing of it.", source="3.4 p.14"),
     LostFigure(
         (
-            "Pictures of the two connectors with their pin numbers, contact side. The text does not give the coding "
-            "of the one with 12 pins."
+            "Pictures of the two connectors with their pin numbers, seen from the contact side. The text does not "
+            "give the coding of the connector with 12 pins."
         ),
         source="4.3 p.16, 4.4 p.16",
     ),
     LostFigure(
-        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text also describes it.",
+        "Timing of an SSI transmission with the edges 1, 2 and 3 and the time Tm. The text also describes them.",
         source="5.1",
     ),
     LostFigure(
@@ -1970,27 +1975,27 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
         ),
         source="8 p.44",
     ),
-    LostFigure("Recommended input circuit of the incremental signals.", source="8.1 p.46"),
+    LostFigure("Recommended input circuit for the incremental signals.", source="8.1 p.46"),
 )
 
 #: Errors and ambiguities in the manual, with the text that is used instead.
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="parts_of_the_manual",
-        title="The manual says that it has four parts, and lists five",
+        title="The manual says that it has four parts but lists five",
         printed="The manual can be divided into four parts (\"quattro parti\").",
         used="The manual has five parts.",
-        why="The list that follows names five. The last one is about the incremental signals.",
+        why="The list that follows contains five. The last one is about the incremental signals.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         source="Informazioni preliminari p.8",
     ),
     Erratum(
         name="order_code_blank",
-        title="The order code on the cover contains a blank",
-        printed="SMA21 -BGx-..., with a blank, on the cover",
-        used="The code is SMA21-BGx-..., without the blank. A label with the blank is also accepted.",
-        why="Everywhere else, for the same models, the manual has no blank.",
+        title="The order code on the cover contains a space",
+        printed="SMA21 -BGx-..., with a space, on the cover",
+        used="The code is SMA21-BGx-..., without the space. A label with the space is also accepted.",
+        why="Everywhere else, the manual prints the codes of these models without a space.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("order_code",),
@@ -2005,8 +2010,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="BG is binary and GG is Gray. Supply 1 is +5 V. Supply 4 is +5 V to +30 V.",
         why=(
-            "The manual does not contain the key to the order code. It explains only G1 (Gray with AB /AB) and SC, "
-            "and it shows the supplies 1 and 4 with SC as an example. BG is binary in the AMM5 manual of the same "
+            "The manual does not contain the order code key. It explains only G1 (Gray with AB /AB) and SC, and it "
+            "shows the supplies 1 and 4 with SC as an example. BG is binary in the AMM5 manual of the same "
             "manufacturer. GG is the remaining code. Other supply digits and the rest of the label have no "
             "explanation."
         ),
@@ -2017,14 +2022,14 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_documents",
-        title="Three names are used for one BiSS document",
+        title="The manual uses three names for one BiSS document",
         printed=(
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"Protocol description "
             "C-mode\""
         ),
-        used="The document meant is the BiSS C protocol description of iC-Haus.",
+        used="All three names are read as the BiSS C protocol description from iC-Haus.",
         why=(
-            "None of the names is the title of a public document. The manual's terms come from the protocol "
+            "None of the names is the title of a public document. The manual's terms are those of the protocol "
             "description."
         ),
         status=Status.OPEN,
@@ -2034,16 +2039,16 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
-        title="The start value of the BiSS CRCs is missing from the manual",
+        title="The manual does not give the start value of the BiSS CRCs",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
         ),
         used="The start value is 0.",
         why=(
-            "In public BiSS documents, the start value is 0 unless something else is stated. BiSS devices may have "
-            "another start value. With another start value, the CRC of every frame fails, with or without errors on "
-            "the line."
+            "In public BiSS documents, the start value is 0 unless stated differently. BiSS devices may have a "
+            "different start value. With the wrong start value, the CRC check of every frame fails, with or without "
+            "errors on the line."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2052,7 +2057,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="command_default",
-        title="A write-only register has a default",
+        title="The manual gives a default for a write-only register",
         printed="Register 48h is write only (wo). Its default is 00, here and in the list of defaults",
         used="The register is write only. 00 is the value to which it returns.",
         why=(
@@ -2066,12 +2071,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="tape_length",
-        title="The travel is printed as the length of the tape",
+        title="The manual prints the travel as the length of the tape",
         printed="Maximum length of the tape (\"lunghezza massima della banda\"): 16.339, without a unit, and 32.749 mm",
         used="The tape is at most 16,410 mm and 32,820 mm long. The travel is 16,339 mm and 32,749 mm.",
         why=(
-            "Section 4.10 lists both. The preliminary information, 5.2 and the cover print the smaller numbers as the "
-            "measuring length. The difference of 71 mm is made up of the head of 63 mm and 4 mm at each end."
+            "Section 4.10 lists both. The preliminary information, section 5.2 and the cover give the smaller numbers "
+            "as the measuring length. The difference of 71 mm is made up of the head of 63 mm and 4 mm at each end."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
@@ -2080,15 +2085,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="zero_setting_rs485",
-        title="Zero setting over RS-485 is both ruled out and described",
+        title="The manual both rules out and describes zero setting over RS-485",
         printed=(
             "3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and "
             "RS-485. 7.3.3.2: data ID F resets the position to 0"
         ),
         used="Data ID F is used as described in 7.3.1 and 7.3.3.2.",
         why=(
-            "Section 7.3.3.2 describes it in detail, including the write to the EEPROM. For the SSI models, 5.5 "
-            "leaves it to the master, if needed."
+            "Section 7.3.3.2 describes it in detail, including the write to the EEPROM. For the SSI models, section "
+            "5.5 leaves zero setting to the master, if needed."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -2100,7 +2105,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="Two sections disagree on the bending radius of the cable",
         printed="3.3: bending radius of the cable at least 45 mm. 4.5: outer diameter × 7.5",
         used="Both values are listed as printed.",
-        why="7.5 × 6.1 mm is 45.75 mm, and 46.5 mm with the tolerance of the diameter. 45 mm is less.",
+        why="7.5 × 6.1 mm is 45.75 mm, or 46.5 mm with the tolerance of the diameter. 45 mm is less than both.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("characteristics.cable_bending_radius", "characteristics.cable_bending_radius_mounted"),
@@ -2129,7 +2134,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
-        title="The clock for cables under 400 m is below the allowed range",
+        title="The clock limit for cables under 400 m is below the clock range",
         printed=(
             "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 1 MHz"
         ),
@@ -2142,7 +2147,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
-        title="The table of cable lengths has no cable for 400 kHz to 1 MHz",
+        title="The cable length table allows no cable from 400 kHz to 1 MHz",
         printed=(
             "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 1 MHz"
         ),
@@ -2160,10 +2165,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="gray_scope",
         title="The manual does not say which bits are in Gray code",
         printed="The manual says that the output code can be binary or Gray, but not which bits of the frame it covers",
-        used="Only the position is coded. The error bit, the warning bit and the CRC are sent unchanged.",
+        used="Only the position is encoded. The error bit, the warning bit and the CRC are sent unchanged.",
         why=(
-            "Section 6.4 refers to the absolute position information, and a flag in Gray code would change with the "
-            "bit next to it. The zeros above the position in the BiSS frame are the same either way."
+            "Section 6.4 refers to the absolute position information, and a flag encoded in Gray code would change "
+            "with the bit next to it. The zeros above the position in the BiSS frame are the same either way."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2174,10 +2179,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="control_data_bit",
         title="The control frame bit is described in the wrong place",
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="The generated files do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a control frame layout from this sentence.",
         why=(
-            "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
-            "the data, only the master's bit is sent, during the time-out."
+            "In the BiSS protocol description, which section 6.3 refers to, the encoder's bit comes before the data. "
+            "After the data, only the master's bit is sent, during the time-out."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2190,8 +2195,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="SCD (32 bit), with a position of 24 or 25 bits",
         used="The frame has 32 bits at resolutions of 50 µm to 2 µm and 33 bits at 1 µm.",
         why=(
-            "Position, error, warning and CRC add up to 25 + 1 + 1 + 6 = 33 at 1 µm. The table below lists bits 32 to "
-            "0."
+            "Position, error, warning and CRC add up to 25 + 1 + 1 + 6 = 33 bits at 1 µm. The table below lists bits "
+            "32 to 0."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -2200,7 +2205,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="offset_in_the_padding",
-        title="Bits that should be 0 carry data with an offset",
+        title="With an offset, bits that should be 0 carry data",
         printed=(
             "6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions "
             "of 20 bits"
@@ -2213,8 +2218,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "The highest offset is the number of positions that the whole field can hold minus the number of "
             "positions at the resolution. The limit refers to that field. The sum is therefore meant to fill the "
-            "field, so from 50 µm to 5 µm the bits above the position carry data. The zeros of 6.2 apply only if no "
-            "offset is selected. Only a frame of an encoder with an offset could confirm this."
+            "field, so from 50 µm to 5 µm the bits above the position carry data. The zeros of section 6.2 apply only "
+            "if no offset is selected. Only a frame from an encoder with an offset could confirm this."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2231,10 +2236,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_below_zero",
-        title="The manual does not give the values of positions below zero",
+        title="The manual does not give the values sent for positions below zero",
         printed=(
-            "Positions before the preset get a value according to it. The manual does not give the values sent below "
-            "zero or above the maximum"
+            "Positions before the preset get a value that is relative to it. The manual does not give the values sent "
+            "below zero or above the maximum"
         ),
         used=(
             "Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over "
@@ -2242,8 +2247,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "never wraps around."
         ),
         why=(
-            "A preset of 0 or a reset of the position somewhere along the travel leaves positions below zero. All "
-            "position fields are unsigned except that of data ID 5."
+            "If a preset of 0 or a reset of the position is applied in the middle of the travel, some positions are "
+            "below zero. All position fields are unsigned except that of data ID 5."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2257,10 +2262,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="warning_level",
-        title="The manual does not give the level of an active warning",
+        title="The manual does not say which level means an active warning",
         printed="The manual lists Warning, nW, but does not say which level means a warning",
         used="0 means a warning, as with the error bit.",
-        why="The name nW and the BiSS documents make it active low. The bit is only for Lika's technicians.",
+        why=(
+            "According to the name nW and the BiSS documents, the bit is active low. It is intended only for Lika's "
+            "technicians."
+        ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
         affects=("interfaces.biss.single_cycle_data",),
@@ -2268,7 +2276,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_variants",
-        title="The data lengths in the profile IDs count different bits",
+        title="The data lengths in the profile IDs do not match the frame",
         printed=(
             "Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a "
             "field of 24 bits"
@@ -2276,8 +2284,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="Each profile ID is used as printed.",
         why=(
             "The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the "
-            "whole field, not of the position, and the variant with one more bit has one plus sign fewer. A master "
-            "that takes the length of the data from the profile ID would miss 4, 2 or 1 bits with this encoder."
+            "whole field, not of the position, and the variant with one more bit has one plus sign fewer. With this "
+            "encoder, a master that takes the data length from the profile ID would miss 4, 2 or 1 bits."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2286,11 +2294,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="serial_number_coding",
-        title="The manual does not give the coding of year, week and serial number",
+        title="The manual does not give the encoding of year, week and serial number",
         printed="The manual gives year, week and number in hexadecimal (\"in esadecimale\"), without an example",
         used="The values are three binary numbers: one byte, one byte, and two bytes with the high byte first.",
         why=(
-            "The text does not say whether the digits are binary or decimal in each byte, from which year the year is "
+            "The text does not say whether the digits in each byte are binary or decimal, from which year the year is "
             "counted, or which of 46h and 47h is the high byte. The AMM5 manual reads the same four registers as one "
             "number whose decimal digits are year, week and number."
         ),
@@ -2301,9 +2309,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="resolution_set",
-        title="Limits depend on a set resolution, but nothing sets it",
+        title="Limits depend on the resolution that is set, but nothing sets it",
         printed="The limits of preset and offset depend on the resolution that is set (\"risoluzione impostata\")",
-        used="The limits depend on the resolution of the order code.",
+        used="The limits depend on the resolution given by the order code.",
         why="The Absolute resolution register is read only, and no other register sets a resolution.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2312,10 +2320,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_direction",
-        title="The sensor is to be stopped in a direction instead of a position",
+        title="The manual says to stop the sensor in a direction, not at a position",
         printed="Preset: stop the sensor in the wanted direction (\"nella direzione desiderata\")",
         used="Stop the sensor at the desired position.",
-        why="The same sentence under Offset has position (posizione). A preset is assigned to a position.",
+        why="The same sentence under Offset says position (posizione). A preset is assigned to a position.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("registers.preset_offset", "procedures.set_preset"),
@@ -2323,15 +2331,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="offset_meaning",
-        title="The offset is described as a preset and as a shift",
+        title="The manual describes the offset both as a preset and as a shift",
         printed=(
-            "An offset gives a position a wanted value, is applied to the position at its activation, and shifts all "
-            "values by its amount"
+            "An offset gives a position a desired value, is applied to the position when it is activated, and shifts "
+            "all values by its amount"
         ),
         used="All transmitted values are shifted by the offset.",
         why=(
-            "The range that the text gives, from the offset up, and the limit fit a simple shift, which does not "
-            "depend on the sensor position. A value given to a position would be a preset."
+            "The range in the text, which starts at the offset, and the limit both match a simple shift, which does "
+            "not depend on the sensor position. A value assigned to a position would be a preset."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2340,11 +2348,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="offset_range",
-        title="The highest value with an offset is one too high",
-        printed="The values run from the offset to the sum of offset and number of positions.",
+        title="The printed highest value with an offset is one too high",
+        printed="The values range from the offset to the sum of the offset and the number of positions.",
         used="The highest value is that sum minus 1.",
         why=(
-            "The same number of values as before, starting with the offset, ends one below the sum. With the highest "
+            "The same number of values as before, starting at the offset, ends one below the sum. With the highest "
             "offset, the sum itself would need one bit more than the field has."
         ),
         status=Status.SETTLED,
@@ -2354,10 +2362,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="sine_cosine_name",
-        title="The word Coseno is misspelt in two ways",
+        title="The manual misspells the word Coseno in two ways",
         printed="\"Risoluzione SENO-COSENSO\", in the index \"SENO-COSEN0\"",
         used="The name is Risoluzione SENO-COSENO, the sine-cosine resolution.",
-        why="The text of the entry has Seno-Coseno.",
+        why="The text of the entry says Seno-Coseno.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("registers.sine_cosine_resolution",),
@@ -2365,7 +2373,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
-        title="All models share one device ID",
+        title="All models have the same device ID, despite different data lengths",
         printed="The manual gives one device ID, SM21 with the release, for all models",
         used="The device ID is used as printed.",
         why=(
@@ -2379,13 +2387,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="release_coding",
-        title="The table of the release has a dash instead of ASCII characters",
+        title="The release table has a dash instead of ASCII characters",
         printed=(
             "Name and release are expressed in hexadecimal values of ASCII. In the table, 7Ch and 7Dh contain xx, and "
             "the ASCII row contains a\n  dash."
         ),
         used="The release is a two-byte number.",
-        why="The dash contradicts the sentence before it. The manual prints no value that could settle this.",
+        why="The dash contradicts the sentence before it. The manual prints no value that could resolve this.",
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("registers.device_id",),
@@ -2393,14 +2401,14 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout",
-        title="The rule for the BiSS time-out is missing from the manual",
+        title="The manual does not give the rule for the BiSS time-out",
         printed=(
             "The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule"
         ),
         used="The time-out is at most 16 µs.",
         why=(
             "In the BiSS protocol description, the time-out is at least 1.5 clock periods, which is 7.5 µs at 200 "
-            "kHz. The ASC85 manual has 3.5 periods, which would be 17.5 µs."
+            "kHz. In the ASC85 manual, it is 3.5 periods, which would be 17.5 µs."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2409,12 +2417,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="configuration_bit_8",
-        title="The example calls Counting direction bit 8 instead of bit 6",
+        title="One example numbers Counting direction as bit 8 instead of bit 6",
         printed="Bit 8 Direzione di conteggio",
         used="Counting direction is bit 6.",
         why=(
-            "The register has bits 7 to 0. Sections 6.4 and 12 list bit 6. The value 60h of the example sets bits 6 "
-            "and 5."
+            "The register has bits 7 to 0. Sections 6.4 and 12 list it as bit 6. The value 60h in the example sets "
+            "bits 6 and 5."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -2423,7 +2431,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="reply_format_df7",
-        title="The reply format has more data bytes than any reply",
+        title="The printed reply format has more data bytes than any reply",
         printed="Reply: CF SF DF0 ... DF7 CRC",
         used="A reply has at most DF0 to DF5.",
         why="No data ID of this encoder has more than six data bytes.",
@@ -2434,12 +2442,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_field_structure",
-        title="The parity bit of the control field is printed as part of the ID",
+        title="The manual prints the control field's parity bit as part of the ID",
         printed="The ID code has five bits, cc0 to cc4",
         used="cc0 to cc3 are the data ID, and cc4 is its even parity bit.",
         why=(
-            "Section 7.2.2 mentions a parity bit that the structure does not show. All five printed bytes fit. With "
-            "five bits, A2h would be ID 14h and DAh would be ID 1Bh."
+            "Section 7.2.2 mentions a parity bit that the structure does not show. All five printed bytes match this "
+            "layout. With five bits, A2h would be ID 14h and DAh would be ID 1Bh."
         ),
         status=Status.SETTLED,
         severity=Severity.OMISSION,
@@ -2448,12 +2456,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="alarm_storage",
-        title="The manual says that the combined bit of stored alarms is not stored",
+        title="The manual says that the OR of stored alarms is not itself stored",
         printed=(
             "ALMC is kept until the errors are reset. The alarm bit ea0, the sum of its bits 6 and 7, is cleared as "
             "soon as the cause is gone"
         ),
-        used="Both statements are used as printed.",
+        used="The spec follows both statements.",
         why=(
             "If the bits are latched, their logical OR is latched as well. Bits 6 and 7 are not implemented, so this "
             "has no effect."
@@ -2465,11 +2473,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_under_error",
-        title="The manual does not say how single alarms affect the position",
+        title="The manual does not say how individual alarms affect the position",
         printed=(
             "ea0: a fault may follow, but the position is correct. ea1: there is a fault or an error in the position, "
             "or the motor must stop. nE: the last valid position may be frozen, or wrong data may be sent. The manual "
-            "does not say how single alarms and nW affect the position."
+            "does not say how individual alarms and nW affect the position."
         ),
         used=(
             "The position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1. Stored "
@@ -2477,9 +2485,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "active: ea0, an alarm that is part of ea0, or nW. It is usable while none is active (9.1)."
         ),
         why=(
-            "ea1 does not show which of the three it is. If only the EEPROM has an error, the position may be "
-            "correct, but the manual does not say so. nW is for Lika's technicians, and there is no evidence that a "
-            "position sent with it is wrong."
+            "ea1 does not show which of the three cases it reports. If only the EEPROM has an error, the position may "
+            "be correct, but the manual does not say so. nW is for Lika's technicians, and there is no evidence that "
+            "a position sent with it is wrong."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2494,7 +2502,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="abs_range_48",
-        title="The highest 48-bit position lacks two digits",
+        title="The printed highest 48-bit position lacks two digits",
         printed="The 48-bit position ranges from 800000000000h to 7FFFFFFFFFh",
         used="The highest value is 7FFFFFFFFFFFh.",
         why="Two digits are missing. The highest 48-bit number in two's complement has twelve hexadecimal digits.",
@@ -2505,7 +2513,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="abs_range_24",
-        title="The highest 24-bit position has one digit too many",
+        title="The printed highest 24-bit position has one digit too many",
         printed="The 24-bit position ranges from 000000h to FFFFFFFh",
         used="The highest value is FFFFFFh.",
         why="Seven digits are 28 bits.",
@@ -2530,15 +2538,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_position_width",
-        title="The manual does not give the RS-485 position width by model",
+        title="The manual does not give the RS-485 position width of each model",
         printed=(
-            "SSI and BiSS have a table of the position by model. RS-485 has examples of 23, 22 and 20 bits without a "
-            "model, and at most 24 bits"
+            "For SSI and BiSS, there is a table of position widths by model. For RS-485, there are examples of 23, 22 "
+            "and 20 bits without a model, and at most 24 bits"
         ),
         used="The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.",
         why=(
-            "These are the widths of SSI and BiSS, cut to 24 bits at 1 µm, for which 4.10 halves the travel. The "
-            "position probably has the same width as over the other interfaces, but the manual does not say so."
+            "These are the widths for SSI and BiSS, limited to 24 bits at 1 µm, where section 4.10 halves the travel. "
+            "The position probably has the same width as over the other interfaces, but the manual does not say so."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2558,9 +2566,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="No other request is sent in between. After each request, at least 40 µs pass before the next one begins.",
         why=(
-            "The manual does not say whether an interval is the gap between two requests or the time from start to "
-            "start. A gap of 40 µs satisfies both. It also does not say whether a request with another data ID "
-            "restarts the count."
+            "The manual does not say whether an interval is the gap between two requests or the time from the start "
+            "of one to the start of the next. A gap of 40 µs satisfies both. The manual also does not say whether a "
+            "request with a different data ID restarts the count."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2580,15 +2588,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_reset_duration",
-        title="The duration of a reset over RS-485 is missing from the manual",
+        title="The manual does not say how long a reset over RS-485 takes",
         printed=(
             "Send no request until the initialization is over. No request is accepted while the position is being "
             "reset. No time is given."
         ),
         used="The generated files specify no wait time.",
         why=(
-            "The AMM5 manual has 2 ms and 18 ms for its resets. This manual does not say that they apply to this "
-            "encoder."
+            "The AMM5 manual gives 2 ms and 18 ms for its resets. This manual does not say that those times apply to "
+            "this encoder."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2597,7 +2605,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc_coverage",
-        title="The sentence about the bytes covered by the CRC is garbled",
+        title="The manual's sentence about the bytes covered by the CRC is garbled",
         printed=(
             "Calculated on all bits except the start bit and the field delimiter, rather than the CRC (\"piuttosto "
             "che il CRC\")"
@@ -2611,17 +2619,17 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="data_id_5_example_status",
-        title="The reply in the example sets an unused status bit",
+        title="The example reply sets an unused status bit",
         printed="The reply to data ID 5 has SF = 02h",
         used=(
             "dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other values is decoded, and the bits are "
             "reported."
         ),
         why=(
-            "02h sets dd1, which 7.3.2 fixes at 0. Alarm and error would be 10h and 20h. However, it is the only "
-            "reply to data ID 5 that the manual prints, and its CRC is correct. Only hardware can show whether the "
-            "example is wrong or an encoder may set these bits. The manual does not describe the position in this "
-            "case. It is treated as usable with a warning."
+            "02h sets dd1, which 7.3.2 fixes at 0. The alarm and error bits would be 10h and 20h. However, it is the "
+            "only reply to data ID 5 that the manual prints, and its CRC is correct. Only a test on hardware can show "
+            "whether the example is wrong or the encoder may set these bits. The manual does not say whether the "
+            "position is valid in this case. It is treated as usable with a warning."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2635,11 +2643,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="data_id_5_example_position",
-        title="The example has a position far beyond the end of the tape",
+        title="The position in the example is far beyond the end of the tape",
         printed="Position \"DAh 04h 00h 43h 25h 00h\"",
         used="The value is not used. No position of this encoder can have this value.",
         why=(
-            "It is 0025430004DAh or 160,037,864,666 counts, which is 160 km at 1 µm. RS-485 carries 24 bits and the "
+            "It is 0025430004DAh, or 160,037,864,666 counts, which is 160 km at 1 µm. RS-485 carries 24 bits and the "
             "tape ends at 32.82 m."
         ),
         status=Status.SETTLED,
@@ -2652,8 +2660,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="The manual gives an error bit level without naming the interface",
         printed="When the fault is gone the error bit goes to the high level (\"commuta al livello logico alto\").",
         used=(
-            "This level applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error, and it "
-            "stays high until it is reset."
+            "This level applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error and stays "
+            "high until it is reset."
         ),
         why="Section 7.3.2 and the note in 9.1 say so. Section 9 does not distinguish between the interfaces.",
         status=Status.SETTLED,
@@ -2663,7 +2671,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ab_frequency",
-        title="Two rows of the table of the AB signals do not fit its columns",
+        title="Two rows of the AB signal table are inconsistent with its columns",
         printed=(
             "580 kHz per period and 2320 kHz between edges, at 4.7 m/s with 2 µm and at 2.4 m/s with 1 µm, calculated "
             "with the minimum distance of 0.25 µs"
@@ -2671,8 +2679,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The table is listed as printed.",
         why=(
             "At 2 µm, 4.7 m/s corresponds to 587.5 and 2,350 kHz. At 1 µm, 2.4 m/s corresponds to 600 and 2,400 kHz. "
-            "580 and 2,320 kHz correspond to 4.64 and 2.32 m/s. The other rows agree. With a distance of 0.25 µs, the "
-            "frequency would be 4,000 kHz in every row."
+            "580 and 2,320 kHz correspond to 4.64 and 2.32 m/s. The other rows agree. With a minimum distance of 0.25 "
+            "µs, the frequency would be 4,000 kHz in every row."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -2681,12 +2689,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_sending_order",
-        title="Arrows show the bytes of the position in the opposite order",
+        title="Arrows in the manual show the position bytes in the wrong order",
         printed="Arrows from ABS5 to ABS0 and from ABS2 to ABS0 are marked as the order of transmission",
         used="ABS0 is sent first.",
         why=(
             "The text above both tables says that the position is sent from the least to the most significant byte. "
-            "The examples do so."
+            "The examples follow that order."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -2699,7 +2707,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_offset_default_length",
-        title="One default of Preset and Offset has one byte instead of four",
+        title="The manual prints one Preset/Offset default with one byte, not four",
         printed="Section 6.4: default 00h. List of defaults: 00 00 00 00",
         used="The default is four bytes of 00.",
         why="The register has four bytes, 50h to 53h.",
@@ -2710,7 +2718,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="unimplemented_alarms",
-        title="Combined bits list alarms that are not implemented",
+        title="The manual lists unimplemented alarms for the combined bits",
         printed=(
             "ea0 stands for Signal on the strength alarm and Temperature alarm. ea1 stands for Encoder inharmonious "
             "error and Higher track error, among others. According to the table of ALMC, none of the four is "
@@ -2725,12 +2733,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_check_default",
-        title="One default is missing from the list of defaults",
+        title="The list of defaults omits one default",
         printed="Register 59h can be written and has the default 00h. The list of defaults omits it.",
         used="The default is 00h",
         why=(
-            "The manual does not say whether loading the defaults resets it. It is the only register of this kind "
-            "that is missing from the list."
+            "The manual does not say whether loading the defaults resets this register. It is the only register of "
+            "its kind that is missing from the list."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2739,7 +2747,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
-        title="The words and the sign for the SSI pause of 16 µs disagree",
+        title="The wording and the sign for the SSI pause of 16 µs disagree",
         printed="Pause of at least 16 µs (Tp > 16 µs)",
         used="The minimum is 16 µs. Use a longer pause.",
         why="The words \"at least\" allow 16 µs, but the sign \">\" does not.",
@@ -2750,9 +2758,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_reply_time",
-        title="The reply time over RS-485 is missing from the manual",
+        title="The manual does not give the reply time over RS-485",
         printed="The manual describes requests and replies, but not the time between them",
-        used="The generated files have no reply time and no time-out. The master chooses its time-out.",
+        used="The generated files have no reply time and no time-out. The user of the master chooses the time-out.",
         why=(
             "The manual gives neither the shortest nor the longest time from the end of a request to the reply. "
             "Without a shortest time, the master must release the line immediately after the stop bit of its request. "
@@ -2822,12 +2830,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="edition_before_1_1_4",
         title=(
-            "Before edition 1.1: The cause of \"Encoder inharmonious error\", whether it is kept, and how it is "
+            "Before edition 1.1: The cause of \"Encoder inharmonious error\", whether it is stored, and how it is "
             "cleared"
         ),
-        printed="The cause of \"Encoder inharmonious error\", whether it is kept, and how it is cleared",
+        printed="The cause of \"Encoder inharmonious error\", whether it is stored, and how it is cleared",
         used="not known",
-        why="The description of the alarm was removed with the alarm.",
+        why="The description of the alarm was removed together with the alarm.",
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         source="Release table",

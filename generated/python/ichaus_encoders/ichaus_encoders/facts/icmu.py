@@ -71,10 +71,10 @@ ORDER_CODE: Final = OrderCode(
         Part(name="zeros", meaning="Zero bits", values=(PartValue(text="0"), PartValue(text="2"), PartValue(text="7"))),
     ),
     not_on_label=(
-        "The label of the chip has only its name. The numbers in the order code are its configured position bits and "
-        "zero bits."
+        "The chip's label has only its name. The numbers in the order code are its configured position bits and zero "
+        "bits."
     ),
-    note="Other sums of OUT_MSB and OUT_LSB give other widths.",
+    note="Other sums of OUT_MSB and OUT_LSB give different widths.",
     source="p.28",
 )
 
@@ -100,8 +100,8 @@ CRCS: Final[tuple[Crc, ...]] = (
         xorout=0x00,
         polynomial="x^16 + x^12 + x^5 + 1",
         note=(
-            "It protects the configuration in the EEPROM, addresses 00h to 20h and 30h to 3Fh. BiSS does not give "
-            "access to it."
+            "This CRC protects the configuration in the EEPROM, addresses 00h to 20h and 30h to 3Fh. BiSS does not "
+            "give access to it."
         ),
         source="b1: p.22, mu150: p.23",
     ),
@@ -340,13 +340,13 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="mt_ctr",
                     printed_name="MT_CTR",
                     active="high",
-                    when_active="counted multiturn differs from the external one",
+                    when_active="the counted multiturn position differs from the external one",
                 ),
                 FieldFacts(
                     name="non_ctr",
                     printed_name="NON_CTR",
                     active="high",
-                    when_active="counted period differs from the calculated nonius position",
+                    when_active="the counted period differs from the calculated nonius position",
                 ),
                 FieldFacts(
                     name="frq_abz",
@@ -367,7 +367,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     when_active="a command is being executed",
                 ),
             ),
-            meaning="Errors of memory, multiturn, counters and frequency",
+            meaning="Memory, multiturn, counter and frequency errors",
             source="p.55",
         ),
         "device_id": Register(
@@ -412,7 +412,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = ()
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="id_byte_order",
-        title="The byte order of the identification registers is reversed",
+        title="The table reverses the byte order of the identification registers",
         printed=(
             "The table numbers the bits of MFG_ID, PROFILE_ID, SERIAL and DEV_ID as if the lowest address had the low "
             "byte."
@@ -429,7 +429,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="id_access",
-        title="Access to the identification registers is missing from their tables",
+        title="The tables do not give access rights for the identification registers",
         printed=(
             "Figure 47 has r for EDSBANK, PROFILE_ID, SERIAL, DEV_ID and MFG_ID, for protection level RP1. The tables "
             "of these registers have no R, unlike those of STATUS0 and STATUS1."
@@ -452,13 +452,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc16_byte_order",
-        title="The byte order of the CRC differs between two revisions",
+        title="Two data sheets give different byte orders for the CRC",
         printed=(
             "Revision B1 of iC-MU has the low byte of CRC16 at 21h. The data sheet of iC-MU150 has the high byte "
             "there."
         ),
         used="The high byte is at 21h.",
-        why="The EEPROM of a real iC-MU has 52h at 21h and A8h at 22h, and the CRC of its bytes is 52A8h.",
+        why="The EEPROM of a real iC-MU contains 52h at 21h and A8h at 22h, and the CRC of its bytes is 52A8h.",
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("crcs.configuration_16",),
