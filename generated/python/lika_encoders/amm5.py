@@ -778,7 +778,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     after the word read zeros. There is no error bit, no warning bit and no CRC.
 
     Errata, with their full text in ERRATA:
-        One section says Binary or Gray, the other says Binary (settled): The output code is binary.
+        One section says Binary or Gray, but the other says only Binary (settled): The output code is binary.
         Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
             clocks satisfy both.
         The word length table prints 65KKG1 instead of 65KBG1 (settled): The order codes contain 65KBG1.

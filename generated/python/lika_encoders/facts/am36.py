@@ -257,7 +257,7 @@ SSI: Final = SsiFacts(
 #
 # Erratum: The manual does not give the rule for the BiSS time-out (open) [6.6 p.32, prot: p.18]:
 # Printed: BiSS time-out: "Self-adaptable to the clock, 10 µs max.".
-# Used: The time-out is at most 10 µs. No rule is given.
+# Used: The time-out is at most 10 µs. The spec gives no rule.
 #
 # In edition 1.1 [am36_1_1_biss: p.21]:
 # Instead of: the note on BiSS C-mode.
@@ -966,7 +966,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="do_not_tool",
-        title="The manual uses the easily misread verb tool for machining",
+        title="The word tool in the manual means machining and is easily misread",
         printed="\"do not tool the encoder or its shaft\"",
         used="The generated files say that neither the encoder nor its shaft may be machined.",
         why="\"To tool\" means to work a part with a tool.",
@@ -1525,7 +1525,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="biss_timeout_length",
         title="The manual does not give the rule for the BiSS time-out",
         printed="BiSS time-out: \"Self-adaptable to the clock, 10 µs max.\"",
-        used="The time-out is at most 10 µs. No rule is given.",
+        used="The time-out is at most 10 µs. The spec gives no rule.",
         why=(
             "The manual does not say how the time depends on the clock. In the BiSS protocol description, the "
             "shortest adaptive time-out is 1.5 periods, which is 7.5 µs at 200 kHz and within the limit."
@@ -1738,7 +1738,7 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
     Document("icmu", "iC-MU data sheet, iC-Haus", url="http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm"),
     Document(
         "profiles",
-        "profilebiss.xml, BiSS profiles, its public opening of about 2000 characters",
+        "profilebiss.xml, BiSS profiles, its public part of about 2000 characters",
         url="http://www.biss-interface.com/identifier/profilebiss.xml",
     ),
     Document("moteus", "mjbots/moteus, servo drive with a BiSS C receiver", url="https://github.com/mjbots/moteus"),

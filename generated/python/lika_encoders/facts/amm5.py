@@ -197,7 +197,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum: One section says Binary or Gray, the other says Binary (settled) [5.1, 5.2]:
+# Erratum: One section says Binary or Gray, but the other says only Binary (settled) [5.1, 5.2]:
 # Printed: 5.1: "The output code can be Binary or Gray", see the order code. 5.2: "The output code is BINARY", see the
 # order code.
 # Used: The output code is binary.
@@ -1869,7 +1869,7 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="do_not_tool",
-        title="The manual uses the easily misread verb tool for machining",
+        title="The word tool in the manual means machining and is easily misread",
         printed="\"do not tool the encoder or the disk/ring\"",
         used="The generated files say that neither the encoder nor the disk or ring may be machined.",
         why="The Italian edition says \"non eseguire lavorazioni meccaniche\", which means \"do not machine\".",
@@ -1933,12 +1933,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_output_code",
-        title="One section says Binary or Gray, the other says Binary",
+        title="One section says Binary or Gray, but the other says only Binary",
         printed=(
             "5.1: \"The output code can be Binary or Gray\", see the order code. 5.2: \"The output code is BINARY\", "
             "see the order code"
         ),
-        used="The output code is binary",
+        used="The output code is binary.",
         why=(
             "Section 5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no field for "
             "the output code and only one SSI variant, BG1."
@@ -1969,7 +1969,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ssi_table_65kkg1",
         title="The word length table prints 65KKG1 instead of 65KBG1",
         printed="AMM5A17/65KKG1... and five more in the English table of word lengths",
-        used="The order codes contain 65KBG1",
+        used="The order codes contain 65KBG1.",
         why="The table just below it and the Italian edition have 65KBG1. No order code has KG1.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
@@ -1978,7 +1978,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cpr",
-        title="The manual calls positions over all revolutions counts per revolution",
+        title="The manual labels positions over all revolutions as cpr",
         printed="8,589,934,592 cpr, 137,438,953,472 cpr and 549,755,813,888 cpr for the multiturn models",
         used="The numbers are positions over all 65,536 revolutions, not counts per revolution.",
         why=(

@@ -1606,7 +1606,7 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
     Document("icmu", "iC-MU data sheet, iC-Haus", url="http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm"),
     Document(
         "profiles",
-        "profilebiss.xml, BiSS profiles, its public opening of about 2000 characters",
+        "profilebiss.xml, BiSS profiles, its public part of about 2000 characters",
         url="http://www.biss-interface.com/identifier/profilebiss.xml",
     ),
     Document(

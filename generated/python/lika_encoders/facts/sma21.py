@@ -2073,7 +2073,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="tape_length",
         title="The manual prints the travel as the length of the tape",
         printed="Maximum length of the tape (\"lunghezza massima della banda\"): 16.339, without a unit, and 32.749 mm",
-        used="The tape is at most 16,410 mm and 32,820 mm long. The travel is 16,339 mm and 32,749 mm.",
+        used=(
+            "The tape is at most 16,410 mm or 32,820 mm long, depending on the model. The travel is 16,339 mm or "
+            "32,749 mm."
+        ),
         why=(
             "Section 4.10 lists both. The preliminary information, section 5.2 and the cover give the smaller numbers "
             "as the measuring length. The difference of 71 mm is made up of the head of 63 mm and 4 mm at each end."
