@@ -1309,7 +1309,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
 
     The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the "Enable preset" bit to 0 (enable)
     before writing. The command "Save parameters on EEPROM" saves the value without activating it. The command "Save
-    parameters and activate Preset" saves and activates it. The "Zero setting/Preset" input activates it as well. The
+    parameters and activate Preset" saves and activates it. The "Zero setting/Preset" input also activates it. The
     manual suggests activating it with the shaft at a standstill. Set the preset again after changing the counting
     direction, "Information per revolution" or "Number of revolutions". The preset can be used, for instance, to align
     the zero points of the encoder and the application.

@@ -241,7 +241,7 @@ class Variant(Rotary, Wrapping):
         singleturn_bits: Singleturn resolution [Preliminary information p.7]. Unit: bits.
         multiturn_bits: Width of the revolution count in bits. 0 in singleturn models [Preliminary information p.7].
             Unit: bits.
-        low_battery_only: 1 if an active warning bit stands for a low battery [6.2.1 p.33]. Set by your choice of
+        low_battery_only: 1 if an active warning bit means a low battery [6.2.1 p.33]. Set by your choice of
             ``warning_cause``: 0 for ``either_cause`` (default), 1 for ``low_battery``. Applies only to BiSS C-mode.
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.

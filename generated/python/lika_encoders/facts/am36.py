@@ -113,13 +113,13 @@ ORDER_CODE: Final = OrderCode(
         "electrically. It may come with its own documentation for special connections (Technical Info)."
     ),
     note=(
-        "On the label, a hyphen and further characters follow the output. The manual does not explain them. For BiSS, "
-        "it prints AMx36xx/xxxx and, next to register 55h, AMx36xx/4096, without a value for the singleturn "
-        "resolution. The listed values come from the SSI table. For BiSS, other values are also accepted and shown as "
-        "unlisted. They do not affect the frame, because the widths of its fields are read from registers 56h and "
-        "57h. In edition 1.1, the codes have no hyphen, and BiSS is SCx. Such labels are also accepted. The order "
-        "code and the serial number are printed on the label on the encoder body and in the delivery document. Quote "
-        "both numbers in every inquiry to Lika. Technical data are in the catalog."
+        "On the label, a hyphen and more characters follow the output. The manual does not explain them. For BiSS, it "
+        "prints AMx36xx/xxxx and, next to register 55h, AMx36xx/4096, without a value for the singleturn resolution. "
+        "The listed values come from the SSI table. For BiSS, other values are also accepted and shown as unlisted. "
+        "They do not affect the frame, because the widths of its fields are read from registers 56h and 57h. In "
+        "edition 1.1, the codes have no hyphen, and SCx means BiSS. Such labels are also accepted. The order code and "
+        "the serial number are printed on the label on the encoder body and in the delivery document. Quote both "
+        "numbers in every inquiry to Lika. Technical data are in the catalog."
     ),
     source="5, 5.2, 6, 6.5 p.31",
     also_written=(
@@ -588,8 +588,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the \"Enable preset\" "
                 "bit to 0 (enable) before writing. The command \"Save parameters on EEPROM\" saves the value without "
                 "activating it. The command \"Save parameters and activate Preset\" saves and activates it. The "
-                "\"Zero setting/Preset\" input activates it as well. The manual suggests activating it with the shaft "
-                "at a standstill. Set the preset again after changing the counting direction, \"Information per "
+                "\"Zero setting/Preset\" input also activates it. The manual suggests activating it with the shaft at "
+                "a standstill. Set the preset again after changing the counting direction, \"Information per "
                 "revolution\" or \"Number of revolutions\". The preset can be used, for instance, to align the zero "
                 "points of the encoder and the application."
             ),
@@ -1018,8 +1018,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         why=(
             "Only the BiSS pages of edition 1.1 are available. That manual is listed under the series AM 3616/4096BG, "
-            "without the hyphen. The meaning of the digit x is not known. In other families, it stands for the "
-            "supply. AMM is assumed to be a misprint for AM."
+            "without the hyphen. The meaning of the digit x is not known. In other families, it gives the supply. AMM "
+            "is assumed to be a misprint for AM."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1374,8 +1374,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="set_resolution saves the resolution first, and only then writes and activates the preset.",
         why=(
             "According to the descriptions of 4Bh and 4Eh, a preset written after the resolution would be kept. "
-            "According to those of 48h and 50h, the command clears it. The manual does not say what the command "
-            "\"Save parameters on EEPROM\" does to such a preset."
+            "According to the descriptions of 48h and 50h, the command clears it. The manual does not say what the "
+            "command \"Save parameters on EEPROM\" does to such a preset."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,

@@ -138,9 +138,9 @@ ORDER_CODE: Final = OrderCode(
         "electrically. It may come with its own documentation for special connections (Technical Info)."
     ),
     note=(
-        "On the label, a hyphen and further characters follow the interface. The manual does not explain them. The "
-        "order code and the serial number are printed on the label on the encoder body and in the delivery document. "
-        "Quote both numbers in every inquiry to Lika. Technical data are in the catalog."
+        "On the label, a hyphen and more characters follow the interface. The manual does not explain them. The order "
+        "code and the serial number are printed on the label on the encoder body and in the delivery document. Quote "
+        "both numbers in every inquiry to Lika. Technical data are in the catalog."
     ),
     source="Cover, 5 p.27, 6 p.31, 7 p.41",
 )

@@ -97,7 +97,7 @@ ORDER_CODE: Final = OrderCode(
         "electrically. It may come with its own documentation for special connections (Technical Info)."
     ),
     note=(
-        "On the label, a hyphen and further characters follow the supply. The manual does not explain them. The order "
+        "On the label, a hyphen and more characters follow the supply. The manual does not explain them. The order "
         "code and the serial number are printed on the label on the encoder body and in the delivery document. Quote "
         "both numbers in every inquiry to Lika. Technical data are in the catalog."
     ),
@@ -1136,7 +1136,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Wires 2 × 0.22 mm² + 6 × 0.14 mm². Conductor resistance ≤ 90 Ω/km / ≤ 148 Ω/km. The manual does not "
             "assign these values to the wires"
         ),
-        used="90 Ω/km is the resistance of the 0.22 mm² wires, and 148 Ω/km that of the 0.14 mm² wires.",
+        used="90 Ω/km is the resistance of the 0.22 mm² wires, and 148 Ω/km is the resistance of the 0.14 mm² wires.",
         why=(
             "Both pairs of values are in the same order, and the thicker of two copper wires has the lower "
             "resistance. The AM36 manual assigns the values in this way."

@@ -116,7 +116,7 @@ ORDER_CODE: Final = OrderCode(
         "electrically. It may come with its own documentation for special connections (Technical Info)."
     ),
     note=(
-        "On the label, a hyphen and further characters follow the resolution. The manual does not explain them. It "
+        "On the label, a hyphen and more characters follow the resolution. The manual does not explain them. It "
         "prints x for the supply digit of all models except JP1, and explains 1 and 4 by example. The order code and "
         "the serial number are printed on the label on the encoder body and in the delivery document. Quote both "
         "numbers in every inquiry to Lika. Technical data are in the catalog. The order code of the tape is in its "
@@ -2029,7 +2029,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="All three names are read as the BiSS C protocol description from iC-Haus.",
         why=(
-            "None of the names is the title of a public document. The manual's terms are those of the protocol "
+            "None of the names is the title of a public document. The manual uses the terms of the protocol "
             "description."
         ),
         status=Status.OPEN,
@@ -2251,7 +2251,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         why=(
             "If a preset of 0 or a reset of the position is applied in the middle of the travel, some positions are "
-            "below zero. All position fields are unsigned except that of data ID 5."
+            "below zero. All position fields are unsigned except the field of data ID 5."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2466,8 +2466,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The spec follows both statements.",
         why=(
-            "If the bits are latched, their logical OR is latched as well. Bits 6 and 7 are not implemented, so this "
-            "has no effect."
+            "If the bits are latched, their logical OR is also latched. Bits 6 and 7 are not implemented, so this has "
+            "no effect."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2723,9 +2723,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="unimplemented_alarms",
         title="The manual lists unimplemented alarms for the combined bits",
         printed=(
-            "ea0 stands for Signal on the strength alarm and Temperature alarm. ea1 stands for Encoder inharmonious "
-            "error and Higher track error, among others. According to the table of ALMC, none of the four is "
-            "implemented, and release 1.1 removed one of them"
+            "ea0 combines Signal on the strength alarm and Temperature alarm. ea1 combines Encoder inharmonious error "
+            "and Higher track error, among others. According to the table of ALMC, none of the four is implemented, "
+            "and release 1.1 removed one of them"
         ),
         used="The combined bits are used as printed. A decoder accepts these bits.",
         why="Alarms that are not implemented cannot set ea0. For ea1, bits 5, 2, 1 and 0 of ALMC remain.",

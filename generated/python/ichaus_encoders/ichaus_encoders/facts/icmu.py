@@ -432,7 +432,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="The tables do not give access rights for the identification registers",
         printed=(
             "Figure 47 has r for EDSBANK, PROFILE_ID, SERIAL, DEV_ID and MFG_ID, for protection level RP1. The tables "
-            "of these registers have no R, unlike those of STATUS0 and STATUS1."
+            "of these registers have no R, unlike the tables of STATUS0 and STATUS1."
         ),
         used="They are read-only.",
         why=(
