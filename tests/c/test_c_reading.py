@@ -55,7 +55,7 @@ PRINTED = {
         "Data bits": "8U",
         "Parity": "'N'",
         "Stop bit": "1U",
-        "MEM BUSY": "MEM BUSY in bit 0, as the manual prints it",
+        "MEM BUSY": "MEM BUSY in bit 0, as printed in the manual",
         "Serial number": "_ADDRESS 0x44U",
         "Manufacturer ID": "_ADDRESS 0x7EU",
     },

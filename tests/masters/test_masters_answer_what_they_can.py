@@ -265,7 +265,7 @@ def test_a_life_counter_before_the_status_bits(tmp_path: Path, capsys: Capture) 
     # The manual of the F5 and the F6 shows the whole data word, which has no room for it.
     for name in ("keb_f5", "keb_f6"):
         (refusal,) = sheets[name]["refusals"]
-        assert refusal["reason"].endswith("without further bits. This encoder has 6 other bits after the position.")
+        assert refusal["reason"].endswith("without other bits. This encoder has 6 other bits after the position.")
 
 
 def test_a_life_counter_after_the_status_bits(tmp_path: Path, capsys: Capture) -> None:
