@@ -209,7 +209,7 @@ class ChannelLayout:
         rest: float | None = None,
         threshold: float | None = None,
     ) -> ChannelCapture:
-        """Decode a capture of a logic analyser, with all channels of each frame. Needs NumPy.
+        """Decode a capture of a logic analyzer, with all channels of each frame. Needs NumPy.
 
         Args:
             source: The capture, in a format of the package's ``read_capture``.
