@@ -23,8 +23,8 @@ from ..files.inputs import FrameBatch, Source
 from ..files.layouts import find_layout, find_shape, list_layouts
 from ..files.sinks import SINKS, TargetKind
 from ..files.stream import (
-    Derived,
     Output,
+    SpeedColumns,
     Summary,
     count_units,
     decode_parts,
@@ -608,14 +608,14 @@ def _decode_capture(
         if time_column in empty_table:
             raise UsageError(f"the frames have a field '{time_column}', but this is the column of times")
         empty_table = empty_table.with_columns(**time_columns)
-        derived = Derived(time_column, sources[0]) if output.si else None
-        if derived is not None:
-            empty_table = derived.check(empty_table)
+        add_columns = SpeedColumns(time_column, sources[0]) if output.si else None
+        if add_columns is not None:
+            empty_table = add_columns.check(empty_table)
         read = Source(_make_batches(capture_frames, log), capture_frames.total, (time_column,), time_columns)
         plan = make_plan(empty_table, read, output.columns, sources[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
             try:
-                frames = decode_parts(read, capture_frames.shape, encoder, sink, limit, progress, derived)
+                frames = decode_parts(read, capture_frames.shape, encoder, sink, limit, progress, add_columns)
             except InputError:
                 report_exchanged_lines()
                 raise

@@ -22,10 +22,11 @@ _BUFFER_BYTES: Final = 1 << 20
 def read_parquet_batches(file: BinaryIO, name: str, stored: StorageFormat, shape: Shape) -> Source:
     """Open a Parquet file, and return a source that reads the frames and the other columns later.
 
-    Raises InputError if the file is not Parquet, or has no such columns, and UsageError if two columns to keep have the
-    same name.
+    Raises:
+        InputError: The file is not Parquet, or has no column of frames.
+        UsageError: Two columns to keep have the same name.
     """
-    with _convert_to_readable(name):
+    with _convert_errors(name):
         # Without a buffer, a whole column is read at once.
         opened_file = load("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER_BYTES, pre_buffer=False)
         schema = opened_file.schema_arrow
@@ -47,18 +48,18 @@ def read_parquet_batches(file: BinaryIO, name: str, stored: StorageFormat, shape
 def _read_batches(
     file: Any, column: str, kept_names: tuple[str, ...], name: str, stored: StorageFormat, shape: Shape
 ) -> Generator[FrameBatch, None, None]:
-    """Yield the frames of a column, with the other columns of the same rows, and the number of rows read.
+    """Yield the frames of a column, with the other columns of the same rows, and the number of rows read so far.
 
     Raises:
         InputError: The column contains no frames, or the file is damaged.
     """
     done = 0
-    with _convert_to_readable(name):
+    with _convert_errors(name):
         # More columns mean fewer rows at once.
         row_count = max(inputs.CHUNK // (1 + len(kept_names)), 1)
         batches = file.iter_batches(batch_size=row_count, columns=[column, *kept_names])
     while True:
-        with _convert_to_readable(name):
+        with _convert_errors(name):
             batch = next(batches, None)
             if batch is None:
                 return
@@ -73,8 +74,8 @@ def _read_batches(
 
 
 @contextmanager
-def _convert_to_readable(name: str) -> Generator[None, None, None]:
-    """Convert the errors that pyarrow raises for an unreadable file to InputError."""
+def _convert_errors(name: str) -> Generator[None, None, None]:
+    """Convert the errors that pyarrow raises for an unreadable file to InputError. ``name`` is the name of the file."""
     arrow_error: Any = load("pyarrow").lib.ArrowException
     try:
         yield
