@@ -2,7 +2,7 @@
 """Register access over BiSS C: control frames for masters and slaves.
 
 A BiSS frame carries one bit of control data each way: CDM from the master, the inverse of the level of MA during the
-time-out, and CDS from the slave, after the start bit. The bits of successive frames form a control frame, which reads
+timeout, and CDS from the slave, after the start bit. The bits of successive frames form a control frame, which reads
 or writes registers:
 
 ==== ================================= ==================================================================
@@ -406,7 +406,7 @@ class Master:
     """BiSS C master for register access.
 
     Start an access with :meth:`read` or :meth:`write`. Then call :meth:`next` once in every BiSS frame, between its
-    CDS bit and its time-out, until ``outcome`` is no longer RUNNING. Continue to call it while frames are sent, because
+    CDS bit and its timeout, until ``outcome`` is no longer RUNNING. Continue to call it while frames are sent, because
     it counts the zeros that are required between two accesses. An access to one register takes at most 46 frames. Each
     further register adds 14 frames, and each frame in which the slave is busy adds one.
 
@@ -509,7 +509,7 @@ class Master:
             cds: The CDS bit of this frame.
 
         Returns:
-            The CDM bit of this frame. MA carries its inverse during the time-out.
+            The CDM bit of this frame. MA carries its inverse during the timeout.
         """
         # A pin may be read as a bool or as a NumPy byte, into which the collected bits would not fit.
         cds = int(cds & 1)
@@ -626,7 +626,7 @@ class RegisterBus:
 
     Args:
         exchange: Function that carries out one BiSS frame. It takes the CDM bit of the previous frame, whose inverse MA
-            carries during the time-out, and returns the CDS bit of this frame, alone or as the first member of a tuple.
+            carries during the timeout, and returns the CDS bit of this frame, alone or as the first member of a tuple.
         slave_id: ID of the slave, 0 to 7.
         busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number that takes
             20 ms.

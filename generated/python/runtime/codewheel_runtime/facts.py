@@ -52,7 +52,7 @@ class Alignment(Enum):
 
 
 class TimeoutRule(Enum):
-    """Dependence of a time-out on the clock."""
+    """Dependence of a timeout on the clock."""
 
     FOLLOWS_CLOCK = "follows_clock"
     FIXED = "fixed"
@@ -359,13 +359,13 @@ class Timeout(NamedTuple):
     only: str = ""
 
     def nanoseconds(self, clock_hz: int) -> float | None:
-        """Return the time-out for a clock frequency.
+        """Return the timeout for a clock frequency.
 
         Args:
             clock_hz: Clock frequency in hertz.
 
         Returns:
-            The time-out in nanoseconds, or None if the manual does not give it for this frequency. A fixed time-out is
+            The timeout in nanoseconds, or None if the manual does not give it for this frequency. A fixed timeout is
             the typical one, or else the maximum.
         """
         if self.half_clock_periods is not None:
