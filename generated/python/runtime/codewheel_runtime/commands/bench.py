@@ -32,10 +32,10 @@ _LONGEST_HEADER = 1 << 16
 
 def capture(package: str, chosen: argparse.Namespace) -> None:
     """Decode a capture into a file of columns."""
-    encoder = _take_encoder(package, chosen)
+    encoder = _select_encoder(package, chosen)
     with show_progress(package, chosen.files[0]) as progress:
         # The arguments that say how the encoder was connected, and which frames it sends.
-        capture_arguments = _read_probes(chosen)
+        capture_arguments = _list_capture_arguments(chosen)
         summary = Captures(package).decode_capture(
             encoder,
             chosen.files,
@@ -54,7 +54,7 @@ def capture(package: str, chosen: argparse.Namespace) -> None:
 
 def plot(package: str, chosen: argparse.Namespace) -> None:
     """Plot position and speed of a capture over time."""
-    encoder = _take_encoder(package, chosen)
+    encoder = _select_encoder(package, chosen)
     try:
         from .plot import save
     except ImportError as error:
@@ -64,7 +64,7 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
         if _has_frames(chosen.files[0]):
             table = _read_frames(encoder, chosen)
         else:
-            table, lost, *_ = Captures(package).read_capture(encoder, chosen.files, **_read_probes(chosen))
+            table, lost, *_ = Captures(package).read_capture(encoder, chosen.files, **_list_capture_arguments(chosen))
         if not table.count:
             raise CommandFailed(_explain_no_frames(lost, chosen))
         save(table, chosen.output, lost, force=chosen.force, sources=chosen.files)
@@ -72,7 +72,7 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
 
 
 def _has_frames(path: str) -> bool:
-    """Return whether a file has a column of frames: Parquet, or CSV with ``word`` or ``frame``.
+    """Return whether a file has a column of frames: Parquet, or CSV with a column ``word`` or ``frame``.
 
     Other files are captures.
     """
@@ -88,7 +88,7 @@ def _has_frames(path: str) -> bool:
 
 
 def _read_frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
-    """Return the frames of a file with the columns ``time`` and ``word`` or ``frame``."""
+    """Return a table of the frames in a file that has the columns ``time`` and ``word`` or ``frame``."""
     if isinstance(encoder, BissLayout):
         shape = encoder.shape
     else:
@@ -107,7 +107,7 @@ def _read_frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> T
 
 
 def _list_rows(frames: Any) -> list[bytes | None]:
-    """Return rows of bytes as a list. A missing frame is None."""
+    """Return rows of bytes as a list of bytes. A missing frame is None."""
     return [None if row is None else bytes(row) for row in frames]
 
 
@@ -116,8 +116,11 @@ def _list_numbers(frames: Any) -> Any:
     return frames.tolist() if hasattr(frames, "tolist") else frames
 
 
-def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
-    """Return the encoder or the layout. Without ``--biss``, the first of ``files`` is its label, and is removed.
+def _select_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
+    """Return the encoder or the layout that the arguments select.
+
+    Without ``--biss``, the first of ``files`` is the label of the encoder. It becomes ``order_code``, and is removed
+    from the files.
 
     Raises:
         CommandFailed: The layout or the label is wrong, or there is no file.
@@ -141,8 +144,8 @@ def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLay
     return encoder
 
 
-def _read_probes(chosen: argparse.Namespace) -> dict[str, Any]:
-    """Return the arguments that ``capture`` and ``plot`` pass on to the functions for captures.
+def _list_capture_arguments(chosen: argparse.Namespace) -> dict[str, Any]:
+    """Return the arguments that ``capture`` and ``plot`` pass on to the functions for captures, by name.
 
     An example is ``{"clock": "MA", "data": "SLO", "rate": None, …, "layout": "", "answers": {}}``.
     """
@@ -154,7 +157,7 @@ def _read_probes(chosen: argparse.Namespace) -> dict[str, Any]:
 
 
 def _print_summary(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
-    """Print the counts of a capture.
+    """Print the counts of a capture, its first lost cycles and its first register accesses.
 
     Raises:
         CommandFailed: There is no frame, or more than ``--max-errors`` percent of the cycles have no valid frame.
@@ -165,12 +168,14 @@ def _print_summary(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
     else:
         for lost in summary.first_lost[:_MOST_PRINTED]:
             print(f"{lost.time:.9g}: {lost.reason}", file=out)
-        if (more := sum(summary.lost.values()) - _MOST_PRINTED) > 0:
-            print(f"... and {more} more lost", file=out)
+        more_lost = sum(summary.lost.values()) - _MOST_PRINTED
+        if more_lost > 0:
+            print(f"... and {more_lost} more lost", file=out)
         for access in summary.accesses[:_MOST_PRINTED]:
             print(f"{access.time:.9g}: {access}", file=out)
-        if (more := summary.access_count - _MOST_PRINTED) > 0:
-            print(f"... and {more} more accesses; --json prints all of them", file=out)
+        more_accesses = summary.access_count - _MOST_PRINTED
+        if more_accesses > 0:
+            print(f"... and {more_accesses} more accesses; --json prints all of them", file=out)
         print(summary, file=out)
     if not summary.frames.frames:
         raise CommandFailed(_explain_no_frames(summary.first_lost, chosen))
@@ -182,12 +187,12 @@ def _print_summary(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
 
 
 def _name_layout(chosen: argparse.Namespace) -> str:
-    """Return the argument that describes the frames, for a message."""
+    """Return the name of the argument that describes the frames, for a message."""
     return "the order code" if chosen.biss is None else "the layout (--biss)"
 
 
 def _explain_no_frames(lost: Any, chosen: argparse.Namespace) -> str:
-    """Return the message for a capture without a frame, with the reason of the first lost cycle."""
+    """Return the message for a capture without a frame, with the reason why the first cycle was lost."""
     first_lost: Lost | None = next(iter(lost), None)
     reason = f": {first_lost.reason}" if first_lost else ""
     return f"the capture contains no frame{reason}; check the channels (--clock, --data) and {_name_layout(chosen)}"
