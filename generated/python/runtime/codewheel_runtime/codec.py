@@ -99,19 +99,19 @@ def shorten(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:60]}..."
 
 
-def require_answer(kind: type[_Answer], answer: _Answer | None) -> _Answer:
+def require_answer(answer_class: type[_Answer], answer: _Answer | None) -> _Answer:
     """Return ``answer`` if it answers a question that the manual leaves open, and raise TypeError otherwise.
 
-    ``kind`` is the enumeration of the possible answers.
+    ``answer_class`` is the enumeration of the possible answers.
     """
-    if not isinstance(answer, kind):
-        raise wrong_answer_error(kind, answer)
+    if not isinstance(answer, answer_class):
+        raise wrong_answer_error(answer_class, answer)
     return answer
 
 
-def wrong_answer_error(kind: type[Enum], answer: object) -> TypeError:
-    """Return the error for an answer that is missing or not a member of the enumeration ``kind``."""
-    answers = " or ".join(f"{kind.__name__}.{member.name}" for member in kind)
+def wrong_answer_error(answer_class: type[Enum], answer: object) -> TypeError:
+    """Return the error for an answer that is missing or not a member of the enumeration ``answer_class``."""
+    answers = " or ".join(f"{answer_class.__name__}.{member.name}" for member in answer_class)
     return TypeError(f"expected {answers}, got {shorten(answer)}: the manual leaves this open")
 
 
@@ -290,13 +290,13 @@ def check_power_of_two(field: str, value: SupportsIndex) -> None:
         raise RangeError(field, number, "a power of two")
 
 
-def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
-    """Return ``value`` as a member of ``kind``. Raises RangeError unless it is the number of a member."""
+def as_member(enumeration: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
+    """Return the member of an enumeration with the number ``value``. Raises RangeError if there is no such member."""
     number = value if type(value) is int else whole_number(field, value)
     try:
-        return kind(number)
+        return enumeration(number)
     except ValueError:
-        members = ", ".join(str(int(member)) for member in kind)
+        members = ", ".join(str(int(member)) for member in enumeration)
         raise RangeError(field, number, f"one of {members}") from None
 
 

@@ -44,11 +44,11 @@ def read_column(column: Any, shape: Shape) -> Any:
         raise InputError("the frames", f"row {error.row + 1}", reason) from None
 
 
-def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: int = 0) -> Any:
+def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, rows_before: int = 0) -> Any:
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
-    ``digits`` is the base of numbers in text without ``0x``. ``done`` is the number of rows of the file that were read
-    before. If it is 0 and the column is text, most of its cells must be frames.
+    ``digits`` is the base of numbers in text without ``0x``. ``rows_before`` is the number of rows of the file that
+    were read before. If it is 0 and the column is text, most of its cells must be frames.
 
     Raises:
         NoFrame: Most of the first cells of text are not frames.
@@ -69,9 +69,9 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
     if kinds.is_integer(arrow_type):
         return _read_integers(array, shape)
     if kinds.is_float64(arrow_type) and not shape.length:
-        return read_floats(array.to_numpy(zero_copy_only=False), shape.bits, done)
+        return read_floats(array.to_numpy(zero_copy_only=False), shape.bits, rows_before)
     if kinds.is_string(arrow_type) or kinds.is_large_string(arrow_type):
-        return _read_each(array.to_pylist(), shape, digits, is_first=not done)
+        return _read_each(array.to_pylist(), shape, digits, is_first=not rows_before)
     if not (kinds.is_binary(arrow_type) or kinds.is_large_binary(arrow_type) or kinds.is_fixed_size_binary(arrow_type)):
         raise TypeError(f"expected numbers, bytes or text, got items of the type {arrow_type}")
     bytes_per_frame = shape.length or (shape.bits + 7) // 8
@@ -103,7 +103,7 @@ def _read_integers(array: Any, shape: Shape) -> Any:
 def _read_rows(array: Any, length: int) -> Any:
     """Return byte strings as an array with a row for each string, without copying.
 
-    None if a string has another length.
+    Return None if a string has another length.
     """
     arrow_type = array.type
     row_count = len(array)

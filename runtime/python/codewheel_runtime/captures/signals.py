@@ -129,7 +129,7 @@ _NAMES_OF_SERIAL_LINES: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "d
 def _find_place(channels: Sequence[str], name: str) -> int | None:
     """Return the index of the only channel with this name, or of the channel with this number, from 1.
 
-    None if there is none.
+    Return None if there is none.
     """
     if channels.count(name) == 1:
         return channels.index(name)

@@ -82,12 +82,14 @@ class _Headers(NamedTuple):
 def parse_rate(text: str) -> float | None:
     """Return a sample rate such as ``24 MHz`` in samples per second.
 
-    None if the text is not a rate, or if the rate is 0.
+    Return None if the text is not a rate, or if the rate is 0.
     """
     match = _RATE_IN_HEADER.fullmatch(text)
     if match is None:
         return None
-    return float(match[1]) * _UNIT_PREFIXES[match[2]] or None
+    number, prefix = match.groups()
+    rate = float(number) * _UNIT_PREFIXES[prefix]
+    return rate if rate > 0 else None
 
 
 def find_table_form(path: str, head: bytes) -> TableForm:

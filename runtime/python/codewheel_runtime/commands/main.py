@@ -69,7 +69,7 @@ other nonzero exit code, no file is written and an existing file is unchanged.
 
 _BENCH_EPILOG: Final = """\
 captures: sigrok sessions (.sr) and CSV, Saleae CSV and binary files (the clock
-and the data line, in this order), the bytes that Saleae's serial analyser
+and the data line, in this order), the bytes that Saleae's serial analyzer
 exports, VCD, NumPy files (.npy, .npz), and tables of 0 and 1 or of voltages.
 They are recognized by their contents.
 
@@ -120,11 +120,11 @@ def main(package: str, arguments: Sequence[str] | None = None) -> int:
         The exit code.
     """
     try:
-        chosen = _make_parser(package).parse_args(arguments)
+        options = _make_parser(package).parse_args(arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
-        code: int = chosen.run(package, chosen) or DONE
+        code: int = options.run(package, options) or DONE
     except CommandFailed as failure:
         return _print_failure(package, failure, failure.code)
     except KeyboardInterrupt:
@@ -235,24 +235,24 @@ def _add_capture_command(add_command: Callable[..., Any], name: str, summary: st
     add_encoder(parser)
 
 
-def _monitor(package: str, chosen: argparse.Namespace) -> None:
+def _monitor(package: str, options: argparse.Namespace) -> None:
     """Show an encoder live. This needs no packages other than pyserial."""
     from .monitor import monitor
 
-    monitor(package, chosen)
+    monitor(package, options)
 
 
-def _run_bench_command(name: str, package: str, chosen: argparse.Namespace) -> int | None:
+def _run_bench_command(name: str, package: str, options: argparse.Namespace) -> int | None:
     """Run the command ``capture`` or ``plot``. Both need NumPy."""
     try:
         from . import bench
     except ImportError as error:
         raise missing_package_error(error) from None
     run: Callable[[str, argparse.Namespace], int | None] = getattr(bench, name)
-    return run(package, chosen)
+    return run(package, options)
 
 
-def _decode(package: str, chosen: argparse.Namespace) -> int | None:
+def _decode(package: str, options: argparse.Namespace) -> int | None:
     """Decode the frame in the arguments and print it, or decode a file. Return the exit code.
 
     An argument is a frame if it has the form of a frame and no file has this name.
@@ -260,20 +260,20 @@ def _decode(package: str, chosen: argparse.Namespace) -> int | None:
     Raises:
         CommandFailed: The frame is empty, or its digits can be bits or hexadecimal digits.
     """
-    encoder = find_encoder(package, chosen)
-    if not any(argument.strip() for argument in chosen.file):
+    encoder = find_encoder(package, options)
+    if not any(argument.strip() for argument in options.file):
         raise CommandFailed("the frame is empty", USAGE)
-    if chosen.file != ["-"] and not os.path.exists(chosen.file[0]):
-        frame = _parse_frame(" ".join(chosen.file), encoder)
-        if frame is not None and chosen.si:
+    if options.file != ["-"] and not os.path.exists(options.file[0]):
+        frame = _parse_frame(" ".join(options.file), encoder)
+        if frame is not None and options.si:
             raise CommandFailed("--si needs a file with a column 'time': one frame has no speed", USAGE)
         if frame is not None:
-            return _print_frame(encoder, frame, chosen)
-    if len(chosen.file) > 1:
-        arguments_text = " ".join(chosen.file)
+            return _print_frame(encoder, frame, options)
+    if len(options.file) > 1:
+        arguments_text = " ".join(options.file)
         raise CommandFailed(f"expected one file or one frame, got {arguments_text[:60]!r}", USAGE)
-    chosen.file = chosen.file[0]
-    _decode_file(package, encoder, chosen)
+    options.file = options.file[0]
+    _decode_file(package, encoder, options)
     return DONE
 
 
@@ -339,16 +339,16 @@ def _is_valid_as(frame_class: Any, encoder: Encoder, frame: int | bytes | str) -
     return True
 
 
-def _print_frame(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace) -> int:
+def _print_frame(encoder: Encoder, frame: int | bytes | str, options: argparse.Namespace) -> int:
     """Decode one frame and print it. Return the exit code. This needs no other packages.
 
     Raises:
         CommandFailed: The frame has an error, unless the output is JSON, which contains the error.
     """
-    result = _decode_with_answers(encoder, frame, dict(chosen.choose))
+    result = _decode_with_answers(encoder, frame, dict(options.choose))
     values: dict[str, Any] = result.to_dict()
     other_frames = _name_other_frames(encoder, frame, result)
-    if chosen.json:
+    if options.json:
         print(json.dumps(values, ensure_ascii=False))
     elif isinstance(result, FrameError):
         more = other_frames or result.hint
@@ -419,44 +419,44 @@ def _suggest_answers(parameter_types: dict[str, Any], message: str) -> str:
     return ""
 
 
-def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> None:
+def _decode_file(package: str, encoder: Encoder, options: argparse.Namespace) -> None:
     """Decode a file into a file of columns."""
     try:
         from ..files.stream import Files
     except ImportError as error:
         raise missing_package_error(error) from None
-    with show_progress(package, chosen.file) as progress:
+    with show_progress(package, options.file) as progress:
         summary = Files(package).decode_file(
             encoder,
-            chosen.file,
-            chosen.output,
-            layout=chosen.layout,
-            to=chosen.write,
-            kind=chosen.read,
-            words=chosen.words,
-            column=chosen.column,
-            digits=chosen.digits,
-            cut=chosen.cut,
-            si=chosen.si,
-            columns=chosen.columns,
-            limit=chosen.limit,
-            raw=chosen.raw,
-            force=chosen.force,
-            answers=dict(chosen.choose),
+            options.file,
+            options.output,
+            layout=options.layout,
+            to=options.write,
+            kind=options.read,
+            words=options.words,
+            column=options.column,
+            digits=options.digits,
+            cut=options.cut,
+            si=options.si,
+            columns=options.columns,
+            limit=options.limit,
+            raw=options.raw,
+            force=options.force,
+            answers=dict(options.choose),
             progress=progress,
         )
-    _print_summary(summary, chosen)
+    _print_summary(summary, options)
 
 
-def _print_summary(summary: Summary, chosen: argparse.Namespace) -> None:
+def _print_summary(summary: Summary, options: argparse.Namespace) -> None:
     """Print the summary, to standard error if the table goes to standard output.
 
     Raises CommandFailed if more than ``--max-errors`` percent of the frames have an error.
     """
-    out = sys.stderr if chosen.output == "-" else sys.stdout
-    summary_text = json.dumps(summary.to_dict()) if chosen.json else str(summary)
+    out = sys.stderr if options.output == "-" else sys.stdout
+    summary_text = json.dumps(summary.to_dict()) if options.json else str(summary)
     print(summary_text, file=out)
-    if 100 * summary.error_rate > chosen.max_errors:
+    if 100 * summary.error_rate > options.max_errors:
         raise CommandFailed(
-            f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {chosen.max_errors:g}"
+            f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {options.max_errors:g}"
         )

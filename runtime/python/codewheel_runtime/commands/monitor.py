@@ -41,44 +41,44 @@ class Readings(NamedTuple):
     failures: int
 
 
-def monitor(package: str, chosen: argparse.Namespace) -> None:
+def monitor(package: str, options: argparse.Namespace) -> None:
     """Show an encoder live, and record its readings.
 
     Raises:
         CommandFailed: The encoder has no RS-485, it never answered, or more readings failed than ``--max-errors``
             allows.
     """
-    encoder = find_encoder(package, chosen)
+    encoder = find_encoder(package, options)
     if encoder.interface is not Interface.RS485:
         is_spi = encoder.interface is Interface.SPI
         how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
         problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
         raise CommandFailed(f"{problem}: record it with a logic analyzer, and {how}", USAGE)
     # On a terminal, readings are shown. In a pipe, they are written as a table.
-    target = chosen.output if chosen.output or sys.stdout.isatty() else "-"
+    target = options.output if options.output or sys.stdout.isatty() else "-"
     out = sys.stderr if target == "-" else sys.stdout
     try:
         with (
-            show_progress(package, chosen.port),
-            open_recorder(target, chosen.write, chosen.force) if target else nullcontext() as recorder,
+            show_progress(package, options.port),
+            open_recorder(target, options.write, options.force) if target else nullcontext() as recorder,
             # Without retries, every error is counted.
-            open_encoder(chosen.port, encoder, retries=0) as opened,
+            open_encoder(options.port, encoder, retries=0) as opened,
         ):
             readings = watch(
                 opened,
                 encoder,
-                chosen.port,
-                count=chosen.count,
-                interval_s=chosen.interval,
+                options.port,
+                count=options.count,
+                interval_s=options.interval,
                 out=out,
                 recorder=recorder,
                 is_shown=target != "-",
             )
     except LinkError as error:
         raise CommandFailed(error) from None
-    if 100 * readings.failures > chosen.max_errors * readings.total:
+    if 100 * readings.failures > options.max_errors * readings.total:
         failures_text = f"{readings.failures} of {readings.total} readings failed"
-        raise CommandFailed(f"{failures_text}; --max-errors is {chosen.max_errors:g}")
+        raise CommandFailed(f"{failures_text}; --max-errors is {options.max_errors:g}")
 
 
 def watch(

@@ -53,16 +53,16 @@ class Coded:
             position also contains ``position``, ``usable_position`` and ``verdict``, and a frame from an encoder also
             contains ``reports``.
         """
-        kind: Any = type(self)
+        frame_class: Any = type(self)
         values: dict[str, Any] = {}
-        for name in kind._fields:
+        for name in frame_class._fields:
             value = getattr(self, name)
             if isinstance(value, Encoder):
                 values["order_code"] = value.code
             else:
                 values[name] = value.name.lower() if isinstance(value, Enum) else value
         for name in ("position", "usable_position"):
-            if hasattr(kind, name):
+            if hasattr(frame_class, name):
                 values[name] = getattr(self, name)
         if isinstance(self, Sent):
             verdict = getattr(self, "verdict", None)
@@ -363,19 +363,19 @@ def keep_bytes(register: _Limited, data: bytes) -> _Limited:
     return register
 
 
-def decode_many(frames: object, kind: type, /, *, variant: Encoder | None, **answers: object) -> Table:
+def decode_many(frames: object, frame_class: type, /, *, variant: Encoder | None, **answers: object) -> Table:
     """Decode many frames of one class. ``variant`` is None for frames that are the same for every encoder.
 
     ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
     """
-    shape = shape_of(kind, *decoding_arguments(kind, variant=variant, **answers))
+    shape = shape_of(frame_class, *decoding_arguments(frame_class, variant=variant, **answers))
     from ..bulk import decode as bulk_decode
 
     return bulk_decode.decode_many(frames, shape, variant)
 
 
 def encode_many(
-    columns: Mapping[str, Any] | Table, kind: type, /, *, variant: Encoder | None, **answers: object
+    columns: Mapping[str, Any] | Table, frame_class: type, /, *, variant: Encoder | None, **answers: object
 ) -> Any:
     """Encode many frames of one class, given as columns by name.
 
@@ -383,7 +383,7 @@ def encode_many(
 
     ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
     """
-    shape = shape_of(kind, *decoding_arguments(kind, variant=variant, **answers))
+    shape = shape_of(frame_class, *decoding_arguments(frame_class, variant=variant, **answers))
     from ..bulk import encode as bulk_encode
 
     return bulk_encode.encode_many(columns, shape)

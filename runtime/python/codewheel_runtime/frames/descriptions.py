@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..bulk.shape import Shape
 
 
-def shape_of(kind: type, *arguments: object) -> Shape:
+def shape_of(frame_class: type, *arguments: object) -> Shape:
     """Return the description of the frames of a class.
 
     Args:
@@ -27,7 +27,7 @@ def shape_of(kind: type, *arguments: object) -> Shape:
         TypeError: An argument is missing or not an encoder, or an answer is not a member of the enumeration.
         FamilyError, InterfaceError: The encoder belongs to another family, or has another interface.
     """
-    make_shape, argument_types = find_description(kind)
+    make_shape, argument_types = find_description(frame_class)
     # There can be fewer arguments. The call of ``make_shape`` then raises TypeError.
     for argument_type, argument in zip(argument_types, arguments, strict=False):
         if isinstance(argument, argument_type):
@@ -41,13 +41,13 @@ def shape_of(kind: type, *arguments: object) -> Shape:
     return make_shape(*arguments)
 
 
-def find_any_shape(kind: type, encoder: Encoder) -> Shape:
+def find_any_shape(frame_class: type, encoder: Encoder) -> Shape:
     """Return the description of the frames of a class for an encoder, whatever the answers to open questions.
 
     The first possible answer to each question is used, so use only properties that do not depend on the answers, such
     as the length of the frame.
     """
-    make_shape, argument_types = find_description(kind)
+    make_shape, argument_types = find_description(frame_class)
     arguments: list[object] = []
     for argument_type in argument_types:
         if issubclass(argument_type, Encoder):
@@ -66,37 +66,39 @@ def find_kinds(encoder: Encoder) -> tuple[type, ...]:
     # FRAMES contains the functions that make descriptions by interface and sender, and there by the name of the frame.
     # SHAPES contains the same functions by class.
     functions_of_sent_frames = module.FRAMES.get((encoder.interface.value, "encoder"), {}).values()
-    return tuple(kind for kind, make_shape in module.SHAPES.items() if make_shape in functions_of_sent_frames)
+    return tuple(
+        frame_class for frame_class, make_shape in module.SHAPES.items() if make_shape in functions_of_sent_frames
+    )
 
 
 @cache
-def find_description(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]]:
+def find_description(frame_class: type) -> tuple[Callable[..., Shape], tuple[type, ...]]:
     """Return the function that makes the description of the frames of a class, and the types of its arguments.
 
     The arguments are an encoder, unless all encoders have the same description, and the answers to open questions. A
     class derived from a class of frames uses the description of its base.
     """
-    shapes: Mapping[type, Callable[..., Shape]] = module_of(kind, "_shapes").SHAPES
-    make_shape = next(shapes[base] for base in kind.__mro__ if base in shapes)
+    shapes: Mapping[type, Callable[..., Shape]] = module_of(frame_class, "_shapes").SHAPES
+    make_shape = next(shapes[base] for base in frame_class.__mro__ if base in shapes)
     hints = get_type_hints(make_shape)
     return make_shape, tuple(hint for name, hint in hints.items() if name != "return")
 
 
-def module_of(kind: type, folder: str) -> Any:
+def module_of(frame_class: type, folder: str) -> Any:
     """Return the module for the family of a class of frames in ``folder``, such as ``facts``."""
     # The base class with the fields is in the module of the family. A class derived from it can be elsewhere.
-    fields = next(base for base in kind.__mro__ if "_fields" in vars(base))
+    fields = next(base for base in frame_class.__mro__ if "_fields" in vars(base))
     package, _, family = fields.__module__.rpartition(".")
     return import_module(f"{package}.{folder}.{family}")
 
 
-def decoding_arguments(kind: type, /, **arguments: object) -> tuple[object, ...]:
+def decoding_arguments(frame_class: type, /, **arguments: object) -> tuple[object, ...]:
     """Return those ``arguments`` that the description of a class of frames needs, in the order of its first fields.
 
     They are ``variant``, which is the encoder, and the answers to open questions by name. Other arguments are ignored.
     Raises KeyError if one that the class needs is missing.
     """
-    fields: tuple[str, ...] = cast(Any, kind)._fields
+    fields: tuple[str, ...] = cast(Any, frame_class)._fields
     # The first fields of a class are the arguments of the function for its description.
-    needed_fields = fields[: len(find_description(kind)[1])]
+    needed_fields = fields[: len(find_description(frame_class)[1])]
     return tuple(arguments[name] for name in needed_fields)

@@ -44,11 +44,11 @@ def numbers(rows: Any, words: WordKind = "packed") -> Any:
     return np.ascontiguousarray(rows).reshape(-1).view(word_type).astype(np.uint64, copy=False)
 
 
-def read_floats(frames: Any, bits: int, done: int = 0) -> Any:
+def read_floats(frames: Any, bits: int, rows_before: int = 0) -> Any:
     """Return frames of ``bits`` bits that are floating-point numbers as integers. Missing frames are masked.
 
-    NaN, infinities, negative values, and values from 2**64 up are missing frames, and so are masked values. ``done`` is
-    the number of earlier rows, to number the row in an error.
+    NaN, infinities, negative values, and values from 2**64 up are missing frames, and so are masked values.
+    ``rows_before`` is the number of earlier rows, to number the row in an error.
 
     Raises:
         TypeError: A value is not an integer, or the type cannot represent every frame of that length.
@@ -63,7 +63,9 @@ def read_floats(frames: Any, bits: int, done: int = 0) -> Any:
     fractional_rows = np.flatnonzero(frame_values != np.floor(frame_values))
     if len(fractional_rows):
         first_row = fractional_rows[0]
-        raise TypeError(f"the frame at index {done + first_row} must be an integer, got {frame_values[first_row]}")
+        raise TypeError(
+            f"the frame at index {rows_before + first_row} must be an integer, got {frame_values[first_row]}"
+        )
     return np.ma.masked_array(frame_values.astype(np.uint64), ~is_frame)
 
 

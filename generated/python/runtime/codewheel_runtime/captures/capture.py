@@ -405,7 +405,7 @@ class Captures(NamedTuple):
         """Decode a capture of a logic analyzer. Needs NumPy.
 
         Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, the bytes that Saleae's serial
-        analyser exports, VCD, NumPy files (``.npy``, ``.npz``), and tables of 0 and 1 or of voltages. They are
+        analyzer exports, VCD, NumPy files (``.npy``, ``.npz``), and tables of 0 and 1 or of voltages. They are
         recognized by their contents. Times of time stamps are in seconds from the first stamp.
 
         Args:
@@ -474,13 +474,13 @@ class Captures(NamedTuple):
         Raises:
             InputError, UsageError, OSError: See ``read_capture``.
         """
-        chosen = self._find_encoder(encoder)
+        chosen_encoder = self._find_encoder(encoder)
         output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
         sources = _list_paths(source)
         probes = Probes(clock, data, rate, rest, baud, threshold)
-        opening = _open_capture(chosen, source, probes, layout, answers)
-        report = partial(_report_exchanged_lines, chosen, source, probes, layout, answers)
-        return _decode_capture(opening, chosen, sources, output, limit, progress, report)
+        opening = _open_capture(chosen_encoder, source, probes, layout, answers)
+        report = partial(_report_exchanged_lines, chosen_encoder, source, probes, layout, answers)
+        return _decode_capture(opening, chosen_encoder, sources, output, limit, progress, report)
 
     def _find_encoder(self, encoder: Encoder | BissLayout | str) -> Encoder | BissLayout:
         """Return the encoder for a label. Other arguments are returned unchanged."""

@@ -347,9 +347,9 @@ class _ValueChanges:
     def __init__(self, path: str, codes: Sequence[bytes]) -> None:
         self._path = path
         # The signal and its new level, by the token of a change, such as ``1!`` for the code ``!``.
-        self._read_changes: dict[bytes, tuple[int, int]] = {}
+        self._change_by_token: dict[bytes, tuple[int, int]] = {}
         for signal, code in enumerate(codes):
-            self._read_changes |= {b"0" + code: (signal, 0), b"1" + code: (signal, 1)}
+            self._change_by_token |= {b"0" + code: (signal, 0), b"1" + code: (signal, 1)}
         self._levels: list[int | None] = [None for _ in codes]
         self._begin = self._now = _NO_TIME
 
@@ -359,15 +359,15 @@ class _ValueChanges:
         ``done`` is the number of bytes read so far. Changes to levels other than 0 and 1, such as ``x`` and ``z``, are
         ignored.
         """
-        changes = self._read_changes
+        change_by_token = self._change_by_token
         levels = self._levels
         first_levels = [level or 0 for level in levels]
         times_by_signal: list[list[int]] = [[] for _ in levels]
         self._begin = self._now
         tokens = iter(block.split())
         for token in tokens:
-            if token in changes:
-                signal, level = changes[token]
+            if token in change_by_token:
+                signal, level = change_by_token[token]
                 last_level = levels[signal]
                 if last_level is None:
                     # The level was not known before, so it also holds for the time before.

@@ -87,7 +87,9 @@ def parse_rate(text: str) -> float | None:
     match = _RATE_IN_HEADER.fullmatch(text)
     if match is None:
         return None
-    return float(match[1]) * _UNIT_PREFIXES[match[2]] or None
+    number, prefix = match.groups()
+    rate = float(number) * _UNIT_PREFIXES[prefix]
+    return rate if rate > 0 else None
 
 
 def find_table_form(path: str, head: bytes) -> TableForm:

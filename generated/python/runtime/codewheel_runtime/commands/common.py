@@ -34,34 +34,34 @@ def distribution(package: str) -> str:
     return package.replace("_", "-")
 
 
-def find_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
+def find_encoder(package: str, options: argparse.Namespace) -> Encoder:
     """Return the encoder that the arguments select. Raises CommandFailed if they are wrong."""
     try:
-        return _select_encoder(package, chosen)
+        return _select_encoder(package, options)
     except ValueError as error:
         raise CommandFailed(error, USAGE) from None
 
 
-def _select_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
+def _select_encoder(package: str, options: argparse.Namespace) -> Encoder:
     """Return the encoder for the arguments of the command: order code, interface, registers and answers.
 
     Raises:
         ValueError: The label is not an order code, the encoder has another interface, no registers affect its frames,
             or a register or an answer is not valid.
     """
-    encoder: Encoder = import_module(package).lookup(str(chosen.order_code))
-    if chosen.interface is not None and encoder.interface.value != chosen.interface:
-        wanted = Interface(chosen.interface).title
+    encoder: Encoder = import_module(package).lookup(str(options.order_code))
+    if options.interface is not None and encoder.interface.value != options.interface:
+        wanted = Interface(options.interface).title
         raise ValueError(f"{encoder.code} has the interface {encoder.interface.title}, not {wanted}")
-    if chosen.register:
+    if options.register:
         with_registers: Callable[[dict[int, int]], Encoder] | None = getattr(encoder, "with_registers", None)
         if with_registers is None:
             raise ValueError(f"no register affects the frames of {encoder.code}")
-        encoder = with_registers(dict(chosen.register))
-    return _add_optional_answers(encoder, chosen)
+        encoder = with_registers(dict(options.register))
+    return _add_optional_answers(encoder, options)
 
 
-def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encoder:
+def _add_optional_answers(encoder: Encoder, options: argparse.Namespace) -> Encoder:
     """Return the encoder with the chosen answers that belong to the encoder, and remove them from ``chosen.choose``.
 
     These answers are the parameters of ``with_answers``, if the encoder has this method. If any of them is chosen, the
@@ -78,8 +78,8 @@ def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encod
     # Each parameter has an enumeration of answers, whose first member is the default.
     answer_classes = {name: kind for name, kind in parameter_types.items() if name not in ("self", "return")}
     answers: dict[str, Any] = {name: next(iter(answer_class)) for name, answer_class in answer_classes.items()}
-    encoder_choices = [(name, answer) for name, answer in chosen.choose if name in answer_classes]
-    chosen.choose = [(name, answer) for name, answer in chosen.choose if name not in answer_classes]
+    encoder_choices = [(name, answer) for name, answer in options.choose if name in answer_classes]
+    options.choose = [(name, answer) for name, answer in options.choose if name not in answer_classes]
     if not encoder_choices:
         return encoder
     for name, answer in encoder_choices:

@@ -141,10 +141,10 @@ def record_kind(target: str, kind: RecordKind | None) -> RecordKind:
     Raises:
         UsageError: Parquet cannot be written to standard output.
     """
-    chosen = kind or _FORMAT_BY_SUFFIX.get(PurePath(target).suffix.lower(), "csv")
-    if target == "-" and chosen == "parquet":
+    chosen_kind = kind or _FORMAT_BY_SUFFIX.get(PurePath(target).suffix.lower(), "csv")
+    if target == "-" and chosen_kind == "parquet":
         raise UsageError("Parquet cannot be written to standard output; give a file with -o")
-    return chosen
+    return chosen_kind
 
 
 @contextmanager
@@ -155,9 +155,9 @@ def open_recorder(target: str, kind: RecordKind | None, force: bool) -> Generato
         UsageError: The file exists, or the format does not fit.
         OSError: The file cannot be written.
     """
-    chosen = record_kind(target, kind)
+    chosen_kind = record_kind(target, kind)
     with open_for_writing(target, (), force) as file:
-        recorder = _RECORDERS[chosen](file)
+        recorder = _RECORDERS[chosen_kind](file)
         yield recorder
         recorder.close()
 

@@ -318,36 +318,36 @@ class _FrameColumn(NamedTuple):
     has_header: bool
 
 
-def _find_frame_column(first_row: list[str], name: str, stored: StorageFormat, shape: Shape) -> _FrameColumn:
+def _find_frame_column(first_row: list[str], file_name: str, stored: StorageFormat, shape: Shape) -> _FrameColumn:
     """Return the index of the column of frames, and whether the first row is a header.
 
     The column is the requested one (by name, or by number from 1), the only column, or a column named ``frame`` or
     ``word``. Names come from a header. Otherwise the first row is a header if its cell in this column is not a frame.
-    ``name`` is the name of the file, for errors, and ``stored.column`` is the requested column.
+    ``file_name`` is for errors, and ``stored.column`` is the requested column.
 
     Raises:
         InputError: There is no such column, or none is requested and it is not clear which one to use.
     """
     names = [cell.strip() for cell in first_row]
-    chosen = stored.column
-    if chosen and chosen in names:
-        return _FrameColumn(names.index(chosen), has_header=True)
-    if chosen:
-        is_number = chosen.isascii() and chosen.isdigit() and len(chosen) < 9
+    requested = stored.column
+    if requested and requested in names:
+        return _FrameColumn(names.index(requested), has_header=True)
+    if requested:
+        is_number = requested.isascii() and requested.isdigit() and len(requested) < 9
         # -1 is the index of no column.
-        index = int(chosen) - 1 if is_number else -1
-        if not 0 <= index < len(names):
-            raise InputError(name, "line 1", f"no column {short(chosen)}; the columns are {listed(names)}")
+        column_index = int(requested) - 1 if is_number else -1
+        if not 0 <= column_index < len(names):
+            raise InputError(file_name, "line 1", f"no column {short(requested)}; the columns are {listed(names)}")
     elif len(names) == 1:
-        index = 0
+        column_index = 0
     else:
         usual_index = find_usual_column(names)
         if usual_index is None:
-            raise InputError(name, "line 1", f"choose the column with the frames; the columns are {listed(names)}")
+            raise InputError(file_name, "line 1", f"choose the column with the frames; the columns are {listed(names)}")
         return _FrameColumn(usual_index, has_header=True)
     # An empty cell is a missing frame, not a header.
-    first_cell = first_row[index]
-    return _FrameColumn(index, has_header=bool(first_cell.strip()) and not _is_frame(first_cell, shape))
+    first_cell = first_row[column_index]
+    return _FrameColumn(column_index, has_header=bool(first_cell.strip()) and not _is_frame(first_cell, shape))
 
 
 def _is_frame(text: str, shape: Shape) -> bool:

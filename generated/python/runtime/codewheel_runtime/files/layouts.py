@@ -64,16 +64,16 @@ def find_layout(encoder: Encoder, name: str = "") -> Layout:
     """
     layouts = list_layouts(encoder)
     if name:
-        wanted = name.replace("_", "").lower()
-        chosen = [candidate for candidate in layouts if candidate.name.replace("_", "") == wanted]
+        wanted_name = name.replace("_", "").lower()
+        matching_layouts = [candidate for candidate in layouts if candidate.name.replace("_", "") == wanted_name]
         problem = f"{encoder.code} has no frame '{name[:40]}'"
     else:
-        chosen = [candidate for candidate in layouts if candidate.sender == "encoder"]
+        matching_layouts = [candidate for candidate in layouts if candidate.sender == "encoder"]
         problem = f"{encoder.code} sends several kinds of frames; choose a layout"
-    if len(chosen) != 1:
+    if len(matching_layouts) != 1:
         layout_names = ", ".join(candidate.name for candidate in layouts) or "none is known"
         raise UsageError(f"{problem}: {layout_names}")
-    return chosen[0]
+    return matching_layouts[0]
 
 
 def find_shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:

@@ -66,7 +66,7 @@ class Sink(Protocol):
     def __enter__(self) -> Sink: ...
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self, error_type: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None: ...
 
     def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
@@ -162,9 +162,9 @@ class ArrowSink:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self, error_type: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if kind is None and self._writer is None:
+        if error_type is None and self._writer is None:
             # Nothing was written: the file contains the columns, but no rows.
             self.write(self._plan.empty, self._plan.source_columns)
         if self._writer is not None:
@@ -228,9 +228,9 @@ class CsvSink:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self, error_type: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if kind is None:
+        if error_type is None:
             self._out.flush()
         if self._own_file is not None:
             # The caller closes the file.

@@ -30,14 +30,14 @@ def find_class_encoder(frame: Any) -> Encode:
     A frame begins with its encoder, if the class needs it, and the answers to open questions. The function compiles one
     encoding function for each combination of answers, when it first occurs in a frame.
     """
-    kind = cast(type, frame.__class__)
-    _, argument_types = find_description(kind)
+    frame_class = cast(type, frame.__class__)
+    _, argument_types = find_description(frame_class)
     # The members of a frame are (encoder, answer, …, field, …). The encoder, if there is one, is the same in all frames
     # that the function encodes, so only the answers choose.
     encoder_count = sum(issubclass(argument_type, Encoder) for argument_type in argument_types)
     argument_count = len(argument_types)
     # Raises an error if a field is not an encoder or an answer.
-    encode_first = make_encoder(kind, frame[:argument_count])
+    encode_first = make_encoder(frame_class, frame[:argument_count])
     has_no_answers = argument_count == encoder_count
     if has_no_answers:
         return encode_first
@@ -50,27 +50,27 @@ def find_class_encoder(frame: Any) -> Encode:
             encode_frame = by_answers[answers]
         except (KeyError, TypeError):
             # The answers are new, or not hashable. This raises an error if a field is not an answer.
-            encode_frame = make_encoder(kind, next_frame[:argument_count])
+            encode_frame = make_encoder(frame_class, next_frame[:argument_count])
             by_answers[answers] = encode_frame
         return encode_frame(next_frame)
 
     return encode
 
 
-def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
+def make_encoder(frame_class: type, arguments: tuple[Any, ...]) -> Encode:
     """Return a function that encodes frames of a class. ``arguments`` are the encoder and the answers that it needs.
 
     The function is compiled for this class. If a field has no fast path, or limits that depend on the encoder, the
     function reads the description of the frame each time instead.
     """
-    shape = shape_of(kind, *arguments)
+    shape = shape_of(frame_class, *arguments)
 
     def encode_any(frame: Any) -> int | bytes:
         """Encode a frame with any values, and raise an error if a value does not fit."""
         number = encode_number(frame, shape, arguments)
         return number.to_bytes(shape.length, shape.order) if shape.length else number
 
-    fields = cast("tuple[str, ...]", cast(Any, kind)._fields)
+    fields = cast("tuple[str, ...]", cast(Any, frame_class)._fields)
     has_slow_fields = any(_describe_usual_bits(column) is None for column in shape.columns)
     if shape.limited is not None or shape.digit_codings or has_slow_fields:
         return encode_any
