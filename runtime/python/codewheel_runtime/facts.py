@@ -474,7 +474,7 @@ class SsiFacts(NamedTuple):
     clocks: tuple[Clock, ...] = ()
 
     def for_code(self, code: str) -> SsiFacts:
-        """Return the facts for an order code.
+        """Return the facts that apply to one order code, without those of other order codes.
 
         Args:
             code: The order code, as in the attribute ``code`` of an encoder.
@@ -530,7 +530,7 @@ class BissFacts(NamedTuple):
     channels: DataChannels | None = None
 
     def for_code(self, code: str) -> BissFacts:
-        """Return the facts for an order code.
+        """Return the facts that apply to one order code, without those of other order codes.
 
         Args:
             code: The order code, as in the attribute ``code`` of an encoder.
@@ -589,7 +589,7 @@ class SpiFacts(NamedTuple):
     clocks: tuple[Clock, ...] = ()
 
     def for_code(self, code: str) -> SpiFacts:
-        """Return the facts for an order code.
+        """Return the facts that apply to one order code, without those of other order codes.
 
         Args:
             code: The order code, as in the attribute ``code`` of an encoder.
@@ -613,7 +613,7 @@ class Rs485Facts(NamedTuple):
     source: str = ""
 
     def for_code(self, code: str) -> Rs485Facts:
-        """Return the facts for an order code.
+        """Return the facts that apply to one order code, without those of other order codes.
 
         Args:
             code: The order code, as in the attribute ``code`` of an encoder.

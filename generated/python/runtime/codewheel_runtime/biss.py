@@ -305,7 +305,7 @@ class Request:
     def _check_echo(self, answers: int) -> Outcome:
         """Return the outcome of the 18 answers to the header, from IDL0 in bit 17 to W in bit 0.
 
-        RUNNING if the slave accepts.
+        The outcome is RUNNING if the slave accepts the access.
         """
         # The first answers are the IDL bits, in the order of the IDs: a 1 shows that a slave has taken the ID.
         has_taken_id = bit_at(answers, _ECHO_BITS - 1 - self.slave_id)

@@ -107,9 +107,10 @@ def _explain_all_channels(encoder: Sender, frame: object) -> str:
 
 
 def _convert_to_number(frame: object, frame_bits: int) -> tuple[int, int] | None:
-    """Return a frame as a number, and its length in bits. None if it is not a number, such as a text of other digits.
+    """Return a frame as a number, and its length in bits. Return None if it is not a number.
 
-    The length of a frame that is given as a number is at least ``frame_bits``.
+    A text of characters other than 0 and 1 is not a number. The length of a frame that is given as a number is at least
+    ``frame_bits``.
     """
     if isinstance(frame, (bytes, bytearray, memoryview)):
         data = bytes(cast(bytes, frame))

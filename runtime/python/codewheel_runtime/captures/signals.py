@@ -247,7 +247,7 @@ def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> S
 
 
 def _split_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples part by part: numbers, the number of samples so far, and None, because samples have no times.
+    """Yield the samples part by part: numbers, the number of samples so far, and None instead of their times.
 
     ``places`` are the columns of the signals. If the array has rows, only these columns are kept, as bits of a number.
     """

@@ -62,11 +62,11 @@ def _select_encoder(package: str, options: argparse.Namespace) -> Encoder:
 
 
 def _add_optional_answers(encoder: Encoder, options: argparse.Namespace) -> Encoder:
-    """Return the encoder with the chosen answers that belong to the encoder, and remove them from ``chosen.choose``.
+    """Return the encoder with the chosen answers that belong to the encoder, and remove them from ``options.choose``.
 
     These answers are the parameters of ``with_answers``, if the encoder has this method. If any of them is chosen, the
     others get their first value. If none is, the encoder is returned unchanged. The remaining answers in
-    ``chosen.choose`` are for the decoder of the frames.
+    ``options.choose`` are for the decoder of the frames.
 
     Raises:
         ValueError: A parameter does not have the chosen value.

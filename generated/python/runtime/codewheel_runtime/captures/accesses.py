@@ -206,16 +206,14 @@ class Accesses:
                 self._end_access()
 
     def _check_echo(self) -> Outcome:
-        """Return the outcome according to the answers to the header. RUNNING if the slave accepts the access."""
+        """Return the outcome according to the answers to the header. It is RUNNING if the slave accepts the access."""
         head = ControlHead.decode(self._head)
         # The value is not known yet. Any value turns the access into a write.
         value = 0 if self._is_write else None
         return Request(head.slave_id, head.address, value)._check_echo(self._answers)
 
     def _follow_start(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow a cycle in which the master sends S before a byte.
-
-        The slave is busy until it answers with a start bit.
+        """Follow a cycle in which the master sends S before a byte. The slave is busy until it answers with 1.
 
         If the master sends 0 instead, the access ends, and is yielded.
         """
@@ -268,7 +266,7 @@ class Accesses:
 
 
 def _decode_value(bits: int) -> int | None:
-    """Return the byte in 12 bits, which are the byte and its CRC. None if the CRC is wrong."""
+    """Return the byte in 12 bits, which are the byte and its CRC. Return None if the CRC is wrong."""
     try:
         return decode_byte(bits)
     except CrcError:

@@ -129,7 +129,7 @@ _NAMES_OF_SERIAL_LINES: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "d
 def _find_place(channels: Sequence[str], name: str) -> int | None:
     """Return the index of the only channel with this name, or of the channel with this number, from 1.
 
-    None if there is none.
+    Return None if there is none.
     """
     if channels.count(name) == 1:
         return channels.index(name)
@@ -247,7 +247,7 @@ def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> S
 
 
 def _split_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples part by part: numbers, the number of samples so far, and None, because samples have no times.
+    """Yield the samples part by part: numbers, the number of samples so far, and None instead of their times.
 
     ``places`` are the columns of the signals. If the array has rows, only these columns are kept, as bits of a number.
     """

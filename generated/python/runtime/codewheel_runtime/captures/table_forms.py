@@ -82,7 +82,7 @@ class _Headers(NamedTuple):
 def parse_rate(text: str) -> float | None:
     """Return a sample rate such as ``24 MHz`` in samples per second.
 
-    None if the text is not a rate, or if the rate is 0.
+    Return None if the text is not a rate, or if the rate is 0.
     """
     match = _RATE_IN_HEADER.fullmatch(text)
     if match is None:

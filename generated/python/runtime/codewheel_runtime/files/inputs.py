@@ -82,11 +82,10 @@ class Source(NamedTuple):
 def select_columns(
     names: Iterable[str], stored: StorageFormat, make_empty_column: Callable[[str], Any], file: str
 ) -> dict[str, Any]:
-    """Return an empty column by name for each column to keep, except the column of frames.
+    """Return an empty column, made by ``make_empty_column``, for each column to keep except the column of frames.
 
-    ``make_empty_column`` makes such a column.
-
-    ``names`` are the names of all columns except the column of frames. ``file`` is the name of the file, for errors.
+    The columns are returned by name. ``names`` are the names of all columns except the column of frames. ``file`` is
+    the name of the file, for errors.
 
     Raises:
         UsageError: Two of these columns have the same name.

@@ -304,7 +304,7 @@ class _ArrowFormatter:
         self._options = self._csv.WriteOptions(include_header=False, quoting_style="none")
 
     def format_rows(self, table: Table, other_columns: Mapping[str, Any]) -> str | None:
-        """Return the rows of a table as CSV, with the other columns of the same rows. None if a cell needs quotes."""
+        """Return the rows of a table and the other columns of the same rows as CSV, or None if a cell needs quotes."""
         columns: list[Any] = []
         for name in self._plan.names:
             if name in self._plan.source_columns:

@@ -19,7 +19,7 @@ def shape_of(frame_class: type, *arguments: object) -> Shape:
     """Return the description of the frames of a class.
 
     Args:
-        kind: A class of frames.
+        frame_class: A class of frames.
         arguments: The encoder, if encoders of the family have different frames, and then the answers to the questions
             that the manual leaves open for these frames. An answer is a member of the enumeration of its question.
 
