@@ -28,7 +28,10 @@ class Package(NamedTuple):
     identified: tuple[str, ...] = ()
 
     def lookup(self, label: str) -> Encoder:
-        """Return the encoder for a label, from any family. See ``lookup`` of the package."""
+        """Return the encoder for a label, from any family of the manufacturer.
+
+        Raises OrderCodeError if no family has it.
+        """
         text = check_label(label)
         # A special model, such as S001, is the text after the last slash of a label. Its families are tried first.
         families = [family for family, special in self.specials if text.upper().endswith(f"/{special}")]
@@ -48,7 +51,11 @@ class Package(NamedTuple):
         return best_encoder if best_encoder is not None else self._raise_unknown_label(text)
 
     def identify(self, read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-        """Return the order codes of all families that match registers. See ``identify`` of the package."""
+        """Return the order codes of all families whose encoders have these values in their registers.
+
+        ``read`` contains bytes by address, or whole registers by name. Raises ValueError if no family has these
+        registers.
+        """
         codes: list[str] = []
         errors: list[ValueError] = []
         for family in self.identified:
@@ -62,6 +69,7 @@ class Package(NamedTuple):
         return tuple(codes)
 
     def _import_module(self, family: str) -> Any:
+        """Return the module of a family, which is loaded on first use."""
         return import_module(f".{family}", self.name)
 
     def _raise_unknown_label(self, text: str) -> NoReturn:

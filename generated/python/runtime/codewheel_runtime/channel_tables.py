@@ -66,7 +66,10 @@ class ChannelTable:
 
     @property
     def position(self) -> Any:
-        """Raw position of each frame in counts, including invalid frames. See ``usable_position``."""
+        """Raw position of each frame in counts, including invalid frames.
+
+        Prefer ``usable_position``, which masks these.
+        """
         table: Any = self.channels[int(self._layout.position)]
         return table.position
 

@@ -231,7 +231,7 @@ class Encoder:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
 
         Raises:
-            NotImplementedError: See ``decode``.
+            NotImplementedError: The class of the encoder describes no frames.
         """
         raise NotImplementedError(f"the frames of {self.code} are not documented")
 

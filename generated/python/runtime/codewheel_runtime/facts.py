@@ -552,7 +552,7 @@ class Exchange(NamedTuple):
         request: Frame that the master sends.
         reply: Frame with which the encoder answers, or empty if it does not answer.
         purpose: ``position``, ``read``, ``write`` or ``other``.
-        word_bits: Number of bits of both words over SPI, or None if it is that of the interface.
+        word_bits: Number of bits of both words over SPI, or None if the interface determines it.
         source: Source of the exchange.
     """
 

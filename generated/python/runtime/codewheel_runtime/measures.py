@@ -43,7 +43,12 @@ class Rotary(Encoder):
         return self._check_position(position) % per_turn * 360 / per_turn
 
     def radians(self, position: int) -> float:
-        """Convert ``position`` from counts to radians within one revolution. See ``degrees`` for the errors."""
+        """Convert ``position`` from counts to radians within one revolution.
+
+        Raises:
+            RangeError: The encoder does not send such a position.
+            TypeError: ``position`` is not an integer.
+        """
         per_turn = self.counts_per_turn
         return self._check_position(position) % per_turn * tau / per_turn
 

@@ -79,7 +79,7 @@ _PRINTED_BYTES = 24
 _MOST_BYTES = 1024
 #: Seconds that a memory may be busy, and seconds between two attempts.
 _BUSY_S, _BUSY_PAUSE_S = 1.0, 0.001
-#: Number of timeouts after which no late reply is expected any more.
+#: Number of timeouts after which late replies are no longer expected.
 _TIMEOUTS_OF_LATE_REPLIES = 4
 #: Seconds to wait for more bytes after a reply that follows other bytes.
 _QUIET_S = 0.002
@@ -118,7 +118,7 @@ class Statistics:
     """Counters of a session.
 
     Attributes:
-        requests: Requests that were sent, with those that were repeated and those of other kinds.
+        requests: Requests that were sent, including repeated requests and requests of other kinds.
         replies: Requests that got a valid reply.
         failures: Requests that did not.
         late_replies: Replies that arrived after their request had failed.

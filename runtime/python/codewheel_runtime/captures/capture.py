@@ -111,7 +111,7 @@ class Capture(NamedTuple):
 
     Attributes:
         table: Columns of the frames, with ``time`` in seconds, or ``sample`` if the sample rate is unknown. The time
-            of a frame is that of the first falling edge of the clock, or of the start bit of its first byte.
+            of a frame is the time of the first falling edge of the clock, or of the start bit of its first byte.
         lost: Cycles or bytes that contain no frame, with the reason.
         accesses: Accesses to registers over BiSS.
         others: Number of frames of other kinds, by name.

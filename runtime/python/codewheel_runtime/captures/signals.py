@@ -229,7 +229,8 @@ def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> S
 
     Raises:
         TypeError: ``samples`` is not such an array.
-        InputError, UsageError: See ``SignalNames.places``.
+        InputError: There is no such channel, or it is not clear which one to use.
+        UsageError: Both signals are on the same channel.
     """
     array = np.asarray(samples)
     has_rows = array.ndim == 2

@@ -102,7 +102,7 @@ def watch(
         encoder: The encoder.
         place: Name of the port.
         count: Number of readings. By default, until interrupted.
-        interval_s: Time in seconds from the start of a reading to that of the next one.
+        interval_s: Time in seconds from the start of a reading to the start of the next one.
         out: File to write to. The default is standard output.
         recorder: Output for all readings.
         is_shown: Show the readings if ``out`` is a terminal.
@@ -114,7 +114,7 @@ def watch(
         RuntimeError: The encoder never answered. This is the error that ``reader`` raised.
     """
     screen = _Screen(encoder, port, out or sys.stdout, recorder, is_shown)
-    # Number of readings so far, and the time at which the next one is to start.
+    # Number of readings so far, and the time at which the next one starts.
     done, due = 0, 0.0
     try:
         while count is None or done < count:
@@ -151,7 +151,7 @@ class _Screen:
         #: Last unwrapped position, and the range with which it was unwrapped.
         self._count: int | None = None
         self._range: PositionRange | None = None
-        #: Time and unwrapped position of each reading in the last half second. None: the position is not usable.
+        #: Time and unwrapped position of each reading in the last half second, or None instead of a position.
         self._recent: deque[tuple[float, int | None]] = deque()
         #: Number of failures by kind, such as "no reply".
         self._errors: Counter[str] = Counter()

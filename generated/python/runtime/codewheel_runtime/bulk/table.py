@@ -145,7 +145,9 @@ class Table(_TableOf[_Name, _Unit]):
 
     @property
     def position(self) -> Any:
-        """Raw position of each frame in counts, including invalid frames. See ``usable_position``.
+        """Raw position of each frame in counts, including invalid frames.
+
+        Prefer ``usable_position``, which masks these.
 
         Raises:
             AttributeError: The frames have no position.
@@ -471,7 +473,10 @@ class Table(_TableOf[_Name, _Unit]):
             where the time is not later than at the previous usable frame.
 
         Raises:
-            AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
+            AttributeError: The frames have no position.
+            RangeError: A position is above the highest or below the lowest that this encoder sends.
+            ValueError: The encoder does not measure in this unit, or the manual does not give the size of a count or
+                say where the position wraps around.
             ValueError: ``seconds`` is a single time that is 0, negative or infinite, or there is not one number for
                 each frame. Or there is no column ``time``.
         """
@@ -552,7 +557,10 @@ class Table(_TableOf[_Name, _Unit]):
             The table. It also has the other columns of this table.
 
         Raises:
-            AttributeError, RangeError, ValueError: See ``velocity``.
+            AttributeError: The frames have no position.
+            RangeError: A position is above the highest or below the lowest that this encoder sends.
+            ValueError: There is no column ``time``, or the manual does not give the size of a count or say where the
+                position wraps around.
         """
         table: Any = self
         family = getattr(self.encoder, "family", None)

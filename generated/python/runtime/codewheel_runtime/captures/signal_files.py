@@ -59,7 +59,7 @@ def open_signals(
             if not all(is_saleae) or len(files) != signal_count:
                 expected_files = "the file of the data line"
                 if signal_count == 2:
-                    expected_files = "two files, that of the clock and of the data line"
+                    expected_files = "two files, one for the clock and one for the data line"
                 raise UsageError(f"each binary file of Saleae has one signal: give {expected_files}")
             if len({*paths}) < len(paths):
                 raise UsageError("the clock and the data line are the same file: give one file for each")
@@ -77,10 +77,11 @@ def open_signals(
 def _open_single_file(
     stack: ExitStack, file: BinaryIO, path: str, names: SignalNames, rate: float | None, threshold: float | None
 ) -> Signals:
-    """Return the signals of a file, whose format its first bytes show.
+    """Return the signals of a capture in one file. Its first bytes show the format.
 
     The formats are a ZIP file (sigrok or NumPy), a NumPy file, a VCD file, and a table of text. ``stack`` closes an
-    archive. For the other arguments, see ``open_signals``.
+    archive. ``names`` are the channels of the signals, ``rate`` is the chosen sample rate in Hz, and ``threshold`` the
+    voltage above which the level is 1 in a table of voltages.
     """
     head = file.read(HEADER)
     file.seek(0)
@@ -246,7 +247,7 @@ def _parse_small_number(text: str) -> int:
 
 
 class _ArrayForm(NamedTuple):
-    """Form of an array of samples: its NumPy type, the number of channels, and that of samples.
+    """Form of an array of samples: its NumPy type, and the numbers of channels and samples.
 
     If ``channels`` is None, each number is a sample whose bits are the channels.
     """
