@@ -611,11 +611,11 @@ def _decode_capture(
         add_columns = SpeedColumns(time_column, sources[0]) if output.si else None
         if add_columns is not None:
             empty_table = add_columns.check(empty_table)
-        read = Source(_make_batches(capture_frames, log), capture_frames.total, (time_column,), time_columns)
-        plan = make_plan(empty_table, read, output.columns, sources[0], output.raw)
+        frame_source = Source(_make_batches(capture_frames, log), capture_frames.total, (time_column,), time_columns)
+        plan = make_plan(empty_table, frame_source, output.columns, sources[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
             try:
-                frames = decode_parts(read, capture_frames.shape, encoder, sink, limit, progress, add_columns)
+                frames = decode_parts(frame_source, capture_frames.shape, encoder, sink, limit, progress, add_columns)
             except InputError:
                 report_exchanged_lines()
                 raise

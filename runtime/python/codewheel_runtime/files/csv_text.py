@@ -32,7 +32,12 @@ _LONGEST_LINE: Final = 1 << 20
 
 
 def read_csv_rows(
-    file: BinaryIO, name: str, size: int | None, stored: StorageFormat, shape: Shape, find_valid_fraction: ValidFraction
+    file: BinaryIO,
+    name: str,
+    size: int | None,
+    storage: StorageFormat,
+    shape: Shape,
+    find_valid_fraction: ValidFraction,
 ) -> Source:
     """Read the first rows of a CSV file, and return a source that reads the frames and the other columns later.
 
@@ -53,13 +58,13 @@ def read_csv_rows(
     first_row = next(rows, None)
     if first_row is None:
         return Source(_yield_no_parts(), size)
-    frame_column, is_header = _find_frame_column(first_row, name, stored, shape)
+    frame_column, is_header = _find_frame_column(first_row, name, storage, shape)
     header = [cell.strip() for cell in first_row] if is_header else [""] * len(first_row)
     names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
     # The index and the name of each column except the column of frames.
     other_columns = [(index, column_name) for index, column_name in enumerate(names) if index != frame_column]
     other_names = tuple(column_name for _, column_name in other_columns)
-    empty_columns = select_columns(other_names, stored, lambda _: [], name)
+    empty_columns = select_columns(other_names, storage, lambda _: [], name)
     kept_columns = [(index, column_name) for index, column_name in other_columns if column_name in empty_columns]
     # Comments, empty lines and the header come before the first row of frames. The line that was read last is the first
     # row, which can be the header.
@@ -75,8 +80,8 @@ def read_csv_rows(
     read_fast = None
     # The fast reader cannot skip a header.
     if not skips_header:
-        read_fast = make_block_reader(names, frame_column, kept_columns, delimiter, shape, stored.digits)
-    csv_file = _CsvFile(name, stored, shape, find_valid_fraction)
+        read_fast = make_block_reader(names, frame_column, kept_columns, delimiter, shape, storage.digits)
+    csv_file = _CsvFile(name, storage, shape, find_valid_fraction)
     remaining_blocks = chain([head[skipped_bytes:]], blocks)
     parts = _read_parts(slow_reader, read_fast, remaining_blocks, skipped_lines, skipped_bytes, csv_file)
     return Source(parts, size, other_names, empty_columns)
@@ -174,7 +179,7 @@ class _CsvFile(NamedTuple):
     """Name of the file for errors, form of its frames, their description, and how to find the valid fraction."""
 
     name: str
-    stored: StorageFormat
+    storage: StorageFormat
     shape: Shape
     find_valid_fraction: ValidFraction
 
@@ -192,7 +197,7 @@ def _read_parts(
     ``read_fast`` reads a block, or is None if pyarrow is not installed. It returns None for blocks with unusual
     content. ``slow_reader`` reads these blocks. If a row may continue in the next block, it reads the rest of the file.
     """
-    cells = TextCells(csv_file.shape, csv_file.stored.digits)
+    cells = TextCells(csv_file.shape, csv_file.storage.digits)
     is_first = True
     for block in blocks:
         can_be_fast = read_fast is not None and has_a_row_per_line(block)
@@ -231,13 +236,13 @@ def _check_first_cells(cells: TextCells, texts: list[str], csv_file: _CsvFile) -
     fraction of valid frames in both bases. ``cells`` has read the cells already, and ``texts`` are the first cells, at
     most 1000.
     """
-    name, stored, shape, find_valid_fraction = csv_file
+    name, storage, shape, find_valid_fraction = csv_file
     has_bits = not shape.length
     if cells.are_mostly_unread:
         raise InputError(name, f"line {cells.place}", cells.error)
-    if stored.digits is not None and has_bits:
-        other_base: DigitKind = "hex" if stored.digits == "decimal" else "decimal"
-        chosen_frames = _read_frames(texts, shape, stored.digits)
+    if storage.digits is not None and has_bits:
+        other_base: DigitKind = "hex" if storage.digits == "decimal" else "decimal"
+        chosen_frames = _read_frames(texts, shape, storage.digits)
         other_forms = [(f"--digits {other_base}", _read_frames(texts, shape, other_base))]
         check_form(name, chosen_frames, other_forms, find_valid_fraction)
 
@@ -318,18 +323,18 @@ class _FrameColumn(NamedTuple):
     has_header: bool
 
 
-def _find_frame_column(first_row: list[str], file_name: str, stored: StorageFormat, shape: Shape) -> _FrameColumn:
+def _find_frame_column(first_row: list[str], file_name: str, storage: StorageFormat, shape: Shape) -> _FrameColumn:
     """Return the index of the column of frames, and whether the first row is a header.
 
     The column is the requested one (by name, or by number from 1), the only column, or a column named ``frame`` or
     ``word``. Names come from a header. Otherwise the first row is a header if its cell in this column is not a frame.
-    ``file_name`` is for errors, and ``stored.column`` is the requested column.
+    ``file_name`` is for errors, and ``storage.column`` is the requested column.
 
     Raises:
         InputError: There is no such column, or none is requested and it is not clear which one to use.
     """
     names = [cell.strip() for cell in first_row]
-    requested = stored.column
+    requested = storage.column
     if requested and requested in names:
         return _FrameColumn(names.index(requested), has_header=True)
     if requested:

@@ -19,7 +19,7 @@ from .inputs import FrameBatch, Source, StorageFormat, find_column, select_colum
 _BUFFER_BYTES: Final = 1 << 20
 
 
-def read_parquet_batches(file: BinaryIO, name: str, stored: StorageFormat, shape: Shape) -> Source:
+def read_parquet_batches(file: BinaryIO, name: str, storage: StorageFormat, shape: Shape) -> Source:
     """Open a Parquet file, and return a source that reads the frames and the other columns later.
 
     Raises:
@@ -30,7 +30,7 @@ def read_parquet_batches(file: BinaryIO, name: str, stored: StorageFormat, shape
         # Without a buffer, a whole column is read at once.
         opened_file = load("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER_BYTES, pre_buffer=False)
         schema = opened_file.schema_arrow
-        column = find_column(list(schema.names), stored.column, name)
+        column = find_column(list(schema.names), storage.column, name)
         total = int(opened_file.metadata.num_rows)
     other_names = tuple(column_name for column_name in schema.names if column_name != column)
     pa: Any = load("pyarrow")
@@ -39,14 +39,14 @@ def read_parquet_batches(file: BinaryIO, name: str, stored: StorageFormat, shape
         return pa.array([], schema.field(column_name).type)
 
     # The keys are the names of the other columns that the user wants.
-    empty_columns = select_columns(other_names, stored, make_empty_column, name)
+    empty_columns = select_columns(other_names, storage, make_empty_column, name)
     kept_names = tuple(empty_columns)
-    parts = _read_batches(opened_file, column, kept_names, name, stored, shape)
+    parts = _read_batches(opened_file, column, kept_names, name, storage, shape)
     return Source(parts, total, other_names, empty_columns)
 
 
 def _read_batches(
-    file: Any, column: str, kept_names: tuple[str, ...], name: str, stored: StorageFormat, shape: Shape
+    file: Any, column: str, kept_names: tuple[str, ...], name: str, storage: StorageFormat, shape: Shape
 ) -> Generator[FrameBatch, None, None]:
     """Yield the frames of a column, with the other columns of the same rows, and the number of rows read so far.
 
@@ -64,7 +64,7 @@ def _read_batches(
             if batch is None:
                 return
         try:
-            frames = read_arrow(batch.column(column), shape, stored.digits, done)
+            frames = read_arrow(batch.column(column), shape, storage.digits, done)
         except NoFrame as error:
             raise InputError(name, f"row {done + error.row + 1} of column {short(column)}", str(error)) from None
         except TypeError as error:

@@ -40,7 +40,7 @@ def find_kind(path: str) -> FileKind:
 
 @contextmanager
 def open_source(
-    path: str, stored: StorageFormat, shape: Shape, find_valid_fraction: ValidFraction
+    path: str, storage: StorageFormat, shape: Shape, find_valid_fraction: ValidFraction
 ) -> Generator[Source, None, None]:
     """Open a file of frames, or standard input for ``-``.
 
@@ -51,14 +51,14 @@ def open_source(
         InputError: The file does not have this format, or no column of frames.
         OSError: The file cannot be opened.
     """
-    kind = stored.kind or find_kind(path)
-    _check_words(kind, stored.words, shape)
+    kind = storage.kind or find_kind(path)
+    _check_words(kind, storage.words, shape)
     if path == "-":
         if kind == "parquet":
             raise UsageError("Parquet cannot be read from standard input; give a file")
         # A replaced standard input can lack ``buffer``. It is then binary itself.
         file = cast(BinaryIO, getattr(sys.stdin, "buffer", sys.stdin))
-        standard_input = _choose_source(file, "standard input", None, kind, stored, shape, find_valid_fraction)
+        standard_input = _choose_source(file, "standard input", None, kind, storage, shape, find_valid_fraction)
         with _close_after(standard_input) as source:
             yield source
         return
@@ -67,7 +67,9 @@ def open_source(
         size = file.seek(0, io.SEEK_END) if file.seekable() else None
         if size is not None:
             file.seek(0)
-        with _close_after(_choose_source(file, fspath(path), size, kind, stored, shape, find_valid_fraction)) as source:
+        with _close_after(
+            _choose_source(file, fspath(path), size, kind, storage, shape, find_valid_fraction)
+        ) as source:
             yield source
 
 
@@ -98,7 +100,7 @@ def _choose_source(
     name: str,
     size: int | None,
     kind: FileKind,
-    stored: StorageFormat,
+    storage: StorageFormat,
     shape: Shape,
     find_valid_fraction: ValidFraction,
 ) -> Source:
@@ -108,14 +110,19 @@ def _choose_source(
     returns the fraction of valid frames.
     """
     if kind == "parquet":
-        return read_parquet_batches(file, name, stored, shape)
+        return read_parquet_batches(file, name, storage, shape)
     if kind == "csv":
-        return read_csv_rows(file, name, size, stored, shape, find_valid_fraction)
-    return Source(_read_binary(file, name, size, stored, shape, find_valid_fraction), size)
+        return read_csv_rows(file, name, size, storage, shape, find_valid_fraction)
+    return Source(_read_binary(file, name, size, storage, shape, find_valid_fraction), size)
 
 
 def _read_binary(
-    file: BinaryIO, name: str, size: int | None, stored: StorageFormat, shape: Shape, find_valid_fraction: ValidFraction
+    file: BinaryIO,
+    name: str,
+    size: int | None,
+    storage: StorageFormat,
+    shape: Shape,
+    find_valid_fraction: ValidFraction,
 ) -> Generator[FrameBatch, None, None]:
     """Yield the frames of a binary file, and the number of bytes read.
 
@@ -125,7 +132,7 @@ def _read_binary(
         file: The open file, at its first frame.
         name: Name of the file, for errors.
         size: Size of the file in bytes, if known.
-        stored: Form of the frames. With ``stored.cut``, an incomplete frame at the end is ignored.
+        storage: Form of the frames. With ``storage.cut``, an incomplete frame at the end is ignored.
         shape: Description of the frames.
         share: Function that returns the fraction of valid frames, for the check of the first frames.
 
@@ -134,24 +141,24 @@ def _read_binary(
     """
     has_bytes = bool(shape.length)
     # Number of bytes that each frame occupies in the file.
-    frame_bytes = shape.length if has_bytes else _find_word_length(stored.words, shape)
+    frame_bytes = shape.length if has_bytes else _find_word_length(storage.words, shape)
     done = 0
     while data := _read(file, frame_bytes * inputs.CHUNK):
         is_first_block = not done
         if is_first_block and data.startswith(_ARROW_MARK):
             raise InputError(name, "", "Arrow files cannot be decoded: save the table as Parquet")
         if is_first_block and not has_bytes:
-            _check_first_words(data, name, stored.words, shape, find_valid_fraction)
+            _check_first_words(data, name, storage.words, shape, find_valid_fraction)
         # If the size is known, an incomplete frame is reported before any frame is decoded.
-        if is_first_block and size is not None and size % frame_bytes and not stored.cut:
+        if is_first_block and size is not None and size % frame_bytes and not storage.cut:
             raise _incomplete_frame_error(name, size, frame_bytes)
         done += len(data)
         # Only the last block can end within a frame, which has these bytes.
         extra_bytes = len(data) % frame_bytes
-        if extra_bytes and not stored.cut:
+        if extra_bytes and not storage.cut:
             raise _incomplete_frame_error(name, done, frame_bytes)
         rows = np.frombuffer(data, np.uint8, count=len(data) - extra_bytes).reshape(-1, frame_bytes)
-        yield FrameBatch(rows if has_bytes else numbers(rows, stored.words), done)
+        yield FrameBatch(rows if has_bytes else numbers(rows, storage.words), done)
 
 
 def _check_first_words(

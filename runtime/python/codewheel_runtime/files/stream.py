@@ -160,8 +160,8 @@ class Files(NamedTuple):
         output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
         # Speeds need the times, even if the column is not written.
         wanted = (*columns, "time") if si and columns else columns
-        stored = StorageFormat(kind, words, column, digits, cut, wanted)
-        return _decode_file(encoder, shape, os.fspath(source), stored, output, limit, progress)
+        storage = StorageFormat(kind, words, column, digits, cut, wanted)
+        return _decode_file(encoder, shape, os.fspath(source), storage, output, limit, progress)
 
     def decode_partition(
         self,
@@ -250,7 +250,7 @@ def _decode_file(
     encoder: Encoder,
     shape: Shape,
     source: str,
-    stored: StorageFormat,
+    storage: StorageFormat,
     output: Output,
     limit: int | None,
     progress: Callable[[int, int | None, int], None] | None,
@@ -276,21 +276,21 @@ def _decode_file(
         return float(decode_many(frames, shape, encoder).ok.mean())
 
     with (
-        open_source(source, stored, shape, find_valid_fraction) as read,
+        open_source(source, storage, shape, find_valid_fraction) as frame_source,
         open_for_writing(output.target, [source], output.force) as file,
     ):
         if add_columns is not None:
-            if "time" not in read.empty_columns:
+            if "time" not in frame_source.empty_columns:
                 raise UsageError(f"{source} has no column 'time', which speeds in SI units need")
             added_names = [name for name in empty_result.others if name != "time"]
-            check_apart(read.empty_columns, added_names, source)
-        plan = make_plan(empty_result, read, output.columns, source, output.raw)
+            check_apart(frame_source.empty_columns, added_names, source)
+        plan = make_plan(empty_result, frame_source, output.columns, source, output.raw)
         with SINKS[output.kind](file, plan) as sink:
-            return decode_parts(read, shape, encoder, sink, limit, progress, add_columns)
+            return decode_parts(frame_source, shape, encoder, sink, limit, progress, add_columns)
 
 
 def decode_parts(
-    read: Source,
+    frame_source: Source,
     shape: Shape,
     encoder: FrameSource | None,
     sink: Sink,
@@ -301,7 +301,7 @@ def decode_parts(
     """Decode the frames of a source into a file, and return the counts.
 
     Args:
-        read: The source.
+        frame_source: The source.
         shape: Description of the frames.
         encoder: Encoder of the frames, if known.
         sink: The file.
@@ -316,7 +316,7 @@ def decode_parts(
     if limit is not None and whole_number("limit", limit) < 0:
         raise UsageError(f"limit must be at least 0, got {limit}")
     counts = _Counts()
-    for part in read.parts:
+    for part in frame_source.parts:
         # A slice up to None takes all rows.
         rows_left = None if limit is None else limit - counts.frames
         rows = slice(rows_left)
@@ -327,7 +327,7 @@ def decode_parts(
             extended_table = table if add_columns is None else add_columns(table, other_columns)
             sink.write(extended_table, other_columns)
         if progress is not None:
-            progress(part.done, read.total, counts.frames)
+            progress(part.done, frame_source.total, counts.frames)
         if limit is not None and counts.frames >= limit:
             break
     return counts.summary(sink.lost)
@@ -407,23 +407,23 @@ class _Counts:
         return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost_cells)
 
 
-def make_plan(empty_result: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
+def make_plan(empty_result: Table, frame_source: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
     """Return the columns to write: the requested ones, or the other columns of the file and all fields.
 
-    ``empty_result`` is a table without frames, which shows the fields. ``read`` is the source, ``source`` its name for
-    errors, and ``columns`` are the requested columns, or none. With ``raw``, positions that are not usable are also
-    written.
+    ``empty_result`` is a table without frames, which shows the fields. ``frame_source`` is the source, ``source`` its
+    name for errors, and ``columns`` are the requested columns, or none. With ``raw``, positions that are not usable are
+    also written.
 
     Raises:
         UsageError: A requested column does not exist, or a column of the file has the name of a field.
     """
-    existing_names = [*read.names, *empty_result.names]
+    existing_names = [*frame_source.names, *empty_result.names]
     unknown_names = [name for name in columns if name not in existing_names]
     if unknown_names:
         raise UsageError(f"no column '{unknown_names[0][:40]}'; the columns are {', '.join(existing_names)}")
     field_names = [name for name in empty_result.names if name not in empty_result.others]
-    check_apart(read.empty_columns, field_names, source)
-    written_names = columns or (*read.empty_columns, *empty_result.names)
+    check_apart(frame_source.empty_columns, field_names, source)
+    written_names = columns or (*frame_source.empty_columns, *empty_result.names)
     # Each name is written once, in the order of its first occurrence.
     names = tuple(dict.fromkeys(written_names))
-    return Plan(names=names, source_columns=read.empty_columns, empty=empty_result, raw=raw)
+    return Plan(names=names, source_columns=frame_source.empty_columns, empty=empty_result, raw=raw)

@@ -80,7 +80,7 @@ class Source(NamedTuple):
 
 
 def select_columns(
-    names: Iterable[str], stored: StorageFormat, make_empty_column: Callable[[str], Any], file: str
+    names: Iterable[str], storage: StorageFormat, make_empty_column: Callable[[str], Any], file: str
 ) -> dict[str, Any]:
     """Return an empty column, made by ``make_empty_column``, for each column to keep except the column of frames.
 
@@ -91,7 +91,7 @@ def select_columns(
         UsageError: Two of these columns have the same name.
     """
     columns: dict[str, Any] = {}
-    for name in filter(stored.keeps, names):
+    for name in filter(storage.keeps, names):
         if name in columns:
             raise UsageError(f"{file} has two columns {short(name)}; rename one, or select the columns")
         columns[name] = make_empty_column(name)
