@@ -32,26 +32,28 @@ def measure_size(file: BinaryIO) -> int:
 # Tables
 
 
-def _read_blocks(file: BinaryIO, path: str, kind: str) -> Generator[tuple[bytes, int], None, None]:
+def _read_blocks(file: BinaryIO, path: str, file_format: str) -> Generator[tuple[bytes, int], None, None]:
     """Yield blocks of whole lines, each with the number of bytes read so far.
 
     A missing line end is added to the last line.
 
-    ``kind`` is the format of the file, for the error about a line that is longer than a block.
+    ``file_format`` is the format of the file, for the error about a line that is longer than a block.
     """
     remainder = b""
-    done = 0
+    bytes_read = 0
     while data := file.read(_BLOCK):
-        done += len(data)
+        bytes_read += len(data)
         data = remainder + data
         end = data.rfind(b"\n") + 1
         if not end and len(data) > _BLOCK:
-            raise InputError(path, f"offset {done - len(data)}", f"a line is too long: this is not a {kind} file")
+            raise InputError(
+                path, f"offset {bytes_read - len(data)}", f"a line is too long: this is not a {file_format} file"
+            )
         remainder = data[end:]
         if end:
-            yield data[:end], done
+            yield data[:end], bytes_read
     if remainder.strip():
-        yield remainder + b"\n", done
+        yield remainder + b"\n", bytes_read
 
 
 #: Part of the range of a voltage by which it must pass the threshold.
@@ -96,13 +98,13 @@ def _read_table_parts(
     last_time = -np.inf
     reader = _RowReader(form, columns, path)
     reader.find_voltages(file, threshold)
-    for block, first_line, done in reader.blocks_of_rows(file):
+    for block, first_line, bytes_read in reader.blocks_of_rows(file):
         times, levels = reader.read(block, first_line)
         if times is not None:
             if not (last_time <= times[0] and (np.diff(times) >= 0).all()):
                 raise InputError(path, f"from line {first_line}", "the times are not in ascending order")
             last_time = float(times[-1])
-        yield levels, done, times
+        yield levels, bytes_read, times
 
 
 class _RowReader:
@@ -141,7 +143,7 @@ class _RowReader:
     def blocks_of_rows(self, file: BinaryIO) -> Generator[tuple[bytes, int, int], None, None]:
         """Yield blocks of rows without the headers, the number of their first line, and the bytes read so far."""
         line = 1
-        for data, done in _read_blocks(file, self._path, "CSV"):
+        for data, bytes_read in _read_blocks(file, self._path, "CSV"):
             block = data
             first_line = line
             # The headers are in the first block.
@@ -153,7 +155,7 @@ class _RowReader:
             if self._form.has_decimal_commas:
                 block = block.replace(b",", b".")
             if block.strip():
-                yield block, first_line, done
+                yield block, first_line, bytes_read
 
     def _read_numbers(self, block: bytes, line: int, columns: list[int]) -> Any:
         """Return the numbers in these columns of a block, with a row for each line.
@@ -331,8 +333,8 @@ def read_vcd_signals(file: BinaryIO, path: str, names: SignalNames) -> Signals:
 def _read_changes(file: BinaryIO, path: str, codes: Sequence[bytes]) -> Generator[Edges, None, None]:
     """Yield the edges of the signals with these codes in a value change dump, block by block."""
     changes = _ValueChanges(path, codes)
-    for block, done in _read_blocks(file, path, "VCD"):
-        yield changes.edges_in(block, done)
+    for block, bytes_read in _read_blocks(file, path, "VCD"):
+        yield changes.edges_in(block, bytes_read)
 
 
 #: Time before the first time stamp of a value change dump.
@@ -353,11 +355,11 @@ class _ValueChanges:
         self._levels: list[int | None] = [None for _ in codes]
         self._begin = self._now = _NO_TIME
 
-    def edges_in(self, block: bytes, done: int) -> Edges:
+    def edges_in(self, block: bytes, bytes_read: int) -> Edges:
         """Return the edges in a block of whole lines. The first level of a signal is not an edge.
 
-        ``done`` is the number of bytes read so far. Changes to levels other than 0 and 1, such as ``x`` and ``z``, are
-        ignored.
+        ``bytes_read`` is the size of the file up to the end of the block. Changes to levels other than 0 and 1, such as
+        ``x`` and ``z``, are ignored.
         """
         change_by_token = self._change_by_token
         levels = self._levels
@@ -381,7 +383,7 @@ class _ValueChanges:
             elif token[:1] == b"#":
                 self._advance(token)
         edge_times = tuple(np.array(signal_times, np.float64) for signal_times in times_by_signal)
-        return Edges(tuple(first_levels), edge_times, float(self._begin), float(self._now), done)
+        return Edges(tuple(first_levels), edge_times, float(self._begin), float(self._now), bytes_read)
 
     def _advance(self, token: bytes) -> None:
         """Set the present time to the time in ``token``, such as ``#1200``.

@@ -221,19 +221,21 @@ def _unpack_samples(
     A sample has ``size`` bytes, and can begin in one file and end in the next. An incomplete sample at the end of the
     session is ignored.
     """
-    done = 0
+    bytes_read = 0
     remainder = b""
     try:
         for info in entries:
             with archive.open(info) as file:
                 while block := file.read(SAMPLES * size):
-                    done += len(block)
+                    bytes_read += len(block)
                     data = remainder + block
                     sample_count = len(data) // size
                     remainder = data[sample_count * size :]
-                    yield np.frombuffer(data, f"<u{size}", count=sample_count), done, None
+                    yield np.frombuffer(data, f"<u{size}", count=sample_count), bytes_read, None
     except _ERRORS_OF_DAMAGED_ZIP as error:
-        raise InputError(path, f"offset {done}", f"the samples are damaged: {error or 'they end early'}") from None
+        raise InputError(
+            path, f"offset {bytes_read}", f"the samples are damaged: {error or 'they end early'}"
+        ) from None
 
 
 def _parse_small_number(text: str) -> int:
@@ -307,20 +309,20 @@ def _read_array_parts(
     channels = form.channels
     row_width = 1 if channels is None else channels
     row_bytes = row_width * dtype.itemsize
-    done = 0
+    bytes_read = 0
     while data := file.read(max(SAMPLES // row_width, 1) * row_bytes):
-        done += len(data)
+        bytes_read += len(data)
         row_count = len(data) // row_bytes
         samples = np.frombuffer(data, dtype, count=row_count * row_width)
         if channels is not None:
-            yield pack_bits(samples.reshape(-1, row_width)[:, places]), done, None
+            yield pack_bits(samples.reshape(-1, row_width)[:, places]), bytes_read, None
             continue
         byte_order = dtype.byteorder if dtype.itemsize > 1 else ""
         # Signed numbers are read as unsigned ones of the same bits, and then in the byte order of this machine.
         samples = samples.view(f"{byte_order}u{dtype.itemsize}")
-        yield samples.astype(f"u{dtype.itemsize}", copy=False), done, None
-    if done < form.sample_count * row_bytes:
-        reason = f"this NumPy file ends early: it has {done // row_bytes} of {form.sample_count} samples"
+        yield samples.astype(f"u{dtype.itemsize}", copy=False), bytes_read, None
+    if bytes_read < form.sample_count * row_bytes:
+        reason = f"this NumPy file ends early: it has {bytes_read // row_bytes} of {form.sample_count} samples"
         raise InputError(path, "", reason)
 
 

@@ -135,9 +135,9 @@ class _SlowReader:
         self._last_cell = ""
         self._rows: Iterator[list[str]] = iter(())
 
-    def open(self, blocks: Iterable[bytes], lines: int, done: int) -> None:
-        """Read these blocks. ``lines`` and ``done`` are the numbers of lines and bytes before these blocks."""
-        self.lines = _Lines(_open_text(blocks), self.lines.name, lines, done)
+    def open(self, blocks: Iterable[bytes], lines_before: int, bytes_before: int) -> None:
+        """Begin to read these blocks. ``lines_before`` and ``bytes_before`` count the lines and bytes before them."""
+        self.lines = _Lines(_open_text(blocks), self.lines.name, lines_before, bytes_before)
         _, self._rows = _open_rows(self.lines, self.delimiter)
         if self._skips_header:
             next(self._rows, None)
@@ -188,14 +188,15 @@ def _read_parts(
     slow_reader: _SlowReader,
     read_fast: Callable[[bytes], Block | None] | None,
     blocks: Iterator[bytes],
-    lines: int,
-    done: int,
+    lines_read: int,
+    bytes_read: int,
     csv_file: _CsvFile,
 ) -> Generator[FrameBatch, None, None]:
-    """Yield the frames of blocks. ``lines`` and ``done`` are the numbers of lines and bytes before the first block.
+    """Yield the frames of blocks, with the other columns of the same rows and the progress.
 
-    ``read_fast`` reads a block, or is None if pyarrow is not installed. It returns None for blocks with unusual
-    content. ``slow_reader`` reads these blocks. If a row may continue in the next block, it reads the rest of the file.
+    ``lines_read`` and ``bytes_read`` are the numbers of lines and bytes before the first block. ``read_fast`` reads a
+    block, or is None if pyarrow is not installed. It returns None for blocks with unusual content. ``slow_reader``
+    reads these blocks. If a row may continue in the next block, it reads the rest of the file.
     """
     cells = TextCells(csv_file.shape, csv_file.storage.digits)
     is_first = True
@@ -204,20 +205,20 @@ def _read_parts(
         has_whole_lines = block.endswith(b"\n")
         fast_block = read_fast(block) if read_fast is not None and can_be_fast and has_whole_lines else None
         if fast_block is not None:
-            lines += fast_block.lines
-            done += len(block)
+            lines_read += fast_block.lines
+            bytes_read += len(block)
             cells.seen += len(fast_block.frames)
             if is_first and len(fast_block.frames):
                 _check_first_cells(cells, fast_block.first, csv_file)
                 is_first = False
             # The next block can end with an incomplete row, which is compared with this cell.
             slow_reader.remember_last_cell(fast_block.last)
-            yield FrameBatch(fast_block.frames, done, fast_block.other_columns)
+            yield FrameBatch(fast_block.frames, bytes_read, fast_block.other_columns)
             continue
         # After a quote, a row can continue in the next block.
         ends_here = can_be_fast and ends_with_row(block, slow_reader.delimiter)
         blocks_to_read = [block] if ends_here else chain([block], blocks)
-        slow_reader.open(blocks_to_read, lines, done)
+        slow_reader.open(blocks_to_read, lines_read, bytes_read)
         while (batch := slow_reader.read_batch()).cells:
             frames = [cells.read(text, number) for text, number in zip(batch.cells, batch.line_numbers, strict=False)]
             if is_first:
@@ -225,8 +226,8 @@ def _read_parts(
                 is_first = False
             yield FrameBatch(frames, slow_reader.lines.read, batch.other_columns)
         # If the slow reader has read all blocks, this was the last one.
-        lines += block.count(b"\n")
-        done += len(block)
+        lines_read += block.count(b"\n")
+        bytes_read += len(block)
 
 
 def _check_first_cells(cells: TextCells, texts: list[str], csv_file: _CsvFile) -> None:

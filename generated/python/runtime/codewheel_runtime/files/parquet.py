@@ -53,7 +53,7 @@ def _read_batches(
     Raises:
         InputError: The column contains no frames, or the file is damaged.
     """
-    done = 0
+    rows_read = 0
     with _convert_errors(name):
         # More columns mean fewer rows at once.
         row_count = max(inputs.CHUNK // (1 + len(kept_names)), 1)
@@ -64,13 +64,13 @@ def _read_batches(
             if batch is None:
                 return
         try:
-            frames = read_arrow(batch.column(column), shape, storage.digits, done)
+            frames = read_arrow(batch.column(column), shape, storage.digits, rows_read)
         except NoFrame as error:
-            raise InputError(name, f"row {done + error.row + 1} of column {short(column)}", str(error)) from None
+            raise InputError(name, f"row {rows_read + error.row + 1} of column {short(column)}", str(error)) from None
         except TypeError as error:
             raise InputError(name, f"column {short(column)}", str(error)) from None
-        done += len(batch)
-        yield FrameBatch(frames, done, {column_name: batch.column(column_name) for column_name in kept_names})
+        rows_read += len(batch)
+        yield FrameBatch(frames, rows_read, {column_name: batch.column(column_name) for column_name in kept_names})
 
 
 @contextmanager

@@ -142,9 +142,9 @@ def _read_binary(
     has_bytes = bool(shape.length)
     # Number of bytes that each frame occupies in the file.
     frame_bytes = shape.length if has_bytes else _find_word_length(storage.words, shape)
-    done = 0
+    bytes_read = 0
     while data := _read(file, frame_bytes * inputs.CHUNK):
-        is_first_block = not done
+        is_first_block = not bytes_read
         if is_first_block and data.startswith(_ARROW_MARK):
             raise InputError(name, "", "Arrow files cannot be decoded: save the table as Parquet")
         if is_first_block and not has_bytes:
@@ -152,13 +152,13 @@ def _read_binary(
         # If the size is known, an incomplete frame is reported before any frame is decoded.
         if is_first_block and size is not None and size % frame_bytes and not storage.cut:
             raise _incomplete_frame_error(name, size, frame_bytes)
-        done += len(data)
+        bytes_read += len(data)
         # Only the last block can end within a frame, which has these bytes.
         extra_bytes = len(data) % frame_bytes
         if extra_bytes and not storage.cut:
-            raise _incomplete_frame_error(name, done, frame_bytes)
+            raise _incomplete_frame_error(name, bytes_read, frame_bytes)
         rows = np.frombuffer(data, np.uint8, count=len(data) - extra_bytes).reshape(-1, frame_bytes)
-        yield FrameBatch(rows if has_bytes else numbers(rows, storage.words), done)
+        yield FrameBatch(rows if has_bytes else numbers(rows, storage.words), bytes_read)
 
 
 def _check_first_words(
