@@ -595,8 +595,8 @@ def test_a_chunk_is_freed_without_the_garbage_collector(has_gray: bool) -> None:
     words = numpy.arange(8, dtype=numpy.uint64)
     chunk = Chunk([words], 45)
     if has_gray:
-        chunk.convert(Shape(45, gray=(0, 12)))
-    assert chunk.sent.limbs[0].tolist() == list(range(8))
+        chunk.convert_to_binary(Shape(45, gray=(0, 12)))
+    assert chunk.as_sent.words[0].tolist() == list(range(8))
     reference = weakref.ref(words)
     gc.disable()
     try:

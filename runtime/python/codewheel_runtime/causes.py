@@ -22,7 +22,7 @@ def why(encoder: Sender, frame: object) -> tuple[str, ...]:
     """Return the changes that make an invalid frame valid, as text, the most likely first.
 
     An example is ``"with all bits inverted: check for swapped wires of the data line"``. If the line is dead, or if the
-    frame has all data channels, a sentence about that is the only answer. A short CRC is sometimes correct by chance. A
+    frame has all data channels, a sentence about that is the only result. A short CRC is sometimes correct by chance. A
     CRC of 6 bits is correct in 1 of 64 cases, and in most cases there is a bit whose inversion makes it correct. Check
     several frames, and look for the mistake that explains all of them.
     """
@@ -32,12 +32,12 @@ def why(encoder: Sender, frame: object) -> tuple[str, ...]:
     if not _can_be_invalid(encoder):
         return ()
     decode = encoder.decode
-    changes = _try_changes(encoder, frame)
+    changes = _list_changes(encoder, frame)
     return tuple(change.description for change in changes if _is_valid(decode, change.frame))
 
 
 def hint(encoder: Sender, frame: object) -> str:
-    """Return the result of ``why`` as one sentence, or an empty string."""
+    """Return the common mistakes that would explain an invalid frame as one sentence, or an empty string."""
     if explanation := _explain_whole_frame(encoder, frame):
         return explanation[0].upper() + explanation[1:]
     changes = why(encoder, frame)
@@ -54,15 +54,19 @@ _MOST_EXTRA_BYTES: Final = 3
 
 
 def _explain_whole_frame(encoder: Sender, frame: object) -> str:
-    """Return a sentence that explains a frame without any change to it, or an empty string."""
-    return _explain_dead_line(encoder, frame, _can_be_invalid(encoder)) or _explain_all_channels(encoder, frame)
+    """Return a sentence that explains an invalid frame without any change to it, or an empty string.
+
+    The line is dead, or the frame has all data channels.
+    """
+    has_check = _can_be_invalid(encoder)
+    return _explain_dead_line(encoder, frame, has_check) or _explain_all_channels(encoder, frame)
 
 
-def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
-    """Return the description of a dead line, or an empty string if the line changes.
+def _explain_dead_line(encoder: Sender, frame: object, has_check: bool) -> str:
+    """Return a sentence about a dead line, or an empty string if the line changes.
 
-    On a dead line nothing is received, or at least 12 bits that are all equal. Without a CRC or another check
-    (``has_crc``), such bits can also be a valid frame.
+    On a dead line nothing is received, or at least 12 bits that are all equal. If the frames have no CRC or other check
+    (``has_check`` is False), such bits can also be a valid frame.
     """
     received = _convert_to_number(frame, _count_frame_bits(encoder))
     if received is None:
@@ -75,7 +79,7 @@ def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     if bits < _LEAST_BITS or not has_equal_bits:
         return ""
     level = 1 if number else 0
-    if not has_crc:
+    if not has_check:
         return f"every bit is {level}. A dead line looks the same, and there is no CRC to distinguish it"
     likely_cause = "a broken wire" if level else "a short circuit"
     other_wires = "wires A and B" if encoder.interface is Interface.RS485 else "the clock"
@@ -83,9 +87,9 @@ def _explain_dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
 
 
 def _explain_all_channels(encoder: Sender, frame: object) -> str:
-    """Return a sentence about a frame with all data channels, or an empty string. ``decode`` takes a single channel.
+    """Return a sentence about a frame with all data channels, or an empty string. ``decode`` expects a single channel.
 
-    The frame has the bits of all channels or, if leading zeros are missing, correct CRCs of all channels.
+    Such a frame has the bits of all channels. If leading zeros are missing, it has the correct CRCs of all channels.
     """
     channel_layout: Callable[[], Any] | None = getattr(encoder, "channels", None)
     frame_bits = _count_frame_bits(encoder)
@@ -94,15 +98,19 @@ def _explain_all_channels(encoder: Sender, frame: object) -> str:
         return ""
     layout = channel_layout()
     _, bits = received
-    if bits <= frame_bits or (bits != layout.bits and not _is_valid(layout.decode, frame)):
+    if bits <= frame_bits:
+        return ""
+    has_all_channels = bits == layout.bits or _is_valid(layout.decode, frame)
+    if not has_all_channels:
         return ""
     return "the frame has several data channels, and this decodes a single one: use channels().decode"
 
 
 def _convert_to_number(frame: object, frame_bits: int) -> tuple[int, int] | None:
-    """Return a frame as a number, and its length in bits. None if it is not a number, such as a text of other digits.
+    """Return a frame as a number, and its length in bits. Return None if it is not a number.
 
-    A number without its length has at least ``frame_bits`` bits.
+    A text of characters other than 0 and 1 is not a number. The length of a frame that is given as a number is at least
+    ``frame_bits``.
     """
     if isinstance(frame, (bytes, bytearray, memoryview)):
         data = bytes(cast(bytes, frame))
@@ -119,7 +127,7 @@ def _convert_to_number(frame: object, frame_bits: int) -> tuple[int, int] | None
 
 
 def _can_be_invalid(encoder: Sender) -> bool:
-    """Return whether some frames of the right length are invalid. If all are valid, a valid frame proves nothing.
+    """Return whether some frames of the right length are invalid. If none is, a valid frame proves nothing.
 
     Three frames are tried: 0, 1, and all bits 1. Frames of bytes, and of unknown length, are assumed to have a check.
     """
@@ -141,25 +149,25 @@ def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
     return True
 
 
-def _try_changes(encoder: Sender, frame: object) -> Iterator[_Change]:
-    """Yield the changes that undo each common mistake. There are none for a text of 0 and 1."""
+def _list_changes(encoder: Sender, frame: object) -> Iterator[_Change]:
+    """Yield the changes that would undo each common mistake. For a frame that is text of 0 and 1, there are none."""
     if isinstance(frame, (bytes, bytearray, memoryview)):
-        yield from _try_changed_bytes(encoder, bytes(cast(bytes, frame)))
+        yield from _list_changed_bytes(encoder, bytes(cast(bytes, frame)))
         return
     bits = _count_frame_bits(encoder)
     if isinstance(frame, int) and not isinstance(frame, bool) and frame >= 0 and bits:
-        yield from _try_changed_words(encoder, frame, bits)
+        yield from _list_changed_words(encoder, frame, bits)
 
 
-def _try_changed_bytes(encoder: Sender, data: bytes) -> Iterator[_Change]:
-    """Yield the changes to a frame of bytes that undo each common mistake."""
+def _list_changed_bytes(encoder: Sender, data: bytes) -> Iterator[_Change]:
+    """Yield the changes to a frame of bytes that would undo each common mistake."""
 
     def name_bit(bit: int) -> str:
         # Bit 0 is the lowest bit of the last byte.
         bytes_after, bit_in_byte = divmod(bit, 8)
         return f"bit {bit_in_byte} of byte {len(data) - 1 - bytes_after}"
 
-    yield from _try_flipped_bits(encoder, _flip_each_bit(data), name_bit)
+    yield from _list_flipped_bits(encoder, _flip_each_bit(data), name_bit)
     inverted_bytes = bytes(byte ^ 0xFF for byte in data)
     yield _Change("with all bits inverted: check for swapped wires of the data line", inverted_bytes)
     yield _Change("with its bytes in reverse order", data[::-1])
@@ -173,20 +181,20 @@ def _try_changed_bytes(encoder: Sender, data: bytes) -> Iterator[_Change]:
 
 
 def _flip_each_bit(data: bytes) -> Iterator[bytes]:
-    """Yield a frame with one bit inverted, for each bit. Bit 0 is the lowest one of the last byte."""
+    """Yield the frame with one bit inverted, for each of its bits. Bit 0 is the lowest bit of the last byte."""
     number = int.from_bytes(data, "big")
     for bit in range(8 * len(data)):
         flipped_number = number ^ (1 << bit)
         yield flipped_number.to_bytes(len(data), "big")
 
 
-def _try_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[_Change]:
-    """Yield the changes of a frame of ``bits`` bits that undo each common mistake."""
+def _list_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[_Change]:
+    """Yield the changes to a frame of ``bits`` bits, given as a number, that would undo each common mistake."""
     mask = (1 << bits) - 1
     is_too_long = frame > mask
     if not is_too_long:
         flipped_frames = (frame ^ (1 << bit) for bit in range(bits))
-        yield from _try_flipped_bits(encoder, flipped_frames, name_of_bit=lambda bit: f"bit {bit}")
+        yield from _list_flipped_bits(encoder, flipped_frames, name_bit=lambda bit: f"bit {bit}")
     inverted_frame = ~frame & mask
     yield _Change("with all bits inverted: check for swapped wires of the data line", inverted_frame)
     if is_too_long:
@@ -206,19 +214,19 @@ def _try_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[_Chan
             yield _Change(description, ((frame << count) | appended) & mask)
 
 
-def _try_flipped_bits(
-    encoder: Sender, flipped_frames: Iterable[object], name_of_bit: Callable[[int], str]
+def _list_flipped_bits(
+    encoder: Sender, flipped_frames: Iterable[object], name_bit: Callable[[int], str]
 ) -> Iterator[_Change]:
     """Yield a valid frame that one inverted bit explains, if there is one. The bit is named if only one is possible.
 
-    ``flipped_frames`` are the frames with bit 0, 1, … inverted, and ``name_of_bit`` returns the name of a bit.
+    ``flipped_frames`` are the frames with bit 0, 1, … inverted, and ``name_bit`` returns the name of a bit.
     """
     decode = encoder.decode
     valid_flips = [(bit, flipped) for bit, flipped in enumerate(flipped_frames) if _is_valid(decode, flipped)]
     if valid_flips:
         # All of them are valid, so the first one is as good as any.
         bit, frame = valid_flips[0]
-        bit_text = name_of_bit(bit) if len(valid_flips) == 1 else f"one of {len(valid_flips)} bits"
+        bit_text = name_bit(bit) if len(valid_flips) == 1 else f"one of {len(valid_flips)} bits"
         yield _Change(f"with {bit_text} inverted: a disturbed bit if only some frames fail", frame)
 
 

@@ -44,10 +44,10 @@ class ChannelTable:
             fault = np.where(has_no_error_yet, table.fault, fault)
         self.fault: Any = fault
         self.agree: Any = _compare_fields(layout, channels) if layout.compared else None
-        self.verdict: Any = self._worst_verdict()
+        self.verdict: Any = self._find_worst_verdicts()
 
-    def _worst_verdict(self) -> Any:
-        """Return the verdict of each frame: the worst one of its channels, which has the lowest index.
+    def _find_worst_verdicts(self) -> Any:
+        """Return the verdict of each frame, as an index in ``Verdict``: the worst verdict of its channels.
 
         A frame with an error, or whose positions do not agree, is not usable.
         """
@@ -57,7 +57,7 @@ class ChannelTable:
                 continue
             verdict = table.verdict
             if index != self._layout.position:
-                # A channel without the position has nothing to say about it if its verdict is unknown.
+                # A channel without the position says nothing about the position if its verdict is unknown.
                 verdict = np.where(verdict == _UNKNOWN_NUMBER, np.uint8(_USABLE_NUMBER), verdict)
             worst = np.minimum(worst, verdict)
         if self.agree is not None:
@@ -66,7 +66,10 @@ class ChannelTable:
 
     @property
     def position(self) -> Any:
-        """Raw position of each frame in counts, including invalid frames. See ``usable_position``."""
+        """Raw position of each frame in counts, including invalid frames.
+
+        Prefer ``usable_position``, which masks these.
+        """
         table: Any = self.channels[int(self._layout.position)]
         return table.position
 
@@ -80,10 +83,14 @@ class ChannelTable:
 
 
 def decode_channels(layout: Any, frames: object) -> ChannelTable:
-    """Decode many frames. For the arguments, see ``decode_many`` of their layout."""
+    """Decode many frames with several data channels into a table for each channel.
+
+    ``layout`` is a ``ChannelLayout``. ``frames`` are numbers, or rows of bytes with the last bit of the frame in the
+    lowest bit of the last byte.
+    """
     # The frames are rows of this many bytes, with leading zeros.
     length = (layout.bits + 7) // 8
-    rows, is_wrong_length = _read_frames(frames, layout.bits, length)
+    rows, is_wrong_length = _read_rows_of_frames(frames, layout.bits, length)
     # The first channel forms the highest bits.
     low_bit = layout.bits
     tables: list[Table] = []
@@ -95,14 +102,14 @@ def decode_channels(layout: Any, frames: object) -> ChannelTable:
 
 
 class _Rows(NamedTuple):
-    """Frames as rows of bytes, and an array that is True for each frame of a wrong length, which zeros replace."""
+    """Frames as rows of bytes, and an array that is True for each frame of the wrong length, which zeros replace."""
 
     rows: Any
     is_wrong_length: Any
 
 
-def _read_frames(frames: Any, bits: int, length: int) -> _Rows:
-    """Return frames of ``bits`` bits as rows of ``length`` bytes."""
+def _read_rows_of_frames(frames: Any, bits: int, length: int) -> _Rows:
+    """Return frames of ``bits`` bits, given as numbers or as bytes, as rows of ``length`` bytes."""
     if isinstance(frames, np.ndarray) and frames.dtype.kind in "uiO" and frames.ndim == 1:
         frames = frames.tolist()
     if isinstance(frames, (list, tuple)):
@@ -119,7 +126,7 @@ def _read_frames(frames: Any, bits: int, length: int) -> _Rows:
 
 
 def _convert_numbers(frames: list[Any], bits: int, length: int) -> _Rows:
-    """Return frames that are numbers as rows of bytes."""
+    """Return frames of ``bits`` bits that are given as numbers as rows of ``length`` bytes."""
     data = bytearray()
     is_wrong_length: list[bool] = []
     for frame in frames:
@@ -131,23 +138,27 @@ def _convert_numbers(frames: list[Any], bits: int, length: int) -> _Rows:
 
 
 def _extract_bits(rows: Any, low_bit: int, width: int) -> Any:
-    """Return ``width`` bits of each row from ``low_bit`` on as numbers. Bit 0 is the lowest bit of the last byte."""
+    """Return the ``width`` bits of each row from bit ``low_bit`` on as numbers.
+
+    Bit 0 is the lowest bit of the last byte.
+    """
     numbers = np.zeros(len(rows), np.uint64)
     last_column = rows.shape[1] - 1
     first_byte = low_bit // 8
     end_byte = (low_bit + width + 7) // 8
     for byte_index in range(first_byte, end_byte):
         byte = rows[:, last_column - byte_index].astype(np.uint64)
-        # Place of the byte in the number. A negative one means that the byte begins below the bits.
+        # Place of the byte in the number. It is negative if the byte begins below the lowest bit.
         place = 8 * byte_index - low_bit
-        numbers |= shift_left(byte, place) if place >= 0 else shift_right(byte, -place)
+        shifted_byte = shift_left(byte, place) if place >= 0 else shift_right(byte, -place)
+        numbers |= shifted_byte
     return numbers & bit_mask(width)
 
 
 def _compare_fields(layout: Any, channels: tuple[Table, ...]) -> Any:
-    """Return True for each frame whose compared fields agree, whether it is valid or not.
+    """Return an array that is True for each frame whose compared fields agree, whether the frame is valid or not.
 
-    Of each field, only the ``compared_bits`` highest bits are compared, because the fields can have different widths.
+    Only the highest bits of each field are compared, because the fields can have different widths.
     """
     compared_values: list[Any] = []
     for field in layout.compared:

@@ -38,7 +38,7 @@ class ByteOrder(Enum):
 
 
 class AboveMax(Enum):
-    """Reaction of an encoder to a value above the maximum."""
+    """Reaction of an encoder to a value above the maximum: it uses the default, or rejects the value."""
 
     DEFAULT = "default"
     REFUSED = "refused"
@@ -52,7 +52,7 @@ class Alignment(Enum):
 
 
 class TimeoutRule(Enum):
-    """Dependence of a time-out on the clock."""
+    """Dependence of a timeout on the clock."""
 
     FOLLOWS_CLOCK = "follows_clock"
     FIXED = "fixed"
@@ -68,21 +68,21 @@ class Purpose(Enum):
 
 
 class ConnectorKind(Enum):
-    """Kind of connection: a connector with pins, or a cable with coloured wires."""
+    """Kind of connection: a connector with pins, or a cable with colored wires."""
 
     CONNECTOR = "connector"
     CABLE = "cable"
 
 
 class Status(Enum):
-    """Status of an erratum: settled by the manual's own evidence, or open until tested on hardware."""
+    """Status of an erratum: resolved by evidence in the manual itself, or open until tested on hardware."""
 
     SETTLED = "settled"
     OPEN = "open"
 
 
 class Severity(Enum):
-    """Consequence of following the printed text of an erratum literally."""
+    """What happens if a program follows the printed text of an erratum literally."""
 
     WRONG_DATA = "wrong_data"
     WRONG_LIMIT = "wrong_limit"
@@ -162,13 +162,13 @@ class Scale(NamedTuple):
     @property
     def places(self) -> int:
         """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
-        # Decimals end if the reduced denominator divides a power of ten, at the latest with as many decimals as it
-        # has bits.
+        # Decimals are exact if the reduced denominator divides a power of ten. This power has at most as many zeros as
+        # the denominator has bits.
         reduced = self.denominator // gcd(self.numerator, self.offset, self.denominator)
         for places in range(reduced.bit_length()):
             if 10**places % reduced == 0:
                 return places
-        # A unit of the last decimal must be at most a tenth of a count, which is numerator / denominator.
+        # The last decimal must be at most a tenth of a count, which is numerator / denominator.
         places = 0
         while 10**places * self.numerator < 10 * self.denominator:
             places += 1
@@ -178,12 +178,13 @@ class Scale(NamedTuple):
         """Return the quantity for a number with ``places`` decimals. It is rounded if the exact decimals never end."""
         from decimal import Decimal
 
-        counts = number * self.numerator + self.offset
-        # Rounded to the nearest number of units of the last decimal: adding half of the denominator, then dividing.
-        size = (2 * abs(counts) * 10**self.places + self.denominator) // (2 * self.denominator)
-        sign = "-" if counts < 0 and size else ""
-        # Arithmetic with decimals would round to the precision of the context.
-        return Decimal(f"{sign}{size}E-{self.places}")
+        scaled_number = number * self.numerator + self.offset
+        # The size in units of the last decimal, rounded to the nearest integer.
+        units_numerator = abs(scaled_number) * 10**self.places
+        units = (2 * units_numerator + self.denominator) // (2 * self.denominator)
+        sign = "-" if scaled_number < 0 and units else ""
+        # A decimal from text is exact. Arithmetic with decimals would round to the precision of the context.
+        return Decimal(f"{sign}{units}E-{self.places}")
 
 
 class FieldFacts(NamedTuple):
@@ -269,7 +270,10 @@ class Register(NamedTuple):
 
 
 class Timing(NamedTuple):
-    """Time with its bounds in microseconds. ``only`` describes the order codes that have it, unless all have it."""
+    """Time with its bounds in microseconds.
+
+    ``only`` lists the order codes that the time applies to, or is empty for all.
+    """
 
     name: str
     meaning: str
@@ -300,9 +304,9 @@ class Clock(NamedTuple):
 
 
 class CableLength(NamedTuple):
-    """Clock limit: cables shorter than ``shorter_than_m`` need a clock below ``below_hz``.
+    """Clock limit for a cable: cables shorter than ``shorter_than_m`` need a clock below ``below_hz``.
 
-    ``only`` describes the order codes that have it, unless all have it.
+    ``only`` lists the order codes that the limit applies to, or is empty for all.
     """
 
     shorter_than_m: int
@@ -348,7 +352,7 @@ class PrintedTimeout(NamedTuple):
 
 
 class Timeout(NamedTuple):
-    """Time-out after a frame. ``only`` describes the order codes that have it, unless all have it."""
+    """Timeout after a frame. ``only`` lists the order codes that it applies to, or is empty for all."""
 
     rule: TimeoutRule
     half_clock_periods: int | None = None
@@ -359,19 +363,20 @@ class Timeout(NamedTuple):
     only: str = ""
 
     def nanoseconds(self, clock_hz: int) -> float | None:
-        """Return the time-out for a clock frequency.
+        """Return the timeout for a clock frequency.
 
         Args:
             clock_hz: Clock frequency in hertz.
 
         Returns:
-            The time-out in nanoseconds, or None if the manual does not give it for this frequency. A fixed time-out is
+            The timeout in nanoseconds, or None if the manual does not give it for this frequency. A fixed timeout is
             the typical one, or else the maximum.
         """
         if self.half_clock_periods is not None:
             return self.half_clock_periods * 500_000_000 / clock_hz
         if self.rule is TimeoutRule.FOLLOWS_CLOCK:
-            return next((timeout.timeout_ns for timeout in self.printed if timeout.clock_hz == clock_hz), None)
+            ns_by_clock = {printed.clock_hz: printed.timeout_ns for printed in reversed(self.printed)}
+            return ns_by_clock.get(clock_hz)
         return self.typical_ns if self.typical_ns is not None else self.at_most_ns
 
 
@@ -421,15 +426,18 @@ _Row = TypeVar("_Row", Clock, CableLength, Timeout, Timing)
 
 
 def _rows_for_code(rows: tuple[_Row, ...], code: str) -> tuple[_Row, ...]:
-    """Return the rows that apply to an order code, without ``only``."""
-    return tuple(row._replace(only="") for row in rows if _fits(row.only, code))
+    """Return the rows that apply to an order code.
+
+    Their ``only`` is made empty, because they apply without restriction.
+    """
+    return tuple(row._replace(only="") for row in rows if _applies_to_code(row.only, code))
 
 
-def _fits(only: str, code: str) -> bool:
-    """Return whether ``only`` selects an order code. An empty ``only`` means all of them.
+def _applies_to_code(only: str, code: str) -> bool:
+    """Return whether a row applies to an order code. ``only`` lists patterns of order codes, or is empty for all.
 
-    ``...`` represents any text and ``x`` any one character: ``X-2x, Y...`` fits ``X-24`` and ``Y8``. Commas separate
-    several patterns. The hyphen after an order code on a label counts as part of it.
+    In a pattern, ``...`` represents any text and ``x`` any one character: ``X-2x, Y...`` fits ``X-24`` and ``Y8``.
+    Commas separate several patterns. The hyphen after an order code on a label counts as part of it.
     """
     if not only:
         return True
@@ -442,8 +450,9 @@ def _fits(only: str, code: str) -> bool:
 
 
 def _clock_for_code(clock: Clock, clocks: tuple[Clock, ...], code: str) -> Clock:
-    """Return the clock of an order code: the first of ``clocks`` that applies to it, or else ``clock``."""
-    return next(iter(_rows_for_code(clocks, code)), clock)
+    """Return the clock of an order code: the first of ``clocks`` that applies to it, or ``clock`` if none does."""
+    clocks_of_code = _rows_for_code(clocks, code)
+    return clocks_of_code[0] if clocks_of_code else clock
 
 
 class SsiFacts(NamedTuple):
@@ -465,7 +474,7 @@ class SsiFacts(NamedTuple):
     clocks: tuple[Clock, ...] = ()
 
     def for_code(self, code: str) -> SsiFacts:
-        """Return the facts for an order code.
+        """Return the facts that apply to one order code, without those of other order codes.
 
         Args:
             code: The order code, as in the attribute ``code`` of an encoder.
@@ -480,17 +489,21 @@ class SsiFacts(NamedTuple):
     def clock_below_hz(self, cable_m: float) -> int | None:
         """Return the clock limit for a cable, according to the table in the manual.
 
-        Rows that apply only to some order codes count in the facts of an order code (``for_code``).
+        Rows that apply only to some order codes are ignored here. ``for_code`` returns the facts in which they are
+        included.
 
         Args:
-            cable_m: Length of the cable in metres.
+            cable_m: Length of the cable in meters.
 
         Returns:
             The limit in hertz. The clock must be below it. None if the cable is too long for the table, or if there is
             no table.
         """
-        rows = (row for row in self.cable_lengths if not row.only)
-        return next((row.below_hz for row in rows if cable_m < row.shorter_than_m), None)
+        for row in self.cable_lengths:
+            applies_to_all_codes = not row.only
+            if applies_to_all_codes and cable_m < row.shorter_than_m:
+                return row.below_hz
+        return None
 
 
 class BissFacts(NamedTuple):
@@ -517,7 +530,7 @@ class BissFacts(NamedTuple):
     channels: DataChannels | None = None
 
     def for_code(self, code: str) -> BissFacts:
-        """Return the facts for an order code.
+        """Return the facts that apply to one order code, without those of other order codes.
 
         Args:
             code: The order code, as in the attribute ``code`` of an encoder.
@@ -539,7 +552,7 @@ class Exchange(NamedTuple):
         request: Frame that the master sends.
         reply: Frame with which the encoder answers, or empty if it does not answer.
         purpose: ``position``, ``read``, ``write`` or ``other``.
-        word_bits: Number of bits of both words over SPI, or None if it is that of the interface.
+        word_bits: Number of bits of both words over SPI, or None if the interface determines it.
         source: Source of the exchange.
     """
 
@@ -576,7 +589,7 @@ class SpiFacts(NamedTuple):
     clocks: tuple[Clock, ...] = ()
 
     def for_code(self, code: str) -> SpiFacts:
-        """Return the facts for an order code.
+        """Return the facts that apply to one order code, without those of other order codes.
 
         Args:
             code: The order code, as in the attribute ``code`` of an encoder.
@@ -600,7 +613,7 @@ class Rs485Facts(NamedTuple):
     source: str = ""
 
     def for_code(self, code: str) -> Rs485Facts:
-        """Return the facts for an order code.
+        """Return the facts that apply to one order code, without those of other order codes.
 
         Args:
             code: The order code, as in the attribute ``code`` of an encoder.
@@ -635,7 +648,7 @@ class Alarm(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """Pin or wire. ``only`` describes the order codes that have it, unless all have it."""
+    """Pin or wire. ``only`` lists the order codes that have it, or is empty if all have it."""
 
     contact: str
     signal: str

@@ -19,11 +19,15 @@ class Rotary(Encoder):
         raise NotImplementedError
 
     def turns(self, position: int) -> float:
-        """Convert ``position`` from counts to revolutions. See ``degrees`` for the errors.
+        """Convert ``position`` from counts to revolutions.
 
         For counts of ``unwrap``, which continue outside the range of positions, divide by ``counts_per_turn``.
+
+        Raises:
+            RangeError: The encoder does not send such a position.
+            TypeError: ``position`` is not an integer.
         """
-        return self._check_frame(position) / self.counts_per_turn
+        return self._check_position(position) / self.counts_per_turn
 
     def degrees(self, position: int) -> float:
         """Convert ``position`` from counts to degrees within one revolution.
@@ -36,15 +40,20 @@ class Rotary(Encoder):
             TypeError: ``position`` is not an integer.
         """
         per_turn = self.counts_per_turn
-        return self._check_frame(position) % per_turn * 360 / per_turn
+        return self._check_position(position) % per_turn * 360 / per_turn
 
     def radians(self, position: int) -> float:
-        """Convert ``position`` from counts to radians within one revolution. See ``degrees`` for the errors."""
-        per_turn = self.counts_per_turn
-        return self._check_frame(position) % per_turn * tau / per_turn
+        """Convert ``position`` from counts to radians within one revolution.
 
-    def _check_frame(self, position: int) -> int:
-        """Return a position as an int, after a check that it is within the range of positions, if that is known."""
+        Raises:
+            RangeError: The encoder does not send such a position.
+            TypeError: ``position`` is not an integer.
+        """
+        per_turn = self.counts_per_turn
+        return self._check_position(position) % per_turn * tau / per_turn
+
+    def _check_position(self, position: int) -> int:
+        """Return a position as an int. Raises RangeError if it is outside the range of positions, if that is known."""
         number = whole_number("position", position)
         limits = self._find_limits()
         return number if limits is None else check_limits("position", number, limits)
@@ -80,15 +89,15 @@ class Length(Encoder):
     """Encoder whose positions are lengths. If the interface has none, the methods raise ValueError."""
 
     def micrometres(self, position: int) -> int | Fraction:
-        """Convert ``position`` from counts to micrometres, without rounding."""
+        """Convert ``position`` from counts to micrometers, without rounding."""
         raise NotImplementedError
 
     def millimetres(self, position: int) -> float:
-        """Convert ``position`` from counts to millimetres."""
+        """Convert ``position`` from counts to millimeters."""
         return float(self.micrometres(position) / 1000)
 
     def metres(self, position: int) -> float:
-        """Convert ``position`` from counts to metres."""
+        """Convert ``position`` from counts to meters."""
         return float(self.micrometres(position) / 1_000_000)
 
     def from_millimetres(self, millimetres: float) -> int:
@@ -97,24 +106,24 @@ class Length(Encoder):
 
 
 class Linear(Length):
-    """Encoder whose positions are lengths in whole micrometres."""
+    """Encoder whose positions are lengths in whole micrometers."""
 
     @property
     def step_um(self) -> int:
-        """Length of one count in micrometres."""
+        """Length of one count in micrometers."""
         raise NotImplementedError
 
     def micrometres(self, position: int) -> int:
-        """Convert ``position`` from counts to micrometres."""
+        """Convert ``position`` from counts to micrometers."""
         return whole_number("position", position) * self.step_um
 
 
 class FineLinear(Length):
-    """Encoder whose positions are lengths, with counts that are not a whole number of micrometres."""
+    """Encoder whose positions are lengths, with counts that are not a whole number of micrometers."""
 
     @property
     def step_nm(self) -> int:
-        """Length of ``per_counts`` counts in nanometres."""
+        """Length of ``per_counts`` counts in nanometers."""
         raise NotImplementedError
 
     @property
@@ -123,11 +132,11 @@ class FineLinear(Length):
         return 1
 
     def nanometres(self, position: int) -> Fraction:
-        """Convert ``position`` from counts to nanometres, without rounding."""
+        """Convert ``position`` from counts to nanometers, without rounding."""
         return Fraction(whole_number("position", position) * self.step_nm, self.per_counts)
 
     def micrometres(self, position: int) -> Fraction:
-        """Convert ``position`` from counts to micrometres, without rounding."""
+        """Convert ``position`` from counts to micrometers, without rounding."""
         return self.nanometres(position) / 1000
 
 
@@ -156,8 +165,8 @@ class Wrapping(Encoder):
     def unwrap(self, previous: int, position: int) -> int:
         """Return the count nearest to ``previous`` that corresponds to ``position``.
 
-        The count continues when ``position`` wraps around. Between two calls the encoder must move by less than half
-        of ``modulus``.
+        The count continues when ``position`` wraps around. Between two calls the encoder must move by less than half of
+        ``modulus``.
 
         Args:
             previous: Result of the previous call. On the first call, pass the first ``position``.

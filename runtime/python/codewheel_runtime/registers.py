@@ -41,8 +41,8 @@ class RegisterParameter(NamedTuple):
     """Parameter that a register holds at run time, in the ``width`` bits that start at ``low``.
 
     ``min`` and ``max`` are the lowest and the highest allowed value. ``zero_means`` is the value that is stored as 0,
-    if there is one. ``codes`` lists the codes with their values, if the register holds codes. ``by_order_code`` is true
-    if the register has no default, so that the order code sets the parameter.
+    if there is such a value, otherwise 0. ``codes`` lists the codes with their values, if the register holds codes.
+    ``by_order_code`` is True if the register has no default, so that the order code sets the parameter.
     """
 
     parameter: str
@@ -74,25 +74,27 @@ class RegisterParameter(NamedTuple):
         return codes[bits]
 
     def bytes_with(self, value: int) -> bytes:
-        """Return the bytes of the register with this parameter and factory defaults for the rest."""
+        """Return the bytes of the register with this value of the parameter, and factory defaults for the rest."""
         mask = (1 << self.width) - 1
-        # The default with 0 instead of the parameter.
-        number = int.from_bytes(self.default, self.order) & ~(mask << self.low)
+        default_number = int.from_bytes(self.default, self.order)
+        number_without_parameter = default_number & ~(mask << self.low)
         if self.codes:
-            # Without a code for the value, the bits are 0.
-            bits = next((code for code, stands_for in self.codes if stands_for == value), 0)
+            # A value without a code is stored as 0.
+            code_by_value = {coded_value: code for code, coded_value in reversed(self.codes)}
+            bits = code_by_value.get(value, 0)
         else:
             bits = 0 if value == self.zero_means else value
-        return (number | (bits << self.low)).to_bytes(len(self.default), self.order)
+        number = number_without_parameter | (bits << self.low)
+        return number.to_bytes(len(self.default), self.order)
 
 
 def read_parameters(
     parameters: tuple[RegisterParameter, ...], register_bytes: Mapping[int, int], variant: Encoder
 ) -> dict[str, int]:
-    """Return the parameters by name, for bytes keyed by address.
+    """Return the parameters that registers contain, by name. ``register_bytes`` are bytes of registers by address.
 
-    If only some bytes of a parameter's register are given, the other bytes come from the parameter of ``variant``.
-    Parameters of other registers are left out.
+    If only some bytes of a parameter's register are given, the others come from the present parameter of ``variant``,
+    the encoder. Parameters of registers that are not given are left out.
 
     Raises:
         ValueError: A byte belongs to no parameter.
@@ -100,8 +102,8 @@ def read_parameters(
     """
     values: dict[str, int] = {}
     known_addresses: set[int] = set()
-    own_parameters = _select_parameters(parameters, variant)
-    for parameter in own_parameters:
+    encoder_parameters = _select_parameters(parameters, variant)
+    for parameter in encoder_parameters:
         name = parameter.parameter
         addresses = range(parameter.address, parameter.address + len(parameter.default))
         is_given = any(address in register_bytes for address in addresses)
@@ -116,8 +118,8 @@ def read_parameters(
         values[name] = check_limits(name, value, (parameter.min, parameter.max))
     unknown = sorted(register_bytes.keys() - known_addresses)
     if unknown:
-        own_addresses = sorted({parameter.address for parameter in own_parameters})
-        listed = ", ".join(f"0x{address:02X}" for address in own_addresses) or "none"
+        known_registers = sorted({parameter.address for parameter in encoder_parameters})
+        listed = ", ".join(f"0x{address:02X}" for address in known_registers) or "none"
         raise ValueError(f"register 0x{unknown[0]:02X} does not affect decoding; registers that do: {listed}")
     return values
 
@@ -128,9 +130,10 @@ def _select_parameters(parameters: tuple[RegisterParameter, ...], variant: Encod
 
 
 def format_parameters(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> str:
-    """Return the parameters that differ from the factory default, as text such as `` singleturn_bits=17``.
+    """Return the parameters of an encoder that differ from the factory default, as text.
 
-    A parameter without a default is always included. Each text begins with a space.
+    The text of each parameter begins with a space, such as `` singleturn_bits=17``. A parameter without a factory
+    default is always included.
     """
     texts: list[str] = []
     for parameter in _select_parameters(parameters, variant):
@@ -155,9 +158,10 @@ class Located(Protocol):
 
 
 def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Mapping[str, Located]) -> dict[int, int]:
-    """Return ``read`` as bytes keyed by address. It may also contain whole registers keyed by name.
+    """Return the bytes of registers by address. ``read`` contains bytes by address, or whole registers by name.
 
-    ``{0x44: 7, "SERIAL": b"AB"}`` becomes ``{0x44: 7, 0x50: 65, 0x51: 66}`` if the register is at 0x50.
+    ``{0x44: 7, "SERIAL": b"AB"}`` becomes ``{0x44: 7, 0x50: 65, 0x51: 66}`` if the register is at 0x50. ``registers``
+    contains the address and the length of each register by name.
 
     Raises:
         ValueError: There is no register of this name.
@@ -165,11 +169,12 @@ def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Ma
         RangeError: A byte is not 0 to 255.
         TypeError: An address or a byte is not an integer, or a register is not bytes.
     """
-    bytes_by_address: dict[int, int] = {}
+    bytes_read: dict[int, int] = {}
     value: Any
     for key, value in read.items():
         if not isinstance(key, str):
-            bytes_by_address[whole_number("an address", key)] = check_width(f"the byte at {key!r}", value, 8)
+            address = whole_number("an address", key)
+            bytes_read[address] = check_width(f"the byte at {key!r}", value, 8)
             continue
         register = registers.get(key)
         if register is None:
@@ -177,21 +182,24 @@ def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Ma
         data = as_bytes(value)
         if len(data) != register.length:
             raise LengthError(register.length, len(data))
-        bytes_by_address.update(zip(range(register.address, register.address + register.length), data, strict=True))
-    return bytes_by_address
+        bytes_read.update(enumerate(data, register.address))
+    return bytes_read
 
 
 def is_consistent(
     register_bytes: Mapping[int, int], address: int, length: int, is_expected: Callable[[bytes], bool]
 ) -> bool:
-    """Return whether a register has the expected value. True if it was not read completely.
+    """Return whether a register has the expected value, or True if not all of its bytes were read.
 
-    ``register_bytes`` are the bytes that were read, by address. ``is_expected`` decides for its bytes. If the bytes
-    cannot be decoded, the value does not count as expected.
+    ``register_bytes`` are the bytes that were read, by address. ``is_expected`` returns whether the bytes of the
+    register are as expected. Bytes that cannot be decoded are not as expected.
     """
     addresses = range(address, address + length)
     data = [register_bytes[byte_address] for byte_address in addresses if byte_address in register_bytes]
+    is_complete = len(data) == length
+    if not is_complete:
+        return True
     try:
-        return len(data) < length or is_expected(bytes(data))
+        return is_expected(bytes(data))
     except FrameError:
         return False

@@ -1,14 +1,14 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Requests and replies over RS-485, without I/O: time-outs, resynchronisation and retries.
+"""Requests and replies over RS-485, without I/O: timeouts, resynchronization and retries.
 
 The methods of a :class:`Session` are generators that yield each action as an :class:`Ask`, and receive the bytes that
 arrived. ``link`` carries them out with any transport, such as a serial port, and ``link_async`` does so for asyncio.
 
 A reply carries no sequence number to match it to its request, and its 8-bit CRC misses 1 in 256 corrupted frames. So
 the session accepts a reply only if it begins with the first byte of its request and is a valid frame, and if no other
-reply to such a request arrives with it. After any failure it resynchronises: it sends a request of another kind, and
+reply to such a request arrives with it. After any failure it resynchronizes: it sends a request of another kind, and
 discards everything before the reply to that. So late replies are not mistaken for the reply to the next request. If
-requests of other kinds get no reply either, it waits four time-outs, so only an even later reply could be mistaken.
+requests of other kinds get no reply either, it waits four timeouts, so only an even later reply could be mistaken.
 
 An extra reply, such as a second copy, must not be taken for the reply to the next request. So after each reply the line
 must be quiet for a time, ``settle_s``, before the reply is returned. If the extra reply arrives in this time, it is
@@ -79,7 +79,7 @@ _PRINTED_BYTES = 24
 _MOST_BYTES = 1024
 #: Seconds that a memory may be busy, and seconds between two attempts.
 _BUSY_S, _BUSY_PAUSE_S = 1.0, 0.001
-#: Number of time-outs after which no late reply is expected any more.
+#: Number of timeouts after which late replies are no longer expected.
 _TIMEOUTS_OF_LATE_REPLIES = 4
 #: Seconds to wait for more bytes after a reply that follows other bytes.
 _QUIET_S = 0.002
@@ -95,7 +95,7 @@ _REPLY_TIMES = 16
 #: come so late that they are read before the next request, fewer are sufficient.
 _FOREIGN_REPLIES, _LATE_FOREIGN_REPLIES = 3, 2
 #: Number of consecutive requests that must each get exactly one reply before a second device is ruled out.
-_SINGLE_REPLIES = 2
+_ONE_REPLY_REQUESTS_NEEDED = 2
 
 
 class Ask(NamedTuple):
@@ -118,7 +118,7 @@ class Statistics:
     """Counters of a session.
 
     Attributes:
-        requests: Requests that were sent, with those that were repeated and those of other kinds.
+        requests: Requests that were sent, including repeated requests and requests of other kinds.
         replies: Requests that got a valid reply.
         failures: Requests that did not.
         late_replies: Replies that arrived after their request had failed.
@@ -185,33 +185,35 @@ class Session:
         # A byte has one start bit.
         bits_per_byte = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
         self._byte_s = bits_per_byte / port.baud
-        #: First byte of the last request, if it failed. Otherwise 0.
-        self._failed = 0
-        #: Number of replies in a row that look like replies of another kind of encoder.
-        self._odd_replies = 0
+        #: First byte of the last request (its control byte), if the request failed. Otherwise 0.
+        self._failed_control = 0
+        #: Number of replies in a row that look like replies from another kind of encoder.
+        self._suspicious_replies = 0
         #: Last request, and the replies to the last requests. Extra replies are compared with them.
         self._last_request: PendingRequest | None = None
         self._recent_replies: deque[bytes] = deque(maxlen=_RECENT_REPLIES)
-        #: Number of extra replies with other values, and of requests in a row since then that got exactly one reply.
-        self._foreign_replies = self._single_replies = 0
+        #: Number of extra replies with other values, and of requests in a row that got exactly one reply since then.
+        self._foreign_replies = self._requests_with_one_reply = 0
         #: Times in seconds that the last replies took.
         self._reply_times: deque[float] = deque(maxlen=_REPLY_TIMES)
         #: Number of requests whose reply can still arrive.
         self._unanswered = 0
         #: First kind of request whose reply has the position, if there is such a request.
-        self._position = next((kind for kind in captures if kind.has_position), None)
+        self._position_kind = next((kind for kind in captures if kind.has_position), None)
 
     def position(self, request: Any = None) -> Work[int]:
-        """Request the position in counts, with ``request`` or with factory defaults.
+        """Request a frame and return its position in counts.
+
+        ``request`` is the request, None for the one with factory defaults.
 
         Raises:
             NotUsableError: The encoder reports that its position is not usable.
-            LinkError: See ``exchange``.
+            LinkError: There is no valid reply, or no such request.
         """
         frame = yield from self.read(request)
         value = frame.usable_position
         if value is None:
-            # Reports with the verdict of the frame are the reasons for it. The first sentence of each is enough.
+            # The reports that lead to the verdict explain it. The first sentence of each is enough.
             meanings = (report.meaning for report in frame.reports if report.makes_position is frame.verdict)
             first_sentences = (meaning.partition(". ")[0] for meaning in meanings)
             reasons = "; ".join(first_sentences) or frame.verdict.value
@@ -219,23 +221,23 @@ class Session:
         return value
 
     def read(self, request: Any = None) -> Work[PositionFrame]:
-        """Request a frame with the position, with ``request`` or with factory defaults.
+        """Request a frame with the position, and return it. ``request`` is None for the request with factory defaults.
 
         Raises:
-            LinkError: See ``exchange``. Or the request has no defaults, or no reply contains the position.
+            LinkError: There is no valid reply, the request has no defaults, or no reply contains the position.
         """
         position_request = self._make_position_request() if request is None else request
         frame = yield from self.exchange(position_request)
         return cast(PositionFrame, frame)
 
     def _make_position_request(self) -> Any:
-        """Return the request for the position, with factory defaults: its byte, or an object of its class.
+        """Return the request for the position with factory defaults: its byte, or an object of its class.
 
         Raises:
             LinkError: A value of the request has no default, or no reply contains the position.
         """
-        if self._position is not None:
-            return bytes([self._position.control])
+        if self._position_kind is not None:
+            return bytes([self._position_kind.control])
         for exchange in self.exchanges:
             if exchange.purpose == "position":
                 without_default = [name for name in exchange.request._fields if name not in exchange.defaults]
@@ -253,7 +255,7 @@ class Session:
             DisturbedError: The reply has another value than the request, such as another address.
             LinkError: There is no valid reply, or no such request.
         """
-        pending = self._make_pending(request)
+        pending = self._prepare_request(request)
         kind = pending.kind
         deadline = self.clock() + _BUSY_S
         while True:
@@ -271,16 +273,19 @@ class Session:
             yield from self.pause(_BUSY_PAUSE_S)
 
     def _find_difference(self, pending: PendingRequest, frame: Frame) -> str:
-        """Return how a reply differs from the values of its request, as text, or an empty string if it does not differ.
+        """Return as text how a reply differs from the values of its request, or an empty string if it does not differ.
 
-        Fields and joined numbers of the same name are compared, such as an address, but no answers to open questions.
+        Fields and joined numbers that both have are compared, such as an address. Answers to open questions are
+        ignored.
         """
         fields = getattr(pending.request, "_fields", ())
         joins = find_any_shape(pending.request.__class__, self.encoder).joins if fields else ()
         for name in (*fields, *(join.name for join in joins)):
+            if name in pending.answers:
+                continue
             reply_value = getattr(frame, name, None)
             sent_value = getattr(pending.request, name)
-            if name not in pending.answers and reply_value is not None and reply_value != sent_value:
+            if reply_value is not None and reply_value != sent_value:
                 return f"the reply of {self.encoder.code} has {name} {reply_value}, but {sent_value} was sent"
         return ""
 
@@ -302,31 +307,32 @@ class Session:
                 raise StepError(step, index, tuple(steps[:index]), (), str(error)) from error
 
     def pause(self, seconds: float) -> Work[None]:
-        """Wait, and discard all bytes that arrive. The last ones are searched for extra replies.
+        """Wait for this time, and discard all bytes that arrive.
 
-        Raises SecondDeviceError if a second device seems to answer.
+        The last of these bytes are searched for extra replies. Raises SecondDeviceError if a second device seems to
+        answer.
         """
         deadline = self.clock() + seconds
         discarded = b""
         while (remaining_s := deadline - self.clock()) > 0:
             further_bytes = yield Ask(b"", remaining_s)
             discarded = (discarded + further_bytes)[-_MOST_BYTES:]
-        self._discard(discarded)
+        self._count_discarded(discarded)
 
     def drain(self) -> Work[None]:
         """Discard all bytes that have arrived, until the line is quiet.
 
         Raises SecondDeviceError if a second device seems to answer.
         """
-        yield from self._discard_waiting()
+        yield from self._discard_arrived_bytes()
 
     def _send_series(self, step: Send) -> Work[None]:
         """Send a request several times in succession, and start again from the first one after a failure.
 
-        The encoder acts after ``step.times`` equal requests, which it counts. After more than ``retries`` failures, the
-        last error is raised.
+        The encoder acts after ``step.times`` equal requests in a row. After more than ``retries`` failures, the last
+        error is raised.
         """
-        pending = self._make_pending(step.request)
+        pending = self._prepare_request(step.request)
         attempts_left = self.retries
         sent_count = 0
         while sent_count < step.times:
@@ -345,14 +351,14 @@ class Session:
     def _send_with_retries(self, pending: PendingRequest) -> Work[bytes]:
         """Send a request, again after each of at most ``retries`` failures, and return the reply.
 
-        Raises the error of the last attempt, and SecondDeviceError at once.
+        Raises the error of the last attempt. SecondDeviceError is raised at once, because another attempt would not
+        help.
         """
         attempts_left = self.retries
         while True:
             try:
                 return (yield from self._send_in_step(pending))
             except SecondDeviceError:
-                # Another attempt would not help.
                 raise
             except LinkError:
                 if not attempts_left:
@@ -360,26 +366,28 @@ class Session:
                 attempts_left -= 1
 
     def _send_in_step(self, pending: PendingRequest, *, is_first: bool = True) -> Work[bytes]:
-        """Send a request once, and return the reply.
+        """Send a request once when the replies are in step with the requests, and return the reply.
 
-        Before, resynchronise if the previous request failed. Also do so if ``settle_s`` is 0, unless the request
-        continues a series.
+        If the previous request failed, or if ``settle_s`` is 0, the session first resynchronizes. With ``settle_s`` of
+        0, a request that continues a series (``is_first`` is False) is sent without this.
         """
         control = pending.data[0]
-        if self._failed:
-            yield from self._resynchronise(self._failed)
+        if self._failed_control:
+            yield from self._resynchronize(self._failed_control)
         elif self.settle_s == 0 and is_first:
-            yield from self._resynchronise(control)
+            yield from self._resynchronize(control)
         # The request counts as failed until its reply has arrived.
-        self._failed = control
+        self._failed_control = control
         reply = yield from self._send_once(pending)
-        self._failed = self._odd_replies = 0
+        self._failed_control = self._suspicious_replies = 0
         return reply
 
-    def _resynchronise(self, control: int) -> Work[None]:
-        """Get a reply to a request of another kind than ``control``. All earlier replies come before it.
+    def _resynchronize(self, control: int) -> Work[None]:
+        """Get a reply to a request of another kind than ``control``, and discard it.
 
-        The reply is discarded. Without a reply, wait for four time-outs.
+        All earlier replies come before it.
+
+        ``control`` is the first byte of a request. If there is no reply to any other kind, wait for four timeouts.
         """
         # The kinds take turns, so that a late reply to an earlier request of another kind is not taken for the reply to
         # this request.
@@ -388,7 +396,7 @@ class Session:
             if other_control == control:
                 continue
             try:
-                yield from self._send_once(self._make_pending(bytes([other_control])))
+                yield from self._send_once(self._prepare_request(bytes([other_control])))
             except SecondDeviceError:
                 raise
             except LinkError:
@@ -398,8 +406,8 @@ class Session:
         yield from self.pause(_TIMEOUTS_OF_LATE_REPLIES * self.timeout_s)
 
     def _send_once(self, pending: PendingRequest) -> Work[bytes]:
-        """Send a request once, and return the valid reply."""
-        yield from self._discard_waiting()
+        """Send a request once, return the valid reply, and count the result in the statistics."""
+        yield from self._discard_arrived_bytes()
         self._last_request = pending
         self.statistics.requests += 1
         try:
@@ -420,21 +428,21 @@ class Session:
         return reply
 
     def _receive_reply(self, pending: PendingRequest) -> Work[bytes]:
-        """Send a request, and return the valid reply when the line is quiet.
+        """Send a request, and return the valid reply once the line has been quiet for a time.
 
         Bytes that arrive after a reply start the search again, because they can belong to it or be another reply.
         """
         begin = self.clock()
         deadline = begin + self.timeout_s
-        is_measured = False
+        is_time_recorded = False
         received = yield Ask(pending.data, self.timeout_s)
         while True:
             found_reply = find_reply(received, pending, self.kinds)
             if found_reply is not None:
-                if not is_measured:
+                if not is_time_recorded:
                     self._reply_times.append(self.clock() - begin)
-                    is_measured = True
-                further_bytes = yield Ask(b"", self._find_quiet_s(received, found_reply.reply, pending))
+                    is_time_recorded = True
+                further_bytes = yield Ask(b"", self._find_quiet_time(received, found_reply.reply, pending))
                 if not further_bytes:
                     return self._take_reply(found_reply, received, pending)
             else:
@@ -445,27 +453,27 @@ class Session:
                 self._count_extra(len(split_replies(received[:_MOST_BYTES], pending, self.kinds)))
                 raise self._failure_error(received, pending)
 
-    def _find_quiet_s(self, received: bytes, reply: bytes, pending: PendingRequest) -> float:
+    def _find_quiet_time(self, received: bytes, reply: bytes, pending: PendingRequest) -> float:
         """Return the time in seconds for which the line must be quiet after a reply.
 
-        This is the time to settle, but at least 2 ms unless the reply comes first and cannot be part of an echo.
+        This is the time to settle. It is at least 2 ms, unless the reply comes first and cannot be part of an echo.
         """
         # In this time, the reply to this request would follow if the reply were an extra one to an earlier request.
-        settle_s = self._settle_s(pending)
-        # After other bytes, or an echo, part of the reply could look like a reply by chance. So could other bytes
-        # before a reply that begins with any byte.
-        if not pending.kind.repeats_first:
-            return max(settle_s, _QUIET_S)
-        # The reply begins with the first byte of the request.
+        settle_s = self._find_settle_time(pending)
+        # A reply begins with the first byte of its request.
         echo_and_reply = pending.data + pending.data[:1]
-        is_clean = received.startswith(reply) and not received.startswith(echo_and_reply)
-        return settle_s if is_clean else max(settle_s, _QUIET_S)
+        is_first = received.startswith(reply)
+        may_be_echo = received.startswith(echo_and_reply)
+        # After other bytes or an echo, part of a reply could look like a reply by chance. If the reply can begin with
+        # any byte, so could other bytes before it.
+        is_certain = pending.kind.repeats_first and is_first and not may_be_echo
+        return settle_s if is_certain else max(settle_s, _QUIET_S)
 
-    def _settle_s(self, pending: PendingRequest) -> float:
+    def _find_settle_time(self, pending: PendingRequest) -> float:
         """Return the time in seconds after which no other reply to an earlier request follows.
 
-        It is the chosen time, or else the time that request and reply take, or the usual time of the last replies if
-        that is longer.
+        This is the time that the user has chosen. By default, it is the time that the request and the reply take at the
+        baud rate, or the usual time of the last replies if that is longer.
         """
         if self.settle_s is not None:
             return self.settle_s
@@ -479,16 +487,16 @@ class Session:
         return max(reply_s, third_quartile)
 
     def _take_reply(self, found_reply: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
-        """Return the reply among the ``received`` bytes, and count other replies.
+        """Return the reply among the ``received`` bytes, and count the other replies that arrived with it.
 
         Raises:
             DisturbedError: Other replies to such a request differ from it.
             SecondDeviceError: A second device seems to answer.
         """
         if found_reply.same_kind or found_reply.other_kinds:
-            self._count_replies_beside(found_reply, received)
+            self._count_other_replies(found_reply, received)
         else:
-            self._single_replies += 1
+            self._requests_with_one_reply += 1
         if not found_reply.is_ambiguous:
             return found_reply.reply
         self.statistics.conflicts += 1
@@ -497,24 +505,27 @@ class Session:
         replies_text = f"{_format_hex(different_replies[0])} and {_format_hex(found_reply.reply)}"
         raise DisturbedError(f"two different replies to {request_text}, so neither is used: {replies_text}", received)
 
-    def _count_replies_beside(self, found_reply: FoundReply, received: bytes) -> None:
-        """Count the replies that arrived with a reply. Raises SecondDeviceError if a second device seems to answer."""
-        self._single_replies = 0
+    def _count_other_replies(self, found_reply: FoundReply, received: bytes) -> None:
+        """Count the replies that arrived together with a reply.
+
+        Raises SecondDeviceError if a second device seems to answer.
+        """
+        self._requests_with_one_reply = 0
         extra_count = self._count_extra(len(found_reply.same_kind) + len(found_reply.other_kinds))
         # One of the unknown replies of this kind is the reply to this request, so all but one are foreign.
         unknown_replies = {*found_reply.same_kind, found_reply.reply}.difference(self._recent_replies)
-        foreign_replies = [*self._find_foreign(found_reply.other_kinds), *sorted(unknown_replies)[1:]]
+        foreign_replies = [*self._list_foreign(found_reply.other_kinds), *sorted(unknown_replies)[1:]]
         # Late replies to failed requests are not extra replies.
         self._count_foreign(foreign_replies[:extra_count], received, _FOREIGN_REPLIES)
 
-    def _find_foreign(self, replies: Sequence[bytes]) -> list[bytes]:
-        """Return the replies that equal none of the last replies to requests. They may be from a second device."""
+    def _list_foreign(self, replies: Sequence[bytes]) -> list[bytes]:
+        """Return the replies that equal none of the last replies to requests. They may come from a second device."""
         return [reply for reply in replies if reply not in self._recent_replies]
 
     def _count_foreign(self, replies: Sequence[bytes], received: bytes, limit: int) -> None:
-        """Count extra replies with other values.
+        """Count replies that may come from a second device. Raise SecondDeviceError if there are ``limit`` of them.
 
-        Raises SecondDeviceError if there are ``limit`` of them in total, unless ``settle_s`` is 0.
+        ``received`` are all bytes that arrived, for the error. If ``settle_s`` is 0, no error is raised.
         """
         self._foreign_replies += len(replies)
         # Without a time to settle, one copy can cause several of them.
@@ -525,8 +536,11 @@ class Session:
             advice = "check whether a second device on the line answers, too"
             raise SecondDeviceError(f"{text} {_format_hex(replies[-1])}; {advice}", received)
 
-    def _discard_waiting(self) -> Work[None]:
-        """Discard the bytes that have arrived since the last request. Raises an error if a second device answers."""
+    def _discard_arrived_bytes(self) -> Work[None]:
+        """Discard the bytes that have arrived since the last request.
+
+        Raises SecondDeviceError if a second device answers.
+        """
         # Bytes that have arrived are taken at once. If any have arrived, the line must then be quiet.
         waiting = b""
         quiet_s = 0.0
@@ -536,42 +550,44 @@ class Session:
                 break
             waiting = (waiting + more)[-_MOST_BYTES:]
             # Before the first request, nothing can settle.
-            quiet_s = self._settle_s(self._last_request) if self._last_request is not None else 0.0
-        self._discard(waiting)
+            quiet_s = self._find_settle_time(self._last_request) if self._last_request is not None else 0.0
+        self._count_discarded(waiting)
 
-    def _discard(self, data: bytes) -> None:
-        """Count the replies in bytes that arrived without a request. Raises an error if a second device answers.
+    def _count_discarded(self, data: bytes) -> None:
+        """Count the replies in discarded bytes, which arrived without a request.
 
-        Two requests in a row that got exactly one reply show that there is no such device, so the count of its replies
-        starts again.
+        Raises SecondDeviceError if a second device seems to answer. Two requests in a row that got exactly one reply
+        show that there is no such device, so the count of its replies starts again.
         """
         last_request = self._last_request
         replies = split_replies(data, last_request, self.kinds) if last_request is not None else []
         if replies:
-            self._single_replies = 0
+            self._requests_with_one_reply = 0
         # The reply of a second device to one request can arrive after the reply to the next one.
-        if self._single_replies >= _SINGLE_REPLIES:
+        if self._requests_with_one_reply >= _ONE_REPLY_REQUESTS_NEEDED:
             self._foreign_replies = 0
         extra_count = self._count_extra(len(replies))
-        foreign_replies = self._find_foreign(replies)[:extra_count]
+        foreign_replies = self._list_foreign(replies)[:extra_count]
         self._count_foreign(foreign_replies, data, _LATE_FOREIGN_REPLIES)
 
     def _count_extra(self, count: int) -> int:
-        """Count replies beyond those that are used. Return their number without late replies to failed requests.
+        """Count replies that are not used, and return how many of them are extra replies.
 
-        The first of them, up to the number of unanswered requests, are late, and the rest are extra.
+        The first replies, up to the number of unanswered requests, are late replies to these requests. The rest are
+        extra.
         """
         late_count = min(count, self._unanswered)
+        extra_count = count - late_count
         self._unanswered -= late_count
         self.statistics.late_replies += late_count
-        self.statistics.extra_replies += count - late_count
-        return count - late_count
+        self.statistics.extra_replies += extra_count
+        return extra_count
 
     def _failure_error(self, received: bytes, pending: PendingRequest) -> LinkError:
-        """Return the error for bytes without a valid reply, of the class for the most likely cause.
+        """Return the error for received bytes that contain no valid reply. Its class indicates the most likely cause.
 
-        It is NoReplyError if nothing, only the echo or only another reply has arrived, WrongEncoderError if two replies
-        in a row look like replies of another encoder, and otherwise DisturbedError.
+        NoReplyError means that nothing, only the echo or only another reply has arrived. WrongEncoderError means that
+        two replies in a row look like replies from another kind of encoder. All other causes are a DisturbedError.
         """
         kind = pending.kind
         request_text = f"the request {_format_hex(pending.data)} to {self.encoder.code}"
@@ -590,10 +606,10 @@ class Session:
         if self.exchanges:
             return self._exchange_error(received, pending, request_text, bytes_text)
         # Why the bytes seem to be from another kind of encoder. Empty if they do not.
-        suspicion = self._find_sign_of_other_encoder(received, pending)
+        suspicion = self._explain_other_encoder(received, pending)
         # 1 in 256 corrupted replies has a valid CRC, so one odd reply proves nothing.
-        self._odd_replies = self._odd_replies + 1 if suspicion else 0
-        if self._odd_replies > 1:
+        self._suspicious_replies = self._suspicious_replies + 1 if suspicion else 0
+        if self._suspicious_replies > 1:
             text = (
                 f"the reply {bytes_text} to {request_text} is from another kind of encoder: {suspicion}; "
                 "check the order code"
@@ -611,7 +627,7 @@ class Session:
     def _exchange_error(
         self, received: bytes, pending: PendingRequest, request_text: str, bytes_text: str
     ) -> LinkError:
-        """Return the error for bytes without a valid reply of an encoder without data IDs.
+        """Return the error for received bytes without a valid reply from an encoder whose requests have no data IDs.
 
         Its text says that the reply is incomplete, has another value than the request, or is invalid. ``request_text``
         names the request, and ``bytes_text`` contains the received bytes.
@@ -619,31 +635,34 @@ class Session:
         if len(received) < pending.kind.length:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
             return DisturbedError(text, received)
-        reply = received[-pending.kind.length :]
-        difference = self._find_difference(pending, pending.decode(reply)) if find_error(reply, pending) is None else ""
+        last_bytes = received[-pending.kind.length :]
+        is_valid_frame = find_error(last_bytes, pending) is None
+        difference = self._find_difference(pending, pending.decode(last_bytes)) if is_valid_frame else ""
         return DisturbedError(difference or f"no valid reply to {request_text} in {bytes_text}", received)
 
-    def _find_sign_of_other_encoder(self, received: bytes, pending: PendingRequest) -> str:
-        """Return why the bytes look like a reply from another kind of encoder, or an empty string.
+    def _explain_other_encoder(self, received: bytes, pending: PendingRequest) -> str:
+        """Return why the bytes look like a reply from another kind of encoder, or an empty string if they do not.
 
-        Such bytes begin like a reply and have a valid CRC, but another length, or values that this encoder does not
-        send.
+        Such bytes begin like a reply and have a valid CRC, but they have another length, or values that this encoder
+        does not send.
         """
-        # The CRC is the XOR of the other bytes, so the XOR of all is 0.
-        if received[0] != pending.kind.control or len(received) < 3 or compute_xor(received):
+        begins_like_reply = received[0] == pending.kind.control and len(received) >= 3
+        # The CRC is the XOR of the other bytes, so the XOR of all bytes is 0.
+        has_valid_crc = compute_xor(received) == 0
+        if not begins_like_reply or not has_valid_crc:
             return ""
         if len(received) != pending.kind.length:
             return f"it has a valid CRC, but {len(received)} bytes instead of {pending.kind.length}"
         return str(find_error(received, pending))
 
-    def _make_pending(self, request: Any) -> PendingRequest:
-        """Return what is needed to send a request and to find its reply.
+    def _prepare_request(self, request: Any) -> PendingRequest:
+        """Return a request with its bytes, and with what is needed to find and decode its reply.
 
         ``request`` is bytes, an object of the encoder's module, or a member of its ``DataId``. Raises LinkError if the
         encoder does not have the request.
         """
         if self.exchanges:
-            return self._make_pending_exchange(request)
+            return self._prepare_exchange(request)
         answers: dict[str, object] = {}
         if isinstance(request, IntEnum):
             # A data ID: the request is its control byte. An unknown data ID has none.
@@ -668,18 +687,18 @@ class Session:
         decode = cast(Callable[..., Frame], self.encoder.decode)
         return PendingRequest(request, data, request_kind, partial(decode, **answers), answers)
 
-    def _make_pending_exchange(self, object_or_bytes: Any) -> PendingRequest:
-        """Return what is needed to send a request of an encoder without data IDs, and to find its reply.
+    def _prepare_exchange(self, object_or_bytes: Any) -> PendingRequest:
+        """Return a request of an encoder without data IDs, with what is needed to find and decode its reply.
 
         ``object_or_bytes`` is an object of the class of a request, or the bytes of a request. The bytes are decoded as
         each kind of request in turn, until one fits. Raises LinkError if they fit no request, or if the encoder does
         not answer it.
         """
-        # Empty if the request is an object, or contains no bytes, which fit no kind of request either.
-        given_bytes = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""
+        # Empty if the request is an object. Empty bytes fit no kind of request either.
+        request_bytes = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""
         for exchange in self.exchanges:
-            # The request as an object, or None if the bytes are not one of this kind.
-            request: Any = _decode_request(exchange, given_bytes) if given_bytes else object_or_bytes
+            # The request as an object, or None if the bytes are not a request of this kind.
+            request: Any = _decode_request(exchange, request_bytes) if request_bytes else object_or_bytes
             if type(request) is not exchange.request:
                 continue
             name = exchange.request.__name__
@@ -700,16 +719,16 @@ class Session:
             decode = cached_decoder(exchange.reply._make_decoder, self.encoder, raise_error)
             return PendingRequest(request, sent_bytes, kind, decode)
         requests = ", ".join(exchange.request.__name__ for exchange in self.exchanges)
-        request_text = _format_hex(given_bytes) or f"{object_or_bytes!r}"
+        request_text = _format_hex(request_bytes) or f"{object_or_bytes!r}"
         raise LinkError(f"{self.encoder.code} has no request '{request_text}'; its requests are {requests}")
 
 
 def _check_seconds(name: str, seconds: float) -> None:
-    """Raise an error unless a time is a finite number that is not negative.
+    """Raise an error unless a time is a finite number that is not negative. ``name`` is the name of the argument.
 
     Raises:
-        TypeError: It is not a number.
-        ValueError: It is negative, infinite or NaN.
+        TypeError: The time is not a number.
+        ValueError: The time is negative, infinite or NaN.
     """
     if isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
         raise TypeError(f"{name} must be a number of seconds, got {shorten(seconds)}")
@@ -718,7 +737,7 @@ def _check_seconds(name: str, seconds: float) -> None:
 
 
 def _decode_request(exchange: Exchanged, data: bytes) -> Any:
-    """Return the request that these bytes are, or None."""
+    """Return the request that these bytes are, as an object, or None if they are not a request of this kind."""
     try:
         return exchange.request.decode(data)
     except FrameError:
@@ -726,7 +745,10 @@ def _decode_request(exchange: Exchanged, data: bytes) -> Any:
 
 
 def _find_request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
-    """Return the requests of an encoder by their first byte, the control byte of their data ID."""
+    """Return the requests of an encoder with data IDs, by their first byte.
+
+    This is the control byte of their data ID.
+    """
     module: Any = import_module(type(encoder).__module__)
     reply_classes = get_args(module.Reply) or (module.Reply,)
     replies = [(reply_class, find_any_shape(reply_class, encoder)) for reply_class in reply_classes]
@@ -760,7 +782,8 @@ def _may_begin(shape: Shape, data_id: Any) -> bool:
             return False
     for column in shape.columns:
         begins_in_first_byte = column.low < 8
-        if begins_in_first_byte and column.values and data_id.id not in column.values:
+        allowed_values = column.values
+        if begins_in_first_byte and allowed_values and data_id.id not in allowed_values:
             return False
     return True
 

@@ -2,7 +2,7 @@
 """Register access over BiSS C: control frames for masters and slaves.
 
 A BiSS frame carries one bit of control data each way: CDM from the master, the inverse of the level of MA during the
-time-out, and CDS from the slave, after the start bit. The bits of successive frames form a control frame, which reads
+timeout, and CDS from the slave, after the start bit. The bits of successive frames form a control frame, which reads
 or writes registers:
 
 ==== ================================= ==================================================================
@@ -36,7 +36,7 @@ Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 
 two published masters: the CRC covers CTS, each answer comes in the frame described above, and P comes before another
 S. The masters are lenzencoders/BISS-C (BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk
 (source/position_sense/bissc). Two details are inferred: the end of a chain that has ID 0, and the reaction of a slave
-to a disturbed byte or to R W = 00 or 11. Not yet tested on hardware. Commands (CTS = 0) are not covered: a
+to a corrupted byte or to R W = 00 or 11. Not yet tested on hardware. Commands (CTS = 0) are not covered: a
 :class:`Slave` ignores them.
 """
 
@@ -140,12 +140,12 @@ def crc(value: int, bits: int) -> int:
 
 
 def bit_at(bits: int, place: int) -> int:
-    """Return a bit of a number. The lowest bit is at place 0."""
+    """Return bit ``place`` of a number. The lowest bit is at place 0."""
     return (bits >> place) & 1
 
 
 def append_bit(bits: int, bit: int) -> int:
-    """Return bits that were received so far with one more, which becomes the lowest."""
+    """Return the bits received so far with one more bit, which becomes the lowest bit."""
     return (bits << 1) | bit
 
 
@@ -165,15 +165,19 @@ class ControlHead:
 
     @classmethod
     def decode(cls, bits: int) -> ControlHead:
-        """Split the 11 bits: CTS in bit 10, the ID in bits 9 to 7, and the address in bits 6 to 0."""
+        """Split the 11 bits of the head: CTS in bit 10, the ID in bits 9 to 7, and the address in bits 6 to 0."""
         return cls(is_register_access=bool(bit_at(bits, 10)), slave_id=(bits >> 7) & 0x7, address=bits & 0x7F)
 
     @classmethod
     def decode_with_crc(cls, bits: int) -> ControlHead | None:
-        """Split the 11 bits in front of their CRC of 4 bits. Return None if the CRC is wrong."""
+        """Split the 11 bits of the head and check the CRC of 4 bits that follows them.
+
+        Return None if the CRC is wrong.
+        """
         head_bits = bits >> CRC_BITS
         received_crc = bits & 0xF
-        return cls.decode(head_bits) if received_crc == crc(head_bits, HEAD_BITS) else None
+        is_correct = received_crc == crc(head_bits, HEAD_BITS)
+        return cls.decode(head_bits) if is_correct else None
 
 
 def encode_byte(value: int) -> int:
@@ -244,7 +248,9 @@ class Request:
         address = check_width("address", self.address, 7)
         # The comment in decode() shows the places of these bits. CTS is 1.
         head_bits = (1 << 10) | (slave_id << 7) | address
-        access_bits = _READ_REQUEST_BITS if self.value is None else _WRITE_REQUEST_BITS | (encode_byte(self.value) << 2)
+        access_bits = _READ_REQUEST_BITS
+        if self.value is not None:
+            access_bits = _WRITE_REQUEST_BITS | (encode_byte(self.value) << 2)
         return (head_bits << 21) | (crc(head_bits, HEAD_BITS) << 17) | access_bits
 
     @classmethod
@@ -282,7 +288,7 @@ class Request:
             raise ConstantError("CTS", 0, 1)
         if access_bits not in (_READ_REQUEST_BITS, _WRITE_REQUEST_BITS):
             raise ConstantError("R W S", access_bits >> 14, _READ_REQUEST_BITS >> 14)
-        # To write, the two bits after the byte and its CRC. To read, all 14 bits after R W S.
+        # These are the two bits after the byte and its CRC in a write, and all 14 bits after R W S in a read.
         trailing_mask = 0x3 if is_write else 0x3FFF
         trailing_zeros = word & trailing_mask
         if trailing_zeros:
@@ -297,11 +303,14 @@ class Request:
         return (0,) * ZEROS + start_bit + word_bits
 
     def _check_echo(self, answers: int) -> Outcome:
-        """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave accepts."""
-        # With all answers 1, CDS never changes. IDL0 is the first answer, followed by the answers of the other IDs: a 1
-        # shows that a slave has taken the ID.
+        """Return the outcome of the 18 answers to the header, from IDL0 in bit 17 to W in bit 0.
+
+        The outcome is RUNNING if the slave accepts the access.
+        """
+        # The first answers are the IDL bits, in the order of the IDs: a 1 shows that a slave has taken the ID.
         has_taken_id = bit_at(answers, _ECHO_BITS - 1 - self.slave_id)
-        if answers == _ALL_ONES or not has_taken_id:
+        never_changes = answers == _ALL_ONES
+        if never_changes or not has_taken_id:
             return Outcome.NO_ANSWER
         # R and W, the last two answers:   accepted   refused (W inverted)
         #                        to read   10         11
@@ -317,9 +326,10 @@ class Request:
         return Outcome.NO_ANSWER if access_bits == 0 else Outcome.BAD_ECHO
 
     def _check_data(self, answers: int) -> tuple[Outcome, int | None]:
-        """Return the outcome of the 12 answers to DATA and CRC, and the byte that was read, otherwise None.
+        """Return the outcome of the 12 answers to DATA and its CRC, and the byte that was read.
 
-        A write is done if the slave has echoed the byte and its CRC.
+        The byte is None for a write, and after a CRC error. A write has succeeded if the slave has echoed the byte and
+        its CRC.
         """
         if self.value is not None:
             is_repeated = answers == encode_byte(self.value)
@@ -381,16 +391,15 @@ class Answer:
 
 
 def _count_slaves(idl: int) -> int:
-    """Return how many slaves have taken an ID, according to IDL0 (bit 15) to IDL15 (bit 0).
+    """Return how many slaves have taken an ID, according to the 16 bits IDL0 (bit 15) to IDL15 (bit 0).
 
-    A value of 9 means more than 8.
-
-    Three slaves give ``0b1110_0000_0000_0000``.
+    Three slaves are ``0b1110_0000_0000_0000``. A result of 9 means more than 8.
     """
-    # Slaves take IDs from 0 on, so their number is the number of 1 bits before the first 0. In the inverted bits, this
-    # is the highest 1.
+    # Slaves take IDs from 0 on, so their number is the number of 1 bits before the first 0. In the inverted bits, the
+    # first 0 is the highest 1.
     inverted = ~idl & 0xFFFF
-    return min(9, 16 - inverted.bit_length())
+    leading_ones = 16 - inverted.bit_length()
+    return min(leading_ones, 9)
 
 
 class _Phase(Enum):
@@ -406,7 +415,7 @@ class Master:
     """BiSS C master for register access.
 
     Start an access with :meth:`read` or :meth:`write`. Then call :meth:`next` once in every BiSS frame, between its
-    CDS bit and its time-out, until ``outcome`` is no longer RUNNING. Continue to call it while frames are sent, because
+    CDS bit and its timeout, until ``outcome`` is no longer RUNNING. Continue to call it while frames are sent, because
     it counts the zeros that are required between two accesses. An access to one register takes at most 46 frames. Each
     further register adds 14 frames, and each frame in which the slave is busy adds one.
 
@@ -451,8 +460,9 @@ class Master:
             RangeError: The ID or the address is out of range, ``count`` is not 1 or more, or the registers extend
                 beyond 3Fh or 7Fh. An access in progress then continues.
         """
-        # A value of None reads a register. One more than allowed is enough for the error, so the list stays short.
-        values: list[int | None] = [None] * min(whole_number("count", count), REGISTERS + 1)
+        # A value of None reads a register. For a larger count, one register more than allowed is enough for the error.
+        register_count = min(whole_number("count", count), REGISTERS + 1)
+        values: list[int | None] = [None] * register_count
         self._begin_frame(slave_id, address, values, busy_limit)
 
     def write(self, address: int, data: Data, *, slave_id: int = 0, busy_limit: int) -> None:
@@ -472,10 +482,11 @@ class Master:
         self._begin_frame(slave_id, address, list(as_bytes(data)), busy_limit)
 
     def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
-        """Start a control frame, and forget the state of the previous one, except how many zeros were sent.
+        """Begin a control frame for an access, and forget the previous access, except how many zeros were sent.
 
-        ``values`` has the byte to write for each register from ``address`` on, or None to read it. Raises RangeError as
-        ``read`` and ``write`` do, before anything is changed.
+        ``values`` has the byte to write for each register from ``address`` on, or None to read it. Raises RangeError,
+        before anything is changed, if the ID or the address is out of range, or if the registers extend beyond 3Fh or
+        7Fh.
         """
         slave_id = whole_number("slave_id", slave_id)
         address = whole_number("address", address)
@@ -509,7 +520,7 @@ class Master:
             cds: The CDS bit of this frame.
 
         Returns:
-            The CDM bit of this frame. MA carries its inverse during the time-out.
+            The CDM bit of this frame. MA carries its inverse during the timeout.
         """
         # A pin may be read as a bool or as a NumPy byte, into which the collected bits would not fit.
         cds = int(cds & 1)
@@ -528,15 +539,15 @@ class Master:
         return cdm
 
     def _end_access(self, outcome: Outcome) -> int:
-        """End the access with this outcome. Return the CDM bit 0, which ends the control frame."""
+        """End the access with this outcome, and return the CDM bit 0, which ends the control frame."""
         self.outcome = outcome
         self._phase = _Phase.WAIT
         return 0
 
     def _follow_header(self, cds: int) -> int:
-        """Return the next CDM bit of steps 2 and 3: CTS, ID, ADR, their CRC, R and W. The bit after them is S.
+        """Take an answer to the header, and return its next CDM bit: CTS, ID, ADR, their CRC, R and W in turn.
 
-        If the answers do not accept the access, this bit is 0 and ends it.
+        The bit after W is S. If the answers do not accept the access, this bit is 0 and ends the control frame.
         """
         self._answer_bits = append_bit(self._answer_bits, cds)
         self._bit_count += 1
@@ -554,16 +565,16 @@ class Master:
         return self._request_register()
 
     def _request_register(self) -> int:
-        """Begin step 4: return S = 1, which asks the slave to look up a register."""
+        """Return the CDM bit S = 1, which asks the slave to look up a register, and begin to wait for its answer."""
         self._phase = _Phase.START
         self._busy_count = 0
         return 1
 
     def _follow_start(self, cds: int) -> int:
-        """Return the CDM bit of step 4: S = 1, which asks the slave to look up a register, until the slave answers 1.
+        """Take an answer to S, and return the next CDM bit: S = 1 again while the slave is busy, then DATA7.
 
-        Then return DATA7, the first bit of the byte. An answer of 0 means that the slave is busy. After more than
-        ``_busy_limit`` of them, the access ends.
+        An answer of 0 means that the slave is busy. After more than ``_busy_limit`` such answers, the access ends.
+        DATA7 is the first bit of the byte, and 0 in a read.
         """
         if not cds:
             if self._busy_count >= self._busy_limit:
@@ -577,14 +588,15 @@ class Master:
         return bit_at(self._bits_to_send, BYTE_BITS - 1)
 
     def _follow_byte(self, cds: int) -> int:
-        """Return the next CDM bit of steps 5 to 7: DATA6..0, their CRC, P, and S if a register follows.
+        """Take an answer to a byte, and return the next CDM bit: DATA6..0, their CRC, P, and S if a register follows.
 
         In a read, DATA and CRC are zeros, and the answers to them are the byte. P is always 0.
         """
         has_sent_p = self._bit_count == BYTE_BITS
         if has_sent_p:
-            # This answer is that to P: 1 refuses the next register.
-            return self._end_access(Outcome.REFUSED) if cds else self._request_register()
+            # This is the answer to P: 1 refuses the next register.
+            is_refused = bool(cds)
+            return self._end_access(Outcome.REFUSED) if is_refused else self._request_register()
         self._answer_bits = append_bit(self._answer_bits, cds)
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
@@ -626,7 +638,7 @@ class RegisterBus:
 
     Args:
         exchange: Function that carries out one BiSS frame. It takes the CDM bit of the previous frame, whose inverse MA
-            carries during the time-out, and returns the CDS bit of this frame, alone or as the first member of a tuple.
+            carries during the timeout, and returns the CDS bit of this frame, alone or as the first member of a tuple.
         slave_id: ID of the slave, 0 to 7.
         busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number that takes
             20 ms.
@@ -674,7 +686,10 @@ class RegisterBus:
         self._finish_access(address)
 
     def _finish_access(self, address: int) -> None:
-        """Carry out BiSS frames until the access ends. Raises AccessError if it fails."""
+        """Carry out BiSS frames until the access that begins at an address ends.
+
+        Raises AccessError if the access fails.
+        """
         while self._master.outcome is Outcome.RUNNING:
             received = self._exchange(self._cdm)
             cds = received[0] if isinstance(received, tuple) else received
@@ -722,7 +737,7 @@ class Slave:
         self._received = 0
 
     def give(self, value: int) -> None:
-        """Provide the byte of the register that the slave requests. This has no effect if no byte is requested.
+        """Provide the byte of the register that the slave requests. This has no effect if the slave requests no byte.
 
         Args:
             value: The byte.
@@ -774,11 +789,11 @@ class Slave:
         return self._answer_id_bit(upstream)
 
     def _may_access_register(self) -> bool:
-        """Return whether the master is allowed this kind of access to the current register."""
+        """Return whether the master may read, or in a write, may write the current register."""
         return self._register_address in (self.writable if self._is_write else self.readable)
 
     def _request_byte(self) -> None:
-        """In a read, request the byte of the current register.
+        """In a read, ask the program for the byte of the current register.
 
         Nothing is requested if the byte is known already, or while an earlier value is not stored.
         """
@@ -789,25 +804,26 @@ class Slave:
     def _leave_frame(self) -> None:
         """Leave the control frame, and ignore the rest of it.
 
-        The program need not fulfil a request for a byte any more, but a value that was received is still stored.
+        A request to the program for a byte is withdrawn, but a value that was received must still be stored.
         """
         self._phase = _Phase.WAIT
         if self.wants is Wants.BYTE:
             self.wants = Wants.NOTHING
 
     def _await_start(self) -> None:
-        """Request the byte of the current register in a read, after W or P, and wait for S."""
+        """Wait for S, after W or P. In a read, ask the program for the byte of the current register."""
         self._phase = _Phase.START
         self._byte_to_send = None
         self._request_byte()
 
     def _answer_id_bit(self, upstream: int) -> int:
-        """Return the CDS bit of an IDL bit: 1 to take it as the ID, otherwise the bit that arrives at SLI.
+        """Return the CDS bit in the place of an IDL bit: 1 to take this ID, otherwise the bit that arrives at SLI.
 
         The IDL bits stand for the IDs 0, 1, 2 and so on. A slave takes the first ID that no slave further from the
-        master has taken.
+        master has taken. ``upstream`` is the bit that arrives at SLI: 1 if such a slave has taken this ID.
         """
-        if upstream or self._has_taken_id or self._bit_count > IDS:
+        is_taken = bool(upstream)
+        if is_taken or self._has_taken_id or self._bit_count > IDS:
             return upstream
         self._has_taken_id = True
         # IDL8 only shows that there are more slaves than IDs.
@@ -815,7 +831,7 @@ class Slave:
         return 1
 
     def _follow_header(self, cdm: int, upstream: int) -> int:
-        """Return the answer to a CDM bit of steps 2 and 3, which are in the table of this module.
+        """Take a CDM bit of the header, and return the CDS bit that answers it.
 
         The answers to CTS, ID, ADR and their CRC are the IDL bits. The answers to R and W follow.
         """
@@ -830,21 +846,20 @@ class Slave:
         return cdm if is_r_bit else self._answer_w_bit(cdm)
 
     def _take_address(self) -> None:
-        """Take the address of the register from the header. Leave the frame if it is not for this slave.
+        """Take the address of the register from the header. Leave the control frame if it is not for this slave.
 
         It is not for this slave if it is a command (CTS = 0), has another ID, or has a CRC error.
         """
         head = ControlHead.decode_with_crc(self._received)
-        is_for_this_slave = head is not None and head.is_register_access and head.slave_id == self.slave_id
-        if head is None or not is_for_this_slave:
+        if head is not None and head.is_register_access and head.slave_id == self.slave_id:
+            self._register_address = head.address
+        else:
             self._leave_frame()
-            return
-        self._register_address = head.address
 
     def _answer_w_bit(self, cdm: int) -> int:
         """Return the answer to W, the bit after R: the same bit, or the inverse to refuse the register.
 
-        R W is 10 to read and 01 to write.
+        R W is 10 to read and 01 to write. After other bits and after a refusal, the slave leaves the control frame.
         """
         # W is bit 0, and R was received before it.
         r_bit = bit_at(self._received, 1)
@@ -860,10 +875,10 @@ class Slave:
         return cdm
 
     def _follow_start(self, cdm: int, upstream: int) -> int:
-        """Return the answer of step 4 to S, the start bit of a register: 0 while the slave is busy, otherwise 1.
+        """Return the answer to S, with which the master asks for a register: 0 while the slave is busy, otherwise 1.
 
         The slave is busy until the program has fulfilled its request (``wants``). If the master sends 0 instead of S,
-        leave the frame and return the bit that arrives at SLI.
+        leave the control frame and return the bit that arrives at SLI.
         """
         if not cdm:
             self._leave_frame()
@@ -876,10 +891,10 @@ class Slave:
         return 1
 
     def _follow_byte(self, cdm: int) -> int:
-        """Return the answer to a CDM bit of steps 5 and 6: of a byte and its CRC, and then of P.
+        """Take a CDM bit of a byte, its CRC or P, and return the CDS bit that answers it.
 
-        In a read, it is a bit of the byte and its CRC, in a write the received bit. Then P is 1 to refuse the next
-        register.
+        In a read, this is a bit of the byte and its CRC. In a write, it is the received bit. The answer to P is 1 to
+        refuse the next register.
         """
         self._received = append_bit(self._received, cdm)
         self._bit_count += 1
@@ -894,7 +909,7 @@ class Slave:
     def _answer_p_bit(self, cdm: int) -> int:
         """Return the answer to P, the bit after a byte: 0 if the next register can be accessed, 1 to refuse it.
 
-        A P of 1, which masters do not send, is answered with 1 too.
+        A P of 1, which masters do not send, is also answered with 1.
         """
         # A control frame cannot go beyond 3Fh or 7Fh.
         is_last = self._register_address % REGISTERS == REGISTERS - 1
@@ -909,7 +924,7 @@ class Slave:
     def _take_byte(self) -> None:
         """Ask the program to store the byte that was received. After a CRC error, leave the control frame instead.
 
-        The master notices the error by the echo.
+        The echo shows the error to the master.
         """
         try:
             self.value = decode_byte(self._received)

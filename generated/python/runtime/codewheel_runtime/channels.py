@@ -32,7 +32,7 @@ class ChannelFrame:
         self.agree = layout.compare(channels) if layout.compared else None
 
     def of(self, kind: type[_Channel]) -> _Channel:
-        """Return the channel whose frame has this class.
+        """Return the channel whose frame has the class ``kind``.
 
         Raises:
             LookupError: There is no such channel.
@@ -51,8 +51,10 @@ class ChannelFrame:
         verdicts = [Verdict.NOT_USABLE] if self.agree is False else []
         for index, channel in enumerate(self.channels):
             verdict = getattr(channel, "verdict", None)
-            # A channel without the position has nothing to say about it if its verdict is unknown.
-            if verdict is not None and (index == self._layout.position or verdict is not Verdict.UNKNOWN):
+            has_position = index == self._layout.position
+            # A channel without the position says nothing about the position if its verdict is unknown.
+            counts = has_position or verdict is not Verdict.UNKNOWN
+            if verdict is not None and counts:
                 verdicts.append(verdict)
         worst_first = list(Verdict)
         return min(verdicts, key=worst_first.index)
@@ -74,10 +76,10 @@ class ChannelFrame:
 
     def encode(self) -> int:
         """Return the frame as it is sent, with the CRC of each channel."""
-        number = 0
+        encoded_frame = 0
         for channel, bits in zip(self.channels, self._layout.channel_bits, strict=True):
-            number = (number << bits) | channel.encode()
-        return number
+            encoded_frame = (encoded_frame << bits) | channel.encode()
+        return encoded_frame
 
     def to_dict(self) -> dict[str, Any]:
         """Return the frame as plain values for JSON: the channels, and the verdict and position of all of them."""
@@ -136,7 +138,7 @@ class ChannelLayout:
         self.compared_bits = compared_bits
         self.tolerance = tolerance
         #: Arguments of the methods of each class: the encoder, or none.
-        self._arguments = [_encoder_if_needed(frame_class, encoder) for frame_class in self.kinds]
+        self._arguments = [_list_arguments(frame_class, encoder) for frame_class in self.kinds]
         self.channel_bits: tuple[int, ...] = tuple(
             frame_class.frame_bits(*arguments)
             for frame_class, arguments in zip(self.kinds, self._arguments, strict=True)
@@ -209,7 +211,7 @@ class ChannelLayout:
         rest: float | None = None,
         threshold: float | None = None,
     ) -> ChannelCapture:
-        """Decode a capture of a logic analyser, with all channels of each frame. Needs NumPy.
+        """Decode a capture of a logic analyzer, with all channels of each frame. Needs NumPy.
 
         Args:
             source: The capture, in a format of the package's ``read_capture``.
@@ -229,23 +231,27 @@ class ChannelLayout:
         return read_channel_capture(self, source, probes)
 
     def compare(self, channels: Sequence[Any]) -> bool:
-        """Return whether the compared fields of the channels agree: each with the first, within ``tolerance``.
+        """Return whether the compared fields of all channels agree with the first one, within ``tolerance``.
 
-        Of each field, only the highest bits are compared, because the fields can have different widths.
+        Only the highest bits of each field are compared, because the fields can have different widths.
         """
-        numbers = [getattr(channels[field.channel], field.field) for field in self.compared]
         highest_bits: list[int] = []
-        for number, field in zip(numbers, self.compared, strict=True):
+        for field in self.compared:
+            number = getattr(channels[field.channel], field.field)
             bits_to_drop = field.width - self.compared_bits
             highest_bits.append(number >> bits_to_drop)
         modulus = 1 << self.compared_bits
-        # The shorter way around counts as the difference, because the lowest and the highest number are adjacent.
-        differences = [(bits - highest_bits[0]) % modulus for bits in highest_bits]
-        return all(min(difference, modulus - difference) <= self.tolerance for difference in differences)
+        first_bits = highest_bits[0]
+        for bits in highest_bits:
+            difference = (bits - first_bits) % modulus
+            # The lowest and the highest number are adjacent, so the shorter way around counts.
+            if min(difference, modulus - difference) > self.tolerance:
+                return False
+        return True
 
 
-def _encoder_if_needed(frame_class: Any, encoder: Encoder) -> tuple[Encoder, ...]:
-    """Return the arguments of the methods of a class of frames: the encoder if its bits depend on it, or none."""
+def _list_arguments(frame_class: Any, encoder: Encoder) -> tuple[Encoder, ...]:
+    """Return the arguments that the methods of a class of frames need: the encoder, or none if it does not matter."""
     from .frames.base import Fixed
 
     return () if issubclass(frame_class, Fixed) else (encoder,)

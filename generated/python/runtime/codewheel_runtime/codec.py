@@ -32,12 +32,13 @@ _TUPLE: Final[Any] = tuple
 
 
 def by_class(kind: type[_Kind]) -> type[_Kind]:
-    """Make objects of ``kind`` equal only to objects of the same class, unlike a plain NamedTuple.
+    """Make objects of the class ``kind``, a NamedTuple, equal only to objects of the same class.
 
-    Like the methods of a tuple, the new ones return NotImplemented for objects that are not tuples.
+    A plain NamedTuple also equals other tuples with the same items. Like the methods of a tuple, the new methods return
+    NotImplemented for objects that are not tuples.
     """
 
-    def equals(self: tuple[object, ...], other: object) -> object:
+    def is_equal(self: tuple[object, ...], other: object) -> object:
         """Compare the items if the classes are the same. No other tuple is equal."""
         if self.__class__ is other.__class__:
             return _TUPLE.__eq__(self, other)
@@ -48,10 +49,10 @@ def by_class(kind: type[_Kind]) -> type[_Kind]:
             return _TUPLE.__ne__(self, other)
         return True if isinstance(other, tuple) else NotImplemented
 
-    def hashed(self: tuple[object, ...]) -> int:
+    def compute_hash(self: tuple[object, ...]) -> int:
         return hash((self.__class__, _TUPLE.__hash__(self)))
 
-    for name, method in (("__eq__", equals), ("__ne__", differs), ("__hash__", hashed)):
+    for name, method in (("__eq__", is_equal), ("__ne__", differs), ("__hash__", compute_hash)):
         setattr(kind, name, method)
     return kind
 
@@ -98,32 +99,38 @@ def shorten(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:60]}..."
 
 
-def require_answer(kind: type[_Answer], answer: _Answer | None) -> _Answer:
-    """Return ``answer``, which answers a question that the manual leaves open.
+def require_answer(answer_class: type[_Answer], answer: _Answer | None) -> _Answer:
+    """Return ``answer`` if it answers a question that the manual leaves open, and raise TypeError otherwise.
 
-    ``kind`` is the enumeration of the answers. Raises TypeError unless ``answer`` is one of them.
+    ``answer_class`` is the enumeration of the possible answers.
     """
-    if not isinstance(answer, kind):
-        raise wrong_answer_error(kind, answer)
+    if not isinstance(answer, answer_class):
+        raise wrong_answer_error(answer_class, answer)
     return answer
 
 
-def wrong_answer_error(kind: type[Enum], answer: object) -> TypeError:
-    """Return the error for an answer that is missing or not a ``kind``."""
-    answers = " or ".join(f"{kind.__name__}.{member.name}" for member in kind)
+def wrong_answer_error(answer_class: type[Enum], answer: object) -> TypeError:
+    """Return the error for an answer that is missing or not a member of the enumeration ``answer_class``."""
+    answers = " or ".join(f"{answer_class.__name__}.{member.name}" for member in answer_class)
     return TypeError(f"expected {answers}, got {shorten(answer)}: the manual leaves this open")
 
 
 def check_kind(kind: object, kinds: object) -> None:
-    """Raise TypeError unless ``kind`` is one of ``kinds``: a union of classes, or one class."""
-    sent_kinds: tuple[type, ...] = get_args(kinds) or (cast(type, kinds),)
-    if kind not in sent_kinds:
-        names = ", ".join(sent_kind.__name__ for sent_kind in sent_kinds)
+    """Raise TypeError unless ``kind`` is one of ``kinds``, the classes of the frames that an encoder sends.
+
+    ``kinds`` is a union of classes, or a single class.
+    """
+    sent_classes: tuple[type, ...] = get_args(kinds) or (cast(type, kinds),)
+    if kind not in sent_classes:
+        names = ", ".join(sent_class.__name__ for sent_class in sent_classes)
         raise TypeError(f"{shorten(kind)} is not a kind of frame that this encoder sends; it sends {names}")
 
 
 def whole_number(name: str, value: SupportsIndex) -> int:
-    """Return an integer of any type as an int. Raises TypeError for a bool and for other values."""
+    """Return an integer of any type as an int. Raises TypeError for a bool and for other values.
+
+    ``name`` is the name of the value, for the error.
+    """
     if not isinstance(value, bool):
         try:
             return index(value)
@@ -133,9 +140,10 @@ def whole_number(name: str, value: SupportsIndex) -> int:
 
 
 def as_word(frame: Word, length: int, bits: int | None) -> int:
-    """Return a frame of ``length`` bits as one number. ``bits`` is the number of bits received, if known.
+    """Return a frame of ``length`` bits, given as a number, text or bytes, as one number.
 
-    The number itself is not checked: it can be negative, or have more than ``length`` bits.
+    ``bits`` is the number of bits received, if known. The number itself is not checked: it can be negative, or have
+    more than ``length`` bits.
 
     Raises:
         LengthError: ``bits`` or the number of digits is not ``length``, or the number of bytes does not fit ``length``
@@ -170,19 +178,20 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
 def _take_binary_digits(text: str) -> str:
     """Return the binary digits of a frame, without a leading ``0b``.
 
-    Raises RangeError if the text contains other characters.
+    Raises RangeError if the text has other characters.
 
-    Underscores and spaces between digits are accepted: they make long frames readable.
+    Underscores and spaces between digits are accepted, because they make long frames readable.
     """
     digits = text.strip().removeprefix("0b").replace("_", "").replace(" ", "")
-    if set(digits) - {"0", "1"}:
+    other_characters = set(digits) - {"0", "1"}
+    if other_characters:
         shortened = text if len(text) <= 80 else f"{text[:80]}..."
         raise RangeError("the frame", shortened, "a string of 0 and 1 (for hexadecimal text, use int(text, 16))")
     return digits
 
 
 def too_long_error(word: int, length: int) -> FrameError:
-    """Return the error for a word that does not fit into ``length`` bits."""
+    """Return the error for a number that is negative or has more than ``length`` bits, so it cannot be a frame."""
     return RangeError("the frame", word, "0 or more") if word < 0 else LengthError(length, word.bit_length(), "bits")
 
 
@@ -196,22 +205,25 @@ def as_bytes(data: Data) -> bytes:
         advice = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
         raise TypeError(f"expected bytes, got {shorten(data)}: pass {advice}") from None
     # The formats of signed and unsigned bytes, and of characters. A mark of the byte order can precede them.
-    if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
+    has_single_bytes = view.itemsize == 1 and view.format[-1] in "Bbc"
+    if view.ndim != 1 or not has_single_bytes:
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")
     return view.tobytes()
 
 
 def assert_never(kind: NoReturn) -> NoReturn:
-    """Make mypy reject a ``match`` that misses a kind of column."""
+    """Raise AssertionError.
+
+    Type checkers reject a call that can be reached, such as for a missing case of a ``match``.
+    """
     raise AssertionError(f"no case for {kind!r}")
 
 
 def check_width(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits."""
     number = value if type(value) is int else whole_number(field, value)
-    # Nothing is left of a number that fits. A negative number keeps its sign when it is shifted, so the result is not 0
-    # either.
+    # The result is 0 for a number that fits. A negative number keeps its sign when it is shifted, so it does not fit.
     if number >> bits:
         raise RangeError(field, number, f"0 to {(1 << bits) - 1}")
     return number
@@ -229,7 +241,8 @@ def check_flag(field: str, value: object) -> bool:
     if type(value) is bool:
         return value
     # The bools of NumPy are not integers.
-    if getattr(getattr(value, "dtype", None), "kind", "") == "b":
+    numpy_type = getattr(value, "dtype", None)
+    if getattr(numpy_type, "kind", "") == "b":
         return bool(value)
     try:
         number = index(cast(SupportsIndex, value))
@@ -251,8 +264,9 @@ def check_bits(field: str, value: SupportsIndex, bits: int) -> int:
 def check_limits(field: str, value: SupportsIndex, limits: tuple[int, int]) -> int:
     """Return ``value`` as an int. Raises RangeError unless it is within ``limits``, which are inclusive."""
     number = value if type(value) is int else whole_number(field, value)
-    if not limits[0] <= number <= limits[1]:
-        raise RangeError(field, number, f"{limits[0]} to {limits[1]}")
+    lowest, highest = limits
+    if not lowest <= number <= highest:
+        raise RangeError(field, number, f"{lowest} to {highest}")
     return number
 
 
@@ -260,8 +274,8 @@ def check_signed(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError unless it fits into ``bits`` bits as two's complement."""
     number = value if type(value) is int else whole_number(field, value)
     sign_bit = (1 << bits) >> 1
-    # A field without bits has only the value 0.
-    highest = max(sign_bit, 1) - 1
+    # A field without bits can only have the value 0.
+    highest = sign_bit - 1 if sign_bit else 0
     if not -sign_bit <= number <= highest:
         raise RangeError(field, number, f"{-sign_bit} to {highest}")
     return number
@@ -270,25 +284,27 @@ def check_signed(field: str, value: SupportsIndex, bits: int) -> int:
 def check_power_of_two(field: str, value: SupportsIndex) -> None:
     """Raise RangeError unless ``value`` is a power of two."""
     number = whole_number(field, value)
-    # A power of two has a single bit, which subtracting 1 clears.
-    if number < 1 or number & (number - 1):
+    # A power of two has a single 1 bit, which the AND with the number below it clears.
+    without_lowest_one = number & (number - 1)
+    if number < 1 or without_lowest_one:
         raise RangeError(field, number, "a power of two")
 
 
-def as_member(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
-    """Return ``value`` as a member of ``kind``. Raises RangeError unless it is the number of a member."""
+def as_member(enumeration: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
+    """Return the member of an enumeration with the number ``value``. Raises RangeError if there is no such member."""
     number = value if type(value) is int else whole_number(field, value)
     try:
-        return kind(number)
+        return enumeration(number)
     except ValueError:
-        raise RangeError(field, number, "one of " + ", ".join(str(int(member)) for member in kind)) from None
+        members = ", ".join(str(int(member)) for member in enumeration)
+        raise RangeError(field, number, f"one of {members}") from None
 
 
 def text_number(field: str, text: str, length: int) -> int:
-    """Return ``length`` characters as one number, with the first one most significant: ``0x4142`` for ``"AB"``.
+    """Return a text of ``length`` characters as one number: ``0x4142`` for ``"AB"``.
 
-    Latin-1 contains a character for each byte, so every decoded text can be encoded again. Raises RangeError for
-    another length or other characters.
+    The text must be Latin-1, which has a character for each byte, so every decoded text can be encoded again. Raises
+    RangeError for other characters or another length.
     """
     try:
         data = text.encode("latin-1")
@@ -309,7 +325,7 @@ def signed(value: int, bits: int) -> int:
 
 
 def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> int:
-    """Return the bits for ``value`` in a field where 0 means ``zero_means``: with 16, the value 16 becomes 0.
+    """Return the bits of a field in which 0 stands for ``zero_means``: with 16, the value 16 becomes 0.
 
     Raises:
         RangeError: ``value`` is 0, or does not fit into ``bits`` bits.
@@ -317,13 +333,16 @@ def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> in
     number = whole_number(field, value)
     if number == 0:
         raise RangeError(field, number, f"1 to {zero_means}")
-    return 0 if number == zero_means else check_width(field, number, bits)
+    if number == zero_means:
+        return 0
+    return check_width(field, number, bits)
 
 
 def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
-    """Return ``number`` with ``width`` bits from ``low`` up converted from Gray code to binary, minus ``excess``.
+    """Return ``number`` with the ``width`` bits from bit ``low`` up converted from Gray code to binary.
 
-    The difference wraps around in ``width`` bits. The other bits of ``number`` do not change.
+    ``excess`` is the number that the encoder sends for position 0. It is subtracted from the converted bits, and the
+    difference wraps around in ``width`` bits. The other bits of ``number`` do not change.
     """
     mask = (1 << width) - 1
     gray = (number >> low) & mask
@@ -336,43 +355,54 @@ def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
 
 
 def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
-    """Return ``number`` with ``width`` bits from ``low`` up, plus ``excess``, converted from binary to Gray code.
+    """Return ``number`` with the ``width`` bits from bit ``low`` up converted from binary to Gray code.
 
-    The sum wraps around in ``width`` bits. The other bits of ``number`` do not change.
+    ``excess`` is the number that the encoder sends for position 0. It is added to the bits before, and the sum wraps
+    around in ``width`` bits. The other bits of ``number`` do not change.
     """
     mask = (1 << width) - 1
     binary = ((number >> low) + excess) & mask
+    gray = binary ^ (binary >> 1)
     other_bits = number & ~(mask << low)
-    return other_bits | ((binary ^ (binary >> 1)) << low)
+    return other_bits | (gray << low)
 
 
 def from_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
-    """Return ``number`` with ``width`` bits from ``low`` up converted from separate digits to the number they form.
+    """Return ``number`` with the ``width`` bits from bit ``low`` up converted from separate digits to binary.
 
-    A digit has ``digit_bits`` bits, and ``codes`` has the code of each digit from 0 up. If a digit has another code,
-    the converted bits are all 1, which is above the highest number.
+    Each digit has ``digit_bits`` bits, and ``codes`` has the code of each digit from 0 up, such as BCD. If a digit has
+    another code, the converted bits are all 1, which is above the highest number.
     """
     mask = (1 << width) - 1
-    sent = (number >> low) & mask
+    digit_mask = (1 << digit_bits) - 1
+    sent_digits = (number >> low) & mask
+    other_bits = number & ~(mask << low)
+    base = len(codes)
     value = 0
-    for place in range((width - 1) // digit_bits * digit_bits, -1, -digit_bits):
-        code = (sent >> place) & ((1 << digit_bits) - 1)
+    # Places of the digits, the highest digit first.
+    highest_place = (width - 1) // digit_bits * digit_bits
+    for place in range(highest_place, -1, -digit_bits):
+        code = (sent_digits >> place) & digit_mask
         if code not in codes:
             value = mask
             break
-        value = value * len(codes) + codes.index(code)
-    return number & ~(mask << low) | value << low
+        value = value * base + codes.index(code)
+    return other_bits | value << low
 
 
 def to_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
-    """Return ``number`` with ``width`` bits from ``low`` up converted from a number to its separate digits."""
+    """Return ``number`` with the ``width`` bits from bit ``low`` up converted from binary to separate digits.
+
+    Each digit has ``digit_bits`` bits, and ``codes`` has the code of each digit from 0 up, such as BCD.
+    """
     mask = (1 << width) - 1
     value = (number >> low) & mask
-    sent = 0
+    other_bits = number & ~(mask << low)
+    sent_digits = 0
     for place in range(0, width, digit_bits):
         value, digit = divmod(value, len(codes))
-        sent |= codes[digit] << place
-    return number & ~(mask << low) | (sent & mask) << low
+        sent_digits |= codes[digit] << place
+    return other_bits | (sent_digits & mask) << low
 
 
 def unwrap(
@@ -388,8 +418,10 @@ def unwrap(
     limits = (lowest, highest_position)
     previous = whole_number("previous", previous)
     position = check_limits("position", position, limits)
-    # The difference modulo ``modulus`` is moved to minus half to half of it, which is the nearest count.
-    return previous + (position - previous + modulus // 2) % modulus - modulus // 2
+    # The shortest step to the position, from minus half of the modulus to half of it.
+    half = modulus // 2
+    step = (position - previous + half) % modulus - half
+    return previous + step
 
 
 class PositionRange(NamedTuple):
@@ -428,7 +460,7 @@ class PositionRange(NamedTuple):
 def crc_of_bits(
     number: SupportsIndex, bits: int, *, width: int, poly: int, init: int, refout: bool, xorout: int
 ) -> int:
-    """Return the CRC over ``bits`` bits of ``number``, most significant first.
+    """Return the CRC of ``width`` bits over the ``bits`` bits of ``number``, most significant bit first.
 
     ``poly`` is the polynomial without its highest term, and ``init`` the start value. ``refout`` reverses the bits of
     the CRC, and ``xorout`` then inverts some of them. Raises RangeError if the number has more than ``bits`` bits.
@@ -448,9 +480,10 @@ def crc_of_bits(
 
 
 def crc_of_bytes(data: Data, *, width: int, poly: int, init: int, refin: bool, refout: bool, xorout: int) -> int:
-    """Return the CRC over whole bytes, each least significant bit first if ``refin`` is set.
+    """Return the CRC over whole bytes. If ``refin`` is True, the least significant bit of each byte comes first.
 
-    See ``crc_of_bits`` for the other arguments.
+    ``width`` is the number of bits of the CRC. ``poly`` is the polynomial without its highest term, and ``init`` the
+    start value. ``refout`` reverses the bits of the CRC, and ``xorout`` then inverts some of them.
     """
     data = as_bytes(data)
     number = 0
@@ -472,17 +505,17 @@ def crc_by_xor(data: Data, xorout: int = 0) -> int:
 def make_crc_tables(
     crc: Callable[[int, int], int], covered: int, width: int, count: int, gap: int = 0
 ) -> tuple[Sequence[int], ...]:
-    """Return one table per 16 bits of a word. The XOR of the entries for the word is 0 if its CRC is correct.
+    """Return one table for each 16 bits of a word. The XOR of the entries for the word is 0 if its CRC is correct.
 
-    ``crc`` computes the CRC over ``covered`` bits, the highest ones of the word. ``gap`` bits are between them and the
-    ``width`` bits of the CRC, which are the lowest ones. There are ``count`` tables, enough for all bits of the word.
+    ``crc`` computes the CRC over the ``covered`` highest bits of the word. The CRC is in its ``width`` lowest bits, and
+    ``gap`` bits are between the two. There are ``count`` tables, the first one for the lowest 16 bits.
     """
     crc_of_zero = crc(0, covered)
     # How each bit of the word changes the XOR, the lowest bit first.
-    changes_by_crc_bits = [1 << bit for bit in range(width)]
-    changes_by_gap = [0] * gap
-    changes_by_covered_bits = [crc(1 << bit, covered) ^ crc_of_zero for bit in range(covered)]
-    changes = changes_by_crc_bits + changes_by_gap + changes_by_covered_bits
+    changes_of_crc_bits = [1 << bit for bit in range(width)]
+    changes_of_gap = [0] * gap
+    changes_of_covered_bits = [crc(1 << bit, covered) ^ crc_of_zero for bit in range(covered)]
+    changes = changes_of_crc_bits + changes_of_gap + changes_of_covered_bits
     table_bits = 16
     # Bits above the word are always 0.
     changes += [0] * (table_bits * count - len(changes))
@@ -497,13 +530,13 @@ def make_crc_tables(
 
 
 def _make_table(first: int, changes: Sequence[int]) -> Sequence[int]:
-    """Return a table with an entry for each number: ``first``, XORed with the change of each bit that is 1.
+    """Return a table with an entry for each number: ``first`` XORed with the change of each 1 bit in the number.
 
     Each bit doubles the table: its second half contains the entries with this bit set.
     """
     table = [first]
     for change in changes:
-        table += [difference ^ change for difference in table]
+        table += [entry ^ change for entry in table]
     return table
 
 

@@ -138,7 +138,8 @@ class Encoder:
     ) -> None:
         if parameters.keys() != set(self._parameters):
             expected = ", ".join(self._parameters)
-            unmatched = ", ".join(sorted(parameters.keys() ^ set(self._parameters)))
+            missing_or_unknown = parameters.keys() ^ set(self._parameters)
+            unmatched = ", ".join(sorted(missing_or_unknown))
             raise TypeError(f"{type(self).__name__} takes {expected}; missing or unknown: {unmatched}")
         # Encoders are immutable: setting an attribute would raise an error.
         self.__dict__.update(
@@ -153,7 +154,7 @@ class Encoder:
         )
 
     def __init_subclass__(cls, **keywords: Any) -> None:
-        """Replace the methods that decode frames by ``_BoundDecoder`` in a class that can make a decoder."""
+        """Replace ``decode`` and ``try_decode`` with a ``_BoundDecoder`` in classes that make decoders."""
         super().__init_subclass__(**keywords)
         if "_get_decoder" in vars(cls):
             for name in ("decode", "try_decode"):
@@ -230,7 +231,7 @@ class Encoder:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
 
         Raises:
-            NotImplementedError: See ``decode``.
+            NotImplementedError: The class of the encoder describes no frames.
         """
         raise NotImplementedError(f"the frames of {self.code} are not documented")
 
@@ -265,14 +266,14 @@ class Encoder:
         return self._range_in(kind._frame_name(self))
 
     def _range_in(self, frame: str, /) -> PositionRange:
-        """Return the range of the positions in a frame of this name.
+        """Raise ValueError, because the manual of this family does not say where the position wraps around.
 
-        This method is for families whose manual does not give the range. It raises ValueError. ``Wrapping`` returns it.
+        Other families replace this method by one that returns the range of the positions in a frame of this name.
         """
         raise ValueError(f"the manual does not say where the position of {self.code} wraps around")
 
     def _position_ranges(self) -> Mapping[str, PositionRange]:
-        """Return the ranges of the positions by the names of frames, if they differ."""
+        """Return the range of the positions in each frame by name, or nothing if all frames have the same range."""
         return {}
 
     def _hint(self, frame: object) -> str:
@@ -281,28 +282,31 @@ class Encoder:
 
         return hint(self, frame)
 
-    def _key(self) -> tuple[object, ...]:
-        """Return the key by which encoders are compared. Two labels may denote the same encoder."""
+    def _comparison_key(self) -> tuple[object, ...]:
+        """Return what is compared for equality.
+
+        It leaves out the text of the label, because two labels can mean one encoder.
+        """
         values = (getattr(self, name) for name in self._parameters)
         return (type(self), self.code, self.parts, self.unlisted, self.special_code, *values)
 
     def _with_changes(self: _Same, **changes: Any) -> _Same:
-        """Return a copy with these attributes changed."""
-        return _restore(type(self), {**self._state(), **changes})
+        """Return a copy of the encoder in which these attributes have other values."""
+        return _restore(type(self), {**self._list_attributes(), **changes})
 
-    def _state(self) -> dict[str, Any]:
-        """Return the attributes from which an encoder can be recreated."""
+    def _list_attributes(self) -> dict[str, Any]:
+        """Return the attributes from which an encoder can be recreated, by name."""
         names = ("code", "parts", "unlisted", "tail", "special_code", "written_as_in", *self._parameters)
         return {name: getattr(self, name) for name in names}
 
     def __eq__(self, other: object) -> bool:
-        return self._key() == other._key() if isinstance(other, Encoder) else NotImplemented
+        return self._comparison_key() == other._comparison_key() if isinstance(other, Encoder) else NotImplemented
 
     def __hash__(self) -> int:
-        return hash(self._key())
+        return hash(self._comparison_key())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restore, (type(self), self._state())
+        return _restore, (type(self), self._list_attributes())
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"encoders are immutable: '{name}' cannot be set")
@@ -319,9 +323,9 @@ class SerialEncoder(Encoder):
 
 
 class _BoundDecoder:
-    """Method ``decode`` or ``try_decode`` of an encoder. The first access replaces it with the encoder's decoder.
+    """Descriptor for the method ``decode`` or ``try_decode``. The first access replaces it by the encoder's decoder.
 
-    A decoder is therefore equally fast in a variable, in ``map``, in another thread and as a method.
+    The decoder is a function, so it is equally fast in a variable, in ``map``, in another thread and as a method.
     """
 
     def __init__(self, name: str, method: Any) -> None:
@@ -329,7 +333,7 @@ class _BoundDecoder:
         self.__doc__ = method.__doc__
 
     def __get__(self, encoder: Any, kind: object = None) -> Any:
-        """Return the decoder of an encoder, or the method itself if it is accessed on the class."""
+        """Return the decoder for an encoder, or the method itself if it is accessed on the class."""
         if encoder is None:
             return self._method
         handle_error = raise_frame_error if self._name == "decode" else return_frame_error
@@ -341,12 +345,19 @@ class _BoundDecoder:
 
 
 def _restore(encoder_class: type[_Same], state: dict[str, Any]) -> _Same:
-    """Recreate an encoder from its attributes, for copying and unpickling."""
+    """Return an encoder with these attributes, for copying and unpickling.
+
+    Pickles contain the name of this function.
+    """
     return encoder_class(**state)
 
 
 def load_fact(module: str, name: str) -> object:
-    """Return a table of facts of a family's module, which is in ``facts`` of its package. Their names are in capitals.
+    """Return a table of facts, such as ``SSI``, of a family's module.
+
+    It is in the package ``facts`` next to the module.
+
+    Names of tables are in capitals.
 
     Raises:
         AttributeError: There is no such table.
@@ -360,7 +371,7 @@ def load_fact(module: str, name: str) -> object:
 
 
 def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
-    """Return the encoder of a family that belongs to a label. ``lookup`` of the module documents the arguments.
+    """Return the encoder of a family that belongs to a label.
 
     Args:
         label: The text on the label.
@@ -374,12 +385,13 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
     text = check_label(label)
     if text in variants:
         return variants[text]
-    # The label is not a listed code. The label can have a tail, a suffix, unlisted values or another spelling. ``read``
-    # splits it, and ``listed`` contains the parts of the listed code that fits best. The encoder of that is changed
-    # where the label differs: X-24-TAIL becomes the encoder of X-24 with the tail "-TAIL".
-    codes = {code: variant.parts for code, variant in variants.items()}
+    # The label is not a listed code, but it can have a tail, a suffix, unlisted values or another spelling.
+    parts_by_code = {code: variant.parts for code, variant in variants.items()}
     family = next(iter(variants.values())).family
-    parsed_label = cast(OrderCode, load_fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
+    order_code = cast(OrderCode, load_fact(module, "ORDER_CODE"))
+    parsed_label = order_code.read(text, family.name.upper(), parts_by_code)
+    # The encoder of the listed code that fits best is changed where the label differs: for the label X-24-TAIL, the
+    # encoder of X-24 gets the tail "-TAIL".
     variant = next(candidate for candidate in variants.values() if candidate.parts == parsed_label.listed)
     has_changes = parsed_label.unlisted or parsed_label.tail or parsed_label.special or parsed_label.written_as_in
     if not has_changes:
@@ -402,8 +414,8 @@ def wrong_encoder_error(
 ) -> Exception:
     """Return the error for an encoder that belongs to another family or does not have the interface ``interface``.
 
-    It is a TypeError if ``variant`` is not an encoder. ``kind`` is the class of all encoders of the family. For
-    ``procedures``, see ``check_encoder``.
+    ``kind`` is the class of all encoders of the family. ``procedures`` lists the procedures for each interface, which
+    the message suggests. The error is a TypeError if ``variant`` is not an encoder.
     """
     if isinstance(variant, kind):
         variant_interface = variant.interface
@@ -422,7 +434,7 @@ def check_encoder(
     interface: Interface,
     procedures: _Procedures = _NO_PROCEDURES,
 ) -> None:
-    """Raise an error if the encoder belongs to another family or has another interface.
+    """Raise an error if the encoder does not belong to the family of the class ``kind``, or has another interface.
 
     ``procedures`` lists the procedures for each interface. The message suggests them to callers of a procedure.
     """
@@ -431,17 +443,17 @@ def check_encoder(
 
 
 def raise_frame_error(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
-    """Raise an error with the frame and the encoder. This is the handler of ``decode``."""
-    raise _with_encoder(error, frame, encoder)
+    """Raise an error after adding the frame and the encoder to it. This handles the errors of ``decode``."""
+    raise _complete_error(error, frame, encoder)
 
 
 def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Exception:
-    """Return a frame error with the frame and the encoder. This is the handler of ``try_decode``.
+    """Return a frame error after adding the frame and the encoder to it. This handles the errors of ``try_decode``.
 
     Raises:
         TypeError: The error is not a frame error, because the frame does not have the right type.
     """
-    error = _with_encoder(error, frame, encoder)
+    error = _complete_error(error, frame, encoder)
     if isinstance(error, FrameError):
         return error
     raise error
@@ -450,10 +462,10 @@ def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Ex
 return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
 
 
-def _with_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
-    """Return a frame error after the frame and the encoder are added to it.
+def _complete_error(error: Exception, frame: object, encoder: Encoder) -> Exception:
+    """Add the frame and the encoder to a frame error, and return the error.
 
-    Other errors become a TypeError with the code.
+    Any other error becomes a TypeError whose message begins with the order code.
     """
     if isinstance(error, FrameError):
         error.add(frame, encoder)

@@ -164,13 +164,13 @@ class Link:
             self.transport.write(request)
 
     def receive(self, length: int, /) -> bytes:
-        """Return the bytes that arrive, until there are at least ``length`` of them, or fewer after a time-out.
+        """Return the bytes that arrive, until there are at least ``length`` of them, or fewer after a timeout.
 
         There are more if further bytes arrived together with the last one.
         """
         data = b""
         deadline = monotonic() + self.session.timeout_s
-        # After the time-out, ``read`` returns the bytes that have arrived, without a wait. If that is nothing, the loop
+        # After the timeout, ``read`` returns the bytes that have arrived, without a wait. If that is nothing, the loop
         # ends.
         with self.lock:
             while len(data) < length and (further_bytes := self.transport.read(max(0.0, deadline - monotonic()))):

@@ -97,7 +97,10 @@ class Spelling(NamedTuple):
     source: str = ""
 
     def listed_text(self, part: str, text: str) -> str:
-        """Return the text of a part in the usual spelling. Texts with the same spelling are returned unchanged."""
+        """Return the text of a part in the usual spelling.
+
+        A text without an alternative spelling is returned unchanged.
+        """
         for spelled in self.values:
             if spelled.part == part and spelled.text.upper() == text.upper():
                 return spelled.value
@@ -162,41 +165,42 @@ class OrderCode(NamedTuple):
         # A part of the code itself may look like /Sxxx, so only text after the code is treated as this suffix.
         match = re.fullmatch(f"{self._make_expression()}{_TEXT_AFTER_CODE}", text, re.IGNORECASE)
         if match is not None:
-            texts = {part.name: match[part.name] for part in self.parts}
-            return self._make_label(text, match, texts, codes)
+            part_texts = {part.name: match[part.name] for part in self.parts}
+            return self._make_label(text, match, part_texts, codes)
         for spelling in self.also_written:
             match = re.fullmatch(f"{self._make_spelling_expression(spelling)}{_TEXT_AFTER_CODE}", text, re.IGNORECASE)
             if match is not None:
-                texts = {part.name: spelling.listed_text(part.name, match[part.name]) for part in self.parts}
-                split_label = self._make_label(text, match, texts, codes)
+                part_texts = {part.name: spelling.listed_text(part.name, match[part.name]) for part in self.parts}
+                split_label = self._make_label(text, match, part_texts, codes)
                 return split_label._replace(written_as_in=spelling.where)
         raise self._unknown_code_error(text, family, codes)
 
     def _make_label(
-        self, text: str, match: re.Match[str], texts: Mapping[str, str], codes: Mapping[str, tuple[str, ...]]
+        self, text: str, match: re.Match[str], part_texts: Mapping[str, str], codes: Mapping[str, tuple[str, ...]]
     ) -> Label:
-        """Return the label with these texts of its parts.
+        """Return the label ``text`` split into parts.
 
         Args:
             text: The label.
-            match: Match of the expression for the code, which has the tail and the suffix.
-            texts: Text of each part, by its name.
+            match: Match of the regular expression for the code, which has the tail and the suffix of the label.
+            part_texts: Text of each part of the label in the usual spelling, by name.
             codes: Listed order codes with their parts.
 
         Raises:
             OrderCodeError: No listed code has these values together.
         """
-        # None for a value that the manual does not list.
-        listed_values = {part.name: _find_listed(part, texts[part.name]) for part in self.parts}
+        # The value is None if the manual does not list it.
+        listed_values = {part.name: _find_listed(part, part_texts[part.name]) for part in self.parts}
         unlisted = tuple(name for name, value in listed_values.items() if value is None)
-        part_texts = {name: value or texts[name] for name, value in listed_values.items()}
+        # Listed values are written as in the manual, unlisted ones as on the label.
+        values = {name: value or part_texts[name] for name, value in listed_values.items()}
         fitting_code = self._find_fitting_code(listed_values, codes)
         if fitting_code is None:
-            raise self._clash_error(text, part_texts, listed_values, codes)
+            raise self._cannot_be_combined_error(text, values, listed_values, codes)
         return Label(
-            # Each part name in braces is replaced by the text of that part.
-            code=_PART_IN_BRACES.sub(lambda brace: part_texts[brace[1]], self.pattern),
-            parts=tuple(part_texts.values()),
+            # Each part name in braces is replaced by the value of that part.
+            code=_PART_IN_BRACES.sub(lambda braces: values[braces[1]], self.pattern),
+            parts=tuple(values.values()),
             listed=fitting_code,
             unlisted=unlisted,
             tail=match["tail_"] or "",
@@ -206,79 +210,83 @@ class OrderCode(NamedTuple):
     def _find_fitting_code(
         self, listed_values: Mapping[str, str | None], codes: Mapping[str, tuple[str, ...]]
     ) -> tuple[str, ...] | None:
-        """Return the parts of the first listed code with these values, or None if there is none.
+        """Return the parts of the first listed code with these values, or None if there is no such code.
 
-        A value of None is unlisted. Any value of the code fits it, if it can be combined with the other values.
+        A value of None means that the manual does not list it. Every listed code fits such a value, if the value can be
+        combined with the values of the other parts.
         """
-        names = [part.name for part in self.parts]
         unlisted_parts = [part for part in self.parts if listed_values[part.name] is None]
-        for values in codes.values():
-            values_of_code = dict(zip(names, values, strict=False))
-            # An unlisted value, None, fits any value of the code here.
-            differs = any(value not in (None, values_of_code[name]) for name, value in listed_values.items())
-            if not differs and all(_can_be_combined(part, listed_values) for part in unlisted_parts):
-                return values
+        can_be_combined = all(_can_be_combined(part, listed_values) for part in unlisted_parts)
+        if not can_be_combined:
+            return None
+        names = [part.name for part in self.parts]
+        for code_parts in codes.values():
+            value_by_name = dict(zip(names, code_parts, strict=False))
+            if all(value in (None, value_by_name[name]) for name, value in listed_values.items()):
+                return code_parts
         return None
 
-    def _clash_error(
+    def _cannot_be_combined_error(
         self,
         text: str,
         part_texts: Mapping[str, str],
         listed_values: Mapping[str, str | None],
         codes: Mapping[str, tuple[str, ...]],
     ) -> OrderCodeError:
-        """Return the error for valid parts that cannot be combined.
+        """Return the error for a label whose parts are all valid, but cannot be combined.
 
-        It names each part of which another listed value would make a listed code, or none if there is no such part.
-        ``text`` is the label, and ``part_texts`` has the text of each part. ``listed_values`` has its listed value, or
-        None.
+        It names each part that another listed value would make valid, or "its parts" if there is no such part.
+        ``part_texts`` has the text of each part of the label ``text``, and ``listed_values`` its listed value, or None.
         """
         names: list[str] = []
         for part in self.parts:
             replacements = ({**listed_values, part.name: value.text} for value in part.values)
             if any(self._find_fitting_code(changed_values, codes) for changed_values in replacements):
                 names.append(part.name)
-        listed = " and ".join(f"{name} '{part_texts[name]}'" for name in names) or "its parts"
+        parts_text = " and ".join(f"{name} '{part_texts[name]}'" for name in names) or "its parts"
         first_name = names[0] if names else ""
-        return OrderCodeError(text, first_name, f"has {listed}, which cannot be combined", find_nearest(codes, text))
+        reason = f"has {parts_text}, which cannot be combined"
+        return OrderCodeError(text, first_name, reason, find_nearest(codes, text))
 
-    def _make_expression(self, any_for: str = "") -> str:
-        """Return a regular expression for the whole code, with a named group for each part.
+    def _make_expression(self, free_part: str = "") -> str:
+        """Return a regular expression for the whole order code, with a named group for each part.
 
-        The part with the name ``any_for`` may have any letters and digits, also none.
+        The part with the name ``free_part`` may consist of any letters and digits, or be empty.
         """
         expressions = {part.name: _match_values(part) for part in self.parts}
-        if any_for:
-            expressions[any_for] = "[A-Z0-9]*"
+        if free_part:
+            expressions[free_part] = "[A-Z0-9]*"
         return _join_pattern(self.pattern, expressions)
 
     def _make_spelling_expression(self, spelling: Spelling) -> str:
-        """Return a regular expression for the whole code in another spelling, with a named group for each part.
+        """Return a regular expression for the whole order code in another spelling, with a named group for each part.
 
-        Parts without spelled values are as in the usual spelling.
+        Parts without an alternative spelling are as in the usual spelling.
         """
         expressions = {part.name: _match_values(part) for part in self.parts}
         for name in {spelled.part for spelled in spelling.values}:
             expressions[name] = _match_any(spelled.text for spelled in spelling.values if spelled.part == name)
-        then = f"(?:{spelling.then})" if spelling.then else ""
-        return _join_pattern(spelling.pattern, expressions) + then
+        ignored_text = f"(?:{spelling.then})" if spelling.then else ""
+        return _join_pattern(spelling.pattern, expressions) + ignored_text
 
     def _unknown_code_error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
         """Return the error for a text that is not an order code.
 
-        The message names the wrong part, if the label would be an order code with other letters and digits there.
+        The message names the wrong part, if other letters and digits in that part would make the text an order code.
         """
         nearest_codes = find_nearest(codes, text)
         candidates: list[_WrongPart] = []
         for part in self.parts:
-            match = re.fullmatch(f"{self._make_expression(any_for=part.name)}{_TEXT_AFTER_CODE}", text, re.IGNORECASE)
+            expression = self._make_expression(free_part=part.name) + _TEXT_AFTER_CODE
+            match = re.fullmatch(expression, text, re.IGNORECASE)
             if match:
                 other_parts = [other_part for other_part in self.parts if other_part is not part]
                 unlisted_count = sum(_find_listed(other, match[other.name]) is None for other in other_parts)
                 candidates.append(_WrongPart(part, match[part.name], unlisted_count))
         if not candidates:
             return OrderCodeError(text, "", f"is not an order code of {family}", nearest_codes)
-        # Blame the part that leaves the fewest unlisted values in the other parts, and among equals a missing part.
+        # The wrong part is the one that leaves the fewest unlisted values in the other parts. Of several, a missing
+        # part comes first.
         part, part_text, _ = min(candidates, key=lambda candidate: (candidate.unlisted_count, candidate.text != ""))
         problem = f"has {part.name} '{part_text}'" if part_text else f"has no {part.name}"
         valid_values = ", ".join(value.text for value in part.values)
@@ -315,30 +323,33 @@ def check_label(label: str) -> str:
 
 
 def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
-    """Return at most three codes: those that begin with ``text``, then those most similar to ``text`` without its tail.
+    """Return at most three codes: first those that begin with ``text``, then those most similar to it.
 
-    ``X-24-TAIL`` is compared with the code ``X-25`` as ``X-24``, because the code has two pieces.
+    The tail of the text is ignored: ``X-24-TAIL`` is compared with the code ``X-25`` as ``X-24``, because the code has
+    two pieces between hyphens.
     """
     from difflib import SequenceMatcher
 
     upper_text = text.upper()
     pieces = upper_text.split("-")
 
-    def likeness(code: str) -> tuple[bool, float]:
+    def measure_similarity(code: str) -> tuple[bool, float]:
         """Return whether a code begins with the text, and its similarity to as many pieces of the text, from 0 to 1."""
         upper_code = code.upper()
-        text_without_tail = "-".join(pieces[: code.count("-") + 1])
-        return upper_code.startswith(upper_text), SequenceMatcher(None, upper_code, text_without_tail).ratio()
+        piece_count = code.count("-") + 1
+        text_without_tail = "-".join(pieces[:piece_count])
+        similarity = SequenceMatcher(None, upper_code, text_without_tail).ratio()
+        return upper_code.startswith(upper_text), similarity
 
-    most_similar_first = sorted(codes, key=likeness, reverse=True)
+    most_similar_first = sorted(codes, key=measure_similarity, reverse=True)
     return tuple(most_similar_first[:3])
 
 
 def _can_be_combined(part: Part, listed_values: Mapping[str, str | None]) -> bool:
     """Return whether an unlisted value of a part can be combined with the values of the other parts.
 
-    ``listed_values`` contains the listed value of each part by name, None for an unlisted value, which is always
-    accepted.
+    ``listed_values`` contains the listed value of each part by name, or None for an unlisted value, which can always be
+    combined.
     """
     for name, allowed in part.open_only_with.items():
         value = listed_values[name]
@@ -348,12 +359,12 @@ def _can_be_combined(part: Part, listed_values: Mapping[str, str | None]) -> boo
 
 
 def _find_listed(part: Part, text: str) -> str | None:
-    """Return the listed value of a part, regardless of case. None if it is not listed."""
+    """Return the listed value of a part that equals a text, regardless of case, or None if it is not listed."""
     return next((value.text for value in part.values if value.text.upper() == text.upper()), None)
 
 
 def _match_values(part: Part) -> str:
-    """Return a regular expression for the values of a part."""
+    """Return a regular expression for the listed values of a part, and for other values if the manual allows them."""
     listed = _match_any(value.text for value in part.values)
     return f"{listed}|{part.open}" if part.open else listed
 
@@ -364,7 +375,10 @@ def _match_any(texts: Iterable[str]) -> str:
 
 
 def _join_pattern(pattern: str, expressions: Mapping[str, str]) -> str:
-    """Return the pattern as a regular expression, with a named group for each part: ``X\\-(?P<bits>12|16)``."""
+    """Return the pattern of an order code as a regular expression, with a named group for each part.
+
+    The pattern ``X-{bits}`` becomes ``X\\-(?P<bits>12|16)``. ``expressions`` has the regular expression of each part.
+    """
     # Every second piece is the name of a part: ["X-", "bits", ""] for X-{bits}. The others are text.
     pieces = _PART_IN_BRACES.split(pattern)
     pieces[::2] = [re.escape(_remove_blanks(text)) for text in pieces[::2]]

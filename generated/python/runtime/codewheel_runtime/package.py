@@ -28,12 +28,15 @@ class Package(NamedTuple):
     identified: tuple[str, ...] = ()
 
     def lookup(self, label: str) -> Encoder:
-        """Return the encoder for a label, from any family. See ``lookup`` of the package."""
+        """Return the encoder for a label, from any family of the manufacturer.
+
+        Raises OrderCodeError if no family has it.
+        """
         text = check_label(label)
         # A special model, such as S001, is the text after the last slash of a label. Its families are tried first.
         families = [family for family, special in self.specials if text.upper().endswith(f"/{special}")]
-        families += [family for family, beginnings in self.beginnings.items() if text.startswith(beginnings)]
-        best: Encoder | None = None
+        families += [family for family, prefixes in self.beginnings.items() if text.startswith(prefixes)]
+        best_encoder: Encoder | None = None
         for family in families:
             try:
                 encoder: Encoder = self._import_module(family).lookup(text)
@@ -41,14 +44,18 @@ class Package(NamedTuple):
                 continue  # Several families can have special models of that name, or codes with that prefix.
             # The tail is the text of the label after the order code. It can be part of the order code of another
             # family, so the encoder with the shortest tail is the best.
-            if best is None or len(encoder.tail) < len(best.tail):
-                best = encoder
-            if not best.tail:
-                return best
-        return best if best is not None else self._refuse(text)
+            if best_encoder is None or len(encoder.tail) < len(best_encoder.tail):
+                best_encoder = encoder
+            if not best_encoder.tail:
+                return best_encoder
+        return best_encoder if best_encoder is not None else self._raise_unknown_label(text)
 
     def identify(self, read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
-        """Return the order codes of all families that match registers. See ``identify`` of the package."""
+        """Return the order codes of all families whose encoders have these values in their registers.
+
+        ``read`` contains bytes by address, or whole registers by name. Raises ValueError if no family has these
+        registers.
+        """
         codes: list[str] = []
         errors: list[ValueError] = []
         for family in self.identified:
@@ -62,10 +69,14 @@ class Package(NamedTuple):
         return tuple(codes)
 
     def _import_module(self, family: str) -> Any:
+        """Return the module of a family, which is loaded on first use."""
         return import_module(f".{family}", self.name)
 
-    def _refuse(self, text: str) -> NoReturn:
-        """Raise the most helpful error for an unknown label: it lists the wrong part or similar order codes."""
+    def _raise_unknown_label(self, text: str) -> NoReturn:
+        """Raise OrderCodeError for an unknown label, with the most helpful message.
+
+        The message names the wrong part of an order code, or lists similar order codes.
+        """
         modules = [self._import_module(family) for family in self.beginnings]
         for module in modules:
             try:

@@ -13,7 +13,7 @@ __all__ = ["FoundReply", "PendingRequest", "ReplyKind", "compute_xor", "find_err
 
 
 class ReplyKind(NamedTuple):
-    """Request, by its first byte, and its reply.
+    """Kind of request, and its reply.
 
     ``control`` is the first byte of the request, ``id`` its data ID, or 0 if it has none, and ``length`` the number of
     bytes of the reply. ``flags`` are the names of the flags in the reply. ``repeats_first`` is True if the reply also
@@ -31,7 +31,10 @@ class ReplyKind(NamedTuple):
 
 
 class PendingRequest(NamedTuple):
-    """Request, its bytes on the line, the decoder of its reply, and the answers to open questions that it needs."""
+    """Request that waits for its reply: the request, its bytes on the line, its kind, and the decoder of its reply.
+
+    ``answers`` are the answers to open questions that the decoder needs, by name.
+    """
 
     request: Any
     data: bytes
@@ -60,13 +63,14 @@ class FoundReply(NamedTuple):
 
 
 def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, ReplyKind]) -> FoundReply | None:
-    """Return the reply to a request in the received bytes, or None.
+    """Return the reply to a request in the received bytes, or None if they contain no valid reply.
 
     The reply has the length and the first byte of its kind, and contains no error. Any bytes may precede it, such as an
-    echo, but only complete replies may follow it. If several places fit, the last one is the reply.
+    echo, but only complete replies may follow it. If several places fit, the last one is the reply. ``kinds`` are the
+    kinds of requests by their first byte.
     """
     if not pending.kind.repeats_first:
-        return _find_among_any_bytes(received, pending)
+        return _find_reply_without_mark(received, pending)
     length = pending.kind.length
     # The last one comes first, because an echo and a reply can look like a reply and one more byte.
     for start in range(len(received) - length, -1, -1):
@@ -75,8 +79,9 @@ def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, Rep
             continue
         following_bytes = received[start + length :]
         later_replies = split_replies(following_bytes, pending, kinds)
-        # With fewer bytes in replies than received, some bytes after the reply belong to none.
-        if sum(map(len, later_replies)) != len(following_bytes):
+        bytes_in_later_replies = sum(map(len, later_replies))
+        if bytes_in_later_replies != len(following_bytes):
+            # Some bytes after the reply belong to no reply.
             continue
         earlier_bytes = received[:start]
         if len(pending.data) == length:
@@ -89,35 +94,37 @@ def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, Rep
     return None
 
 
-def _find_among_any_bytes(received: bytes, pending: PendingRequest) -> FoundReply | None:
-    """Return a reply that can begin with any byte, or None.
+def _find_reply_without_mark(received: bytes, pending: PendingRequest) -> FoundReply | None:
+    """Return the reply to a request whose reply can begin with any byte, or None.
 
     The received bytes, with or without the echo of the request in front, must be exactly one reply, or several replies
     and nothing between them. Of several, the last is the reply, and the others are in ``same_kind``.
     """
     length = pending.kind.length
-    for candidate in (received, received.removeprefix(pending.data)):
+    without_echo = received.removeprefix(pending.data)
+    for candidate in (received, without_echo):
         if len(candidate) == length and find_error(candidate, pending) is None:
             return FoundReply(candidate)
-    for candidate in (received, received.removeprefix(pending.data)):
-        replies = split_replies(candidate, pending, {})
+    for candidate in (received, without_echo):
+        replies = split_replies(candidate, pending, kinds={})
         if replies and len(replies) * length == len(candidate):
-            return FoundReply(replies[-1], tuple(replies[:-1]))
+            return FoundReply(replies[-1], same_kind=tuple(replies[:-1]))
     return None
 
 
 def split_replies(data: bytes, pending: PendingRequest, kinds: Mapping[int, ReplyKind]) -> list[bytes]:
     """Return the complete replies without an error in ``data``, in order. Bytes between them are skipped.
 
-    The first byte of a reply selects its kind in ``kinds``. Other bytes can only begin a reply to ``pending``.
+    ``kinds`` contains the kind of reply by its first byte. A reply that begins with another byte can only be a reply to
+    ``pending``.
     """
     replies: list[bytes] = []
     start = 0
     while start < len(data):
         kind = kinds.get(data[start], pending.kind)
         reply = data[start : start + kind.length]
-        fits = not kind.repeats_first or data[start] == kind.control
-        if fits and len(reply) == kind.length and find_error(reply, pending) is None:
+        may_begin_here = not kind.repeats_first or data[start] == kind.control
+        if may_begin_here and len(reply) == kind.length and find_error(reply, pending) is None:
             replies.append(reply)
             start += kind.length
         else:
@@ -126,9 +133,9 @@ def split_replies(data: bytes, pending: PendingRequest, kinds: Mapping[int, Repl
 
 
 def find_error(reply: bytes, pending: PendingRequest) -> FrameError | None:
-    """Return the error that decoding raises if ``reply`` is a reply to ``pending``, or None if it is valid.
+    """Return the error of a reply to ``pending``, or None if the reply is valid.
 
-    If its fields cannot be decoded without an answer to an open question, only its last byte is checked.
+    If its fields cannot be decoded without an answer to an open question, only its last byte, the CRC, is checked.
     """
     try:
         pending.decode(reply)
@@ -142,7 +149,7 @@ def find_error(reply: bytes, pending: PendingRequest) -> FrameError | None:
 
 
 def compute_xor(data: bytes) -> int:
-    """Return the XOR of all bytes."""
+    """Return the XOR of all bytes, which is 0 for a reply with a valid CRC."""
     value = 0
     for byte in data:
         value ^= byte

@@ -38,7 +38,7 @@ class Line(Protocol):
         ...
 
     def receive(self, length: int, /) -> bytes:
-        """Return ``length`` bytes, or fewer after a time-out. An echo of the request must be omitted."""
+        """Return ``length`` bytes, or fewer after a timeout. An echo of the request must be omitted."""
         ...
 
 
@@ -107,7 +107,7 @@ class VerifyError(ValueError):
 
 
 class _Procedure:
-    """Procedure that is carried out, with the values to restore if it fails."""
+    """Procedure that is being carried out. It keeps the values to restore if a step fails."""
 
     def __init__(self, bus: object, poll_s: float, wait: Callable[[float], object]) -> None:
         self.bus = bus
@@ -117,16 +117,16 @@ class _Procedure:
         #: Addresses to which steps have written.
         self._written: set[int] = set()
         #: Last value that was written to each byte, and to each register with a single address, by address.
-        self._stored_bytes: dict[int, int] = {}
-        self._stored_registers: dict[int, bytes] = {}
+        self._written_bytes: dict[int, int] = {}
+        self._written_registers: dict[int, bytes] = {}
         #: Name and bytes of each modified register before its first change, by address.
-        self._before: dict[int, tuple[str, bytes]] = {}
+        self._original_values: dict[int, tuple[str, bytes]] = {}
 
-    def carry_out(self, steps: Sequence[Step], progress: Callable[[int, int, Step], object] | None) -> None:
-        """Carry out steps. If one fails, the registers are closed and restored as far as possible.
+    def run_steps(self, steps: Sequence[Step], progress: Callable[[int, int, Step], object] | None) -> None:
+        """Carry out steps in order. If one fails, registers are closed and restored as far as possible.
 
-        ``progress`` is called before each step with its index, the number of steps, and the step. Raises StepError for
-        a failure. An interruption is raised as it is.
+        ``progress`` is called before each step with its index, the number of steps, and the step. A failure raises
+        StepError. An interruption, such as Ctrl-C, is raised unchanged.
         """
         from logging import getLogger
 
@@ -137,7 +137,7 @@ class _Procedure:
             try:
                 if progress is not None:
                     progress(index, count, step)
-                self.do(step)
+                self.run_step(step)
             except BaseException as error:
                 # This includes interruptions, such as Ctrl-C.
                 left_open = self.restore(steps[index:])
@@ -150,12 +150,12 @@ class _Procedure:
                 reason = str(error) or repr(error)
                 raise StepError(step, index, done, left_open, reason) from error
 
-    def do(self, step: Step) -> None:
+    def run_step(self, step: Step) -> None:
         """Carry out one step, and remember what it changed."""
         bus = cast(Bus, self.bus)
         if isinstance(step, Write):
             self._written.add(step.address)
-            self._store(step.address, step.data, whole=step.length > 1)
+            self._remember_written(step.address, step.data, whole=step.length > 1)
             bus.write(step.address, step.data)
         elif isinstance(step, Wait):
             self.wait(step.microseconds / 1_000_000)
@@ -166,33 +166,38 @@ class _Procedure:
         elif isinstance(step, Modify):
             data = self._read(step)
             number = (int.from_bytes(data, step.order) & ~step.mask) | step.value
-            # Of several changes, the first contains the original bytes.
-            self._before.setdefault(step.address, (step.register, data))
+            # Only the first of several changes reads the original bytes.
+            self._original_values.setdefault(step.address, (step.register, data))
             changed = number.to_bytes(step.length, step.order)
-            self._store(step.address, changed, whole=step.whole)
+            self._remember_written(step.address, changed, whole=step.whole)
             bus.write(step.address, changed)
         elif isinstance(step, Verify):
             self._verify(step)
         else:
             self._poll(step)
 
-    def _store(self, address: int, data: bytes, *, whole: bool) -> None:
-        """Remember written bytes. With ``whole``, they are the bytes of a register with a single address."""
+    def _remember_written(self, address: int, data: bytes, *, whole: bool) -> None:
+        """Remember the bytes that are written from an address on, to verify them later.
+
+        ``whole`` is True if a single address holds all bytes of the register. Otherwise each byte has its own address.
+        """
         if whole:
-            self._stored_registers[address] = data
+            self._written_registers[address] = data
         else:
-            self._stored_bytes.update(enumerate(data, address))
+            self._written_bytes.update(enumerate(data, address))
 
     def _verify(self, step: Verify) -> None:
-        """Raise VerifyError if a bit of the step's mask differs between a register and the bytes that were written.
+        """Compare a register with the bytes that earlier steps wrote to it.
 
-        Raises ValueError if not all bytes of the register were written.
+        Raises:
+            VerifyError: A bit in the mask of the step differs.
+            ValueError: Not all bytes of the register were written.
         """
-        written = self._stored_registers.get(step.address)
+        written = self._written_registers.get(step.address)
         if written is None:
             addresses = range(step.address, step.address + step.length)
-            # If no step wrote one of these bytes, it is missing here.
-            written = bytes(self._stored_bytes[address] for address in addresses if address in self._stored_bytes)
+            written = bytes(self._written_bytes[address] for address in addresses if address in self._written_bytes)
+        # A byte that no step has written is missing.
         if len(written) < step.length:
             raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
         data = self._read(step)
@@ -201,21 +206,27 @@ class _Procedure:
             raise VerifyError(step.register, step.address, written, data, step.mask)
 
     def _read(self, step: Read | Modify | Poll | Verify) -> bytes:
-        """Return the bytes of a step's register. Raises ValueError if the bus returns more or fewer."""
+        """Return the bytes of the register of a step. Raises ValueError if the bus returns more or fewer bytes."""
         data = bytes(cast(Bus, self.bus).read(step.address, step.length))
         if len(data) != step.length:
             raise ValueError(f"expected {step.length} bytes, read {len(data)}")
         return data
 
     def _poll(self, step: Poll) -> None:
-        """Read a register until its bits have the expected value. Raises TimeoutError after ``poll_s`` seconds."""
+        """Read a register until its bits in the mask of the step have the expected value.
+
+        Raises TimeoutError after ``poll_s`` seconds.
+        """
         deadline = monotonic() + self.poll_s
-        while int.from_bytes(self._read(step), step.order) & step.mask != step.value:
+        while True:
+            number = int.from_bytes(self._read(step), step.order)
+            if number & step.mask == step.value:
+                return
             if monotonic() > deadline:
                 raise TimeoutError(f"the register did not reach the expected value within {self.poll_s:g} s")
 
     def _send(self, step: Send) -> None:
-        """Send a request as often as the step says, and check each reply if its length is known."""
+        """Send the request of a step as often as it says, and check each reply if its length is known."""
         line = cast(Line, self.bus)
         for name in ("drain", "send", "receive"):
             if not callable(getattr(line, name, None)):
@@ -229,7 +240,7 @@ class _Procedure:
         line.drain()
 
     def restore(self, remaining: Sequence[Step]) -> tuple[str, ...]:
-        """Close the registers that remaining steps would have closed, and restore the modified registers.
+        """Close the registers that the remaining steps would have closed, and restore the registers that were modified.
 
         Return the names of the registers for which this failed.
         """
@@ -238,7 +249,7 @@ class _Procedure:
             # A register that has not been written was not opened.
             if isinstance(step, Write) and step.closes and step.address in self._written:
                 failed += self._try_to_write(step.register, step.address, step.data)
-        for address, (register, data) in reversed(self._before.items()):
+        for address, (register, data) in reversed(self._original_values.items()):
             failed += self._try_to_write(register, address, data)
         return tuple(failed)
 
@@ -252,10 +263,10 @@ class _Procedure:
 
 
 def _check_reply(step: Send, reply: bytes) -> None:
-    """Raise an error unless ``reply`` is a complete reply to the request of the step.
+    """Raise an error unless ``reply`` is a complete reply to the request of a step.
 
-    A complete reply has the length in the step, the first byte of the request, and at its end the XOR of all other
-    bytes, if the step says so.
+    A complete reply has the length in the step, and begins with the first byte of the request. If the step says so, its
+    last byte is the XOR of all other bytes.
     """
     reply_text = f"the reply to {step.request.hex(' ').upper()} is {reply.hex(' ').upper()}"
     if not reply:
@@ -311,5 +322,5 @@ def run(
     # Another thread must not send requests between the requests of a procedure.
     lock: Any = getattr(bus, "lock", None)
     with lock if hasattr(lock, "__enter__") else nullcontext():
-        procedure.carry_out(steps, progress)
+        procedure.run_steps(steps, progress)
     return tuple(procedure.readings)

@@ -79,15 +79,16 @@ class Pipeline:
         self._encoder = encoder
         self._late = late
         self._replies = {
-            kind: cached_decoder(reply._make_decoder, encoder, raise_error) for kind, reply in replies.items()
+            request_class: cached_decoder(reply_class._make_decoder, encoder, raise_error)
+            for request_class, reply_class in replies.items()
         }
         self._read = read
         self._write = tuple(write)
         self._registers = registers
-        #: Request whose word is on the bus: its received word has not been taken. None between ``take`` and ``ask``.
+        #: Request whose word was sent, until the word that was received with it is taken. Otherwise None.
         self._sent: _Sent | None = None
         #: Request before ``_sent``, to which a late reply belongs.
-        self._before: _Sent | None = None
+        self._previous: _Sent | None = None
         #: Number of bits of the last word.
         self._bits = 0
 
@@ -119,7 +120,7 @@ class Pipeline:
             TypeError: The encoder has no such register over SPI, or no request that reads one.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
-        address, _ = self._find_place(register)
+        address, _ = self._find_address(register)
         return self._start_request(self._make_read_request(address), register)
 
     def write(self, value: Value) -> Iterator[int]:
@@ -133,7 +134,7 @@ class Pipeline:
             RangeError: The value does not fit.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
-        address, _ = self._find_place(type(value))
+        address, _ = self._find_address(type(value))
         for request in self._make_write_requests(address, value.encode()):
             yield self._start_request(request, type(value))
 
@@ -165,9 +166,9 @@ class Pipeline:
         if self._sent is None:
             raise RuntimeError("no request has been sent since the last word was taken")
         # A late reply belongs to the request before the one whose word was just exchanged.
-        answered_request = self._before if self._late else self._sent
+        answered_request = self._previous if self._late else self._sent
         length = self._sent.bits
-        self._before = self._sent
+        self._previous = self._sent
         self._sent = None
         number = as_word(word, length, bits)
         # A word of another length cannot contain a late reply.
@@ -182,7 +183,7 @@ class Pipeline:
 
     def restart(self) -> None:
         """Forget all requests. Call this after the encoder was switched off or a word was lost."""
-        self._sent = self._before = None
+        self._sent = self._previous = None
 
     def _make_read_request(self, address: int) -> Request:
         """Return the request that reads the register at an address. Raises TypeError if the encoder has none."""
@@ -192,9 +193,10 @@ class Pipeline:
         return request
 
     def _make_write_requests(self, address: int, data: bytes) -> Iterator[Request]:
-        """Yield the requests that write bytes to the register at an address, one of each class in ``write``.
+        """Yield the requests that write bytes to the register at an address, one of each class that a write needs.
 
-        A request has a field ``address``, a field ``data``, or both. Raises TypeError if the encoder has none.
+        A request has a field ``address``, a field ``data``, or both. Raises TypeError if the encoder has no such
+        request.
         """
         values = {"address": address, "data": int.from_bytes(data, "big")}
         if not self._write:
@@ -204,9 +206,11 @@ class Pipeline:
             yield request_class(**fields)
 
     def _start_request(self, request: Any, register: type | None) -> int:
-        """Return the word of a request, and remember the request with its class of register, or None without one.
+        """Return the word of a request, and remember the request until its reply arrives.
 
-        Raises TypeError if the encoder does not answer the request, and RuntimeError if a word has not been taken.
+        ``register`` is the class of the register that the request reads or writes, or None. Raises TypeError if the
+        encoder does not answer the request, and RuntimeError if the word received with the previous request has not
+        been taken.
         """
         if type(request) not in self._replies:
             request_names = ", ".join(kind.__name__ for kind in self._replies)
@@ -219,8 +223,11 @@ class Pipeline:
         self._sent = _Sent(request, register, bits)
         return word
 
-    def _find_place(self, register: type) -> tuple[int, int]:
-        """Return the address and the length in bytes of a class of registers. Raises TypeError for other classes."""
+    def _find_address(self, register: type) -> tuple[int, int]:
+        """Return the address and the length in bytes of a register, given as its class.
+
+        Raises TypeError for other classes.
+        """
         if register not in self._registers:
             register_names = ", ".join(kind.__name__ for kind in self._registers) or "none"
             raise TypeError(
@@ -272,7 +279,10 @@ class RegisterBus:
             self._send_request(request)
 
     def _send_request(self, request: Request) -> Any:
-        """Send a request, and return the answer that arrives meanwhile: with late replies, to the request before."""
+        """Send a request, and return the answer in the word that is received meanwhile.
+
+        With late replies, this is the answer to the previous request.
+        """
         word = self._line._start_request(request, None)
         received_word = self._exchange(word)
         return self._line.take(received_word)

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Frames as NumPy arrays of 64-bit numbers: their bits, parities and CRCs."""
+"""Frames as NumPy arrays of 64-bit words: their bits, parities and CRCs."""
 
 from __future__ import annotations
 
@@ -14,134 +14,167 @@ from .shape import Check, CrcOf, DigitCoding, Shape
 np: Any = load("numpy")
 
 
-#: Number of bits of a limb, the number with all of them set, and its number of bytes.
-_LIMB_BITS: Final = 64
-_LIMB_MASK: Final = (1 << _LIMB_BITS) - 1
-_LIMB_BYTES: Final = 8
+#: Size of a word in bits and in bytes, and the word in which all bits are 1.
+_WORD_BITS: Final = 64
+_WORD_BYTES: Final = 8
+_WORD_MASK: Final = (1 << _WORD_BITS) - 1
 
 
 def bit_mask(width: int) -> Any:
     """Return the 64-bit number whose ``width`` lowest bits are 1."""
-    return np.uint64(((1 << width) - 1) & _LIMB_MASK)
+    return np.uint64(((1 << width) - 1) & _WORD_MASK)
 
 
 def shift_right(numbers: Any, places: int) -> Any:
-    """Return 64-bit numbers without their lowest bits."""
+    """Return 64-bit numbers shifted right, which drops their ``places`` lowest bits."""
     return numbers >> np.uint64(places)
 
 
 def shift_left(numbers: Any, places: int) -> Any:
-    """Return 64-bit numbers multiplied by a power of two. Bits above the highest one are lost."""
+    """Return 64-bit numbers shifted left. Bits that are shifted beyond bit 63 are lost."""
     return numbers << np.uint64(places)
 
 
 class Chunk:
-    """Chunk of frames. Each is a ``bits``-bit number in 64-bit limbs, lowest limb first. Higher bits are 0.
+    """Chunk of frames. Each frame is a number of ``bits`` bits, split into 64-bit words. Higher bits are 0.
 
-    ``limbs`` is a list of arrays, each with an element for each frame. ``_bytes`` keeps the arrays of single bytes that
-    were extracted, by the index of the byte. ``_as_sent`` is the chunk with Gray code, once it is converted.
+    ``words`` is a list of arrays, each with an element for each frame. The first array contains the lowest 64 bits of
+    all frames. ``_cached_bytes`` keeps the arrays of single bytes that were extracted, by the index of the byte.
+    ``_before_conversion`` is a copy of the chunk from before digits and Gray code were converted, otherwise None.
     """
 
-    def __init__(self, limbs: list[Any], bits: int) -> None:
-        self.limbs = limbs
+    def __init__(self, words: list[Any], bits: int) -> None:
+        self.words = words
         self.bits = bits
-        self._as_sent: Chunk | None = None
-        self._bytes: dict[int, Any] = {}
+        self._before_conversion: Chunk | None = None
+        self._cached_bytes: dict[int, Any] = {}
 
     @property
-    def sent(self) -> Chunk:
-        """Chunk with the bits as they were sent, before any Gray code is converted."""
+    def as_sent(self) -> Chunk:
+        """Chunk with the bits as they were sent, before any digits or Gray code are converted to binary."""
         # A chunk that stored itself would stay in memory until the next run of the garbage collector.
-        return self._as_sent or self
+        return self._before_conversion or self
 
     def byte(self, index: int) -> Any:
         """Return byte ``index`` of each frame: the eight bits that start at bit ``8 * index``."""
-        if index not in self._bytes:
-            limb_index, byte_in_limb = divmod(index, 8)
-            limb = self.limbs[limb_index]
-            if byte_in_limb:
-                limb = shift_right(limb, 8 * byte_in_limb)
+        if index not in self._cached_bytes:
+            word_index, byte_in_word = divmod(index, _WORD_BYTES)
+            word = self.words[word_index]
+            if byte_in_word:
+                word = shift_right(word, 8 * byte_in_word)
             # The conversion keeps the lowest eight bits.
-            self._bytes[index] = limb.astype(np.uint8)
-        return self._bytes[index]
+            self._cached_bytes[index] = word.astype(np.uint8)
+        return self._cached_bytes[index]
 
-    def small(self, low: int, mask: int) -> Any:
-        """Return the bits that start at ``low``, limited to ``mask``. All of them are in one byte."""
+    def take_from_byte(self, low: int, mask: int) -> Any:
+        """Return the bits of each frame from bit ``low`` on, limited to ``mask``. All of them are in the same byte."""
         byte_index, shift = divmod(low, 8)
         bits = self.byte(byte_index)
         if shift:
             bits = bits >> np.uint8(shift)
-        # After the shift, this many bits of the byte are left.
-        is_rest_of_byte = mask == 0xFF >> shift
-        return bits if is_rest_of_byte else bits & np.uint8(mask)
+        mask_of_shifted_byte = 0xFF >> shift
+        return bits if mask == mask_of_shifted_byte else bits & np.uint8(mask)
 
-    def take(self, low: int, width: int, out: Any = None) -> Any:
-        """Return the ``width`` bits of each frame that start at ``low``.
+    def take(self, low: int, width: int) -> Any:
+        """Return the ``width`` bits of each frame from bit ``low`` on. The array has 8-bit or 64-bit numbers.
 
-        With ``out``, an array of 64-bit numbers, they are written there, and callers must not use the result, which can
-        be None. Without it, the type can be smaller.
+        If the width is 0, all numbers are 0.
         """
-        is_in_one_byte = low % 8 + width <= 8
-        if not width or is_in_one_byte:
-            bits = self.small(low, (1 << width) - 1) if width else np.zeros(len(self.limbs[0]), np.uint8)
-            return bits if out is None else np.copyto(out, bits)
-        limb_index, shift = divmod(low, _LIMB_BITS)
-        number = np.right_shift(self.limbs[limb_index], np.uint64(shift), out=out)
-        end_in_limb = shift + width
-        if end_in_limb > _LIMB_BITS:
-            # The field continues in the next limb.
-            number |= shift_left(self.limbs[limb_index + 1], _LIMB_BITS - shift)
-        # Nothing is above the last bits of a limb or of the frame.
-        has_bits_above = end_in_limb != _LIMB_BITS and low + width != self.bits
-        if has_bits_above and width != _LIMB_BITS:
+        if not width:
+            return np.zeros(len(self.words[0]), np.uint8)
+        if _is_in_one_byte(low, width):
+            return self.take_from_byte(low, (1 << width) - 1)
+        return self._take_from_words(low, width, out=None)
+
+    def write_bits(self, low: int, width: int, out: Any) -> None:
+        """Write the ``width`` bits of each frame from bit ``low`` on into ``out``, an array of 64-bit numbers.
+
+        If the width is 0, all numbers are 0.
+        """
+        if not width:
+            out[:] = 0
+        elif _is_in_one_byte(low, width):
+            out[:] = self.take_from_byte(low, (1 << width) - 1)
+        else:
+            self._take_from_words(low, width, out=out)
+
+    def _take_from_words(self, low: int, width: int, out: Any) -> Any:
+        """Return the bits of a field as 64-bit numbers. They are written into ``out``, or a new array if it is None."""
+        word_index, shift = divmod(low, _WORD_BITS)
+        number = np.right_shift(self.words[word_index], np.uint64(shift), out=out)
+        end_in_word = shift + width
+        if end_in_word > _WORD_BITS:
+            # The field continues in the next word.
+            number |= shift_left(self.words[word_index + 1], _WORD_BITS - shift)
+        # A field that ends with its word or with the frame has no bits above it that must be cleared.
+        ends_with_word = end_in_word == _WORD_BITS
+        ends_with_frame = low + width == self.bits
+        if not (ends_with_word or ends_with_frame or width == _WORD_BITS):
             number &= bit_mask(width)
         return number
 
-    def flag(self, low: int, width: int, active: bool, out: Any) -> None:
-        """Set ``out`` to True where a bit is 1, or where it is 0 if ``active`` is False. Without a bit, it is False."""
+    def write_flag(self, low: int, width: int, is_active_high: bool, out: Any) -> None:
+        """Write the state of a flag into ``out``, an array of bools: True for each frame in which it is active.
+
+        The flag is bit ``low``. An active-low flag (``is_active_high`` is False) is active if the bit is 0. If the
+        width is 0, the encoder does not send the flag, and it is never active.
+        """
         if not width:
             out[:] = False
             return
         bit = self.byte(low // 8) & np.uint8(1 << (low % 8))
-        (np.not_equal if active else np.equal)(bit, 0, out=out)
+        if is_active_high:
+            np.not_equal(bit, 0, out=out)
+        else:
+            np.equal(bit, 0, out=out)
 
-    def convert(self, shape: Shape) -> None:
-        """Convert numbers that are sent as digits, or in Gray code, to binary. ``sent`` is the chunk as it was before.
+    def convert_to_binary(self, shape: Shape) -> None:
+        """Convert numbers that are sent as separate digits or in Gray code to binary, in this chunk.
 
-        Such frames have a single limb.
+        ``as_sent`` returns the unconverted bits. Frames with such numbers have a single word.
         """
         if shape.gray is None and not shape.digit_codings:
             return
-        self._as_sent = Chunk(self.limbs, self.bits)
+        self._before_conversion = Chunk(self.words, self.bits)
         for coding in shape.digit_codings:
-            self._convert_digits(coding)
+            self._convert_from_digits(coding)
         if shape.gray is not None:
-            self.ungray(*shape.gray, shape.excess)
-        self._bytes.clear()
+            low, width = shape.gray
+            self._convert_from_gray(low, width, shape.excess)
+        # These bytes were extracted before the conversion.
+        self._cached_bytes.clear()
 
-    def _convert_digits(self, coding: DigitCoding) -> None:
-        """Convert separate digits to the number that they form. Its bits are all 1 if a digit has no valid code."""
+    def _convert_from_digits(self, coding: DigitCoding) -> None:
+        """Replace separate digits, such as BCD, by the binary number that they form.
+
+        If the code of a digit is invalid, all bits of the number are 1, which is above the highest number.
+        """
         base = len(coding.codes)
-        # The digit of each code. Codes of no digit have the digit ``base``.
+        # Each valid code has a digit below the base. The base itself marks the invalid codes.
         digits_by_code = np.full(1 << coding.digit_bits, base, np.uint8)
         digits_by_code[list(coding.codes)] = np.arange(base, dtype=np.uint8)
-        sent = shift_right(self.limbs[0], coding.low) & bit_mask(coding.width)
-        number = np.zeros_like(sent)
-        is_invalid = np.zeros(len(sent), bool)
-        for place in range(0, coding.width, coding.digit_bits):
-            code = shift_right(sent, place) & bit_mask(coding.digit_bits)
+        codes = shift_right(self.words[0], coding.low) & bit_mask(coding.width)
+        number = np.zeros_like(codes)
+        is_invalid = np.zeros(len(codes), bool)
+        place_value = 1
+        for shift in range(0, coding.width, coding.digit_bits):
+            code = shift_right(codes, shift) & bit_mask(coding.digit_bits)
             digit = digits_by_code[code.astype(np.uint8)]
             is_invalid |= digit == base
-            number += digit.astype(np.uint64) * np.uint64(base ** (place // coding.digit_bits))
+            number += digit.astype(np.uint64) * np.uint64(place_value)
+            place_value *= base
         number[is_invalid] = bit_mask(coding.width)
-        # The XOR of both is 1 in the bits that change.
-        self.limbs = [self.limbs[0] ^ shift_left(sent ^ number, coding.low)]
+        changed_bits = shift_left(codes ^ number, coding.low)
+        self.words = [self.words[0] ^ changed_bits]
 
-    def ungray(self, low: int, width: int, excess: int) -> None:
-        """Convert the ``width`` bits from ``low`` on from Gray code to binary, minus ``excess``. The others stay."""
+    def _convert_from_gray(self, low: int, width: int, excess: int) -> None:
+        """Convert the ``width`` bits from bit ``low`` on from Gray code to binary. The other bits do not change.
+
+        ``excess`` is the number that the encoder sends for position 0, and is subtracted from the binary number.
+        """
         mask = shift_left(bit_mask(width), low)
-        gray = self.limbs[0] & mask
-        # Bit n is the XOR of all Gray bits from n on, which doubling shifts collect.
+        gray = self.words[0] & mask
+        # Bit n of the binary number is the XOR of the Gray bits from n up. Shifts by 1, 2, 4, ... combine them.
         binary = gray
         shift = 1
         while shift < width:
@@ -149,117 +182,140 @@ class Chunk:
             shift *= 2
         if excess:
             binary = (binary - np.uint64(excess << low)) & mask
-        # The XOR with ``gray`` clears its bits, and the XOR with ``binary`` sets the converted bits.
-        self.limbs = [self.limbs[0] ^ gray ^ binary]
+        changed_bits = gray ^ binary
+        self.words = [self.words[0] ^ changed_bits]
 
 
-def limbs_of(rows: Any, shape: Shape) -> list[Any]:
-    """Return rows of bytes as limbs, the lowest limb first.
+def _is_in_one_byte(low: int, width: int) -> bool:
+    """Return whether the ``width`` bits from bit ``low`` on are in the same byte of a frame."""
+    return low % 8 + width <= 8
 
-    Each limb is read as one number of eight bytes. The highest limb can have fewer bytes in the row. This limb is then
-    read together with bytes of the limb below, which are shifted out.
+
+def split_into_words(rows: Any, shape: Shape) -> list[Any]:
+    """Return frames that are rows of bytes as arrays of 64-bit words. The first array has the lowest 64 bits.
+
+    Each word is read as one number of eight bytes. If fewer bytes are left for the highest word, it is read together
+    with bytes of the word below, which are then shifted out.
     """
     contiguous_rows = np.ascontiguousarray(rows)
-    row_bytes = contiguous_rows.shape[1]
-    is_little = shape.order == "little"
-    if row_bytes < _LIMB_BYTES:
-        return [_read_short_rows(contiguous_rows, is_little)]
-    limbs: list[Any] = []
-    for low_byte in range(0, row_bytes, _LIMB_BYTES):
-        # Number of bytes of the highest limb that belong to the limb below.
-        overlap = max(low_byte + _LIMB_BYTES - row_bytes, 0)
-        first_byte = low_byte - overlap
+    row_count, row_bytes = contiguous_rows.shape
+    is_little_endian = shape.order == "little"
+    if row_bytes < _WORD_BYTES:
+        return [_read_short_rows(contiguous_rows, is_little_endian)]
+    words: list[Any] = []
+    for lowest_byte in range(0, row_bytes, _WORD_BYTES):
+        # Number of bytes of the word below that are read together with the highest word.
+        overlap = max(lowest_byte + _WORD_BYTES - row_bytes, 0)
+        first_byte = lowest_byte - overlap
         # In big-endian order, the lowest byte is the last one of the row.
-        offset = first_byte if is_little else row_bytes - _LIMB_BYTES - first_byte
-        limb = _view_limb(contiguous_rows, len(contiguous_rows), offset, is_little).astype(np.uint64)
+        offset = first_byte if is_little_endian else row_bytes - _WORD_BYTES - first_byte
+        word = _view_word(contiguous_rows, row_count, offset, is_little_endian).astype(np.uint64)
         if overlap:
-            limb >>= np.uint64(8 * overlap)
-        limbs.append(limb)
-    return limbs
+            word >>= np.uint64(8 * overlap)
+        words.append(word)
+    return words
 
 
-def _view_limb(rows: Any, row_count: int, offset: int, is_little: bool) -> Any:
-    """Return a view of the first rows: one number of eight bytes in each row, from the byte ``offset`` on."""
+def _view_word(rows: Any, row_count: int, offset: int, is_little_endian: bool) -> Any:
+    """Return a view of eight bytes in each of the first ``row_count`` rows, as one word.
+
+    They begin at byte ``offset``.
+    """
     row_bytes = rows.shape[1]
-    return np.ndarray((row_count,), _get_limb_type(is_little), rows, offset, strides=(row_bytes,))
+    return np.ndarray((row_count,), _get_word_type(is_little_endian), rows, offset, strides=(row_bytes,))
 
 
-def _get_limb_type(is_little: bool) -> str:
+def _get_word_type(is_little_endian: bool) -> str:
     """Return NumPy's name for a number of eight bytes in little-endian or big-endian order."""
-    return "<u8" if is_little else ">u8"
+    return "<u8" if is_little_endian else ">u8"
 
 
-def _read_short_rows(rows: Any, is_little: bool) -> Any:
+def _read_short_rows(rows: Any, is_little_endian: bool) -> Any:
     """Return rows of fewer than eight bytes as numbers.
 
-    Eight bytes are read for each row. For the last rows, some of them would be outside the array, so these rows are
-    copied.
+    Eight bytes are read for each row, including bytes of the next rows, which are then removed. The last rows are
+    copied and padded, because eight bytes would reach beyond the array.
     """
     row_count, row_bytes = rows.shape
-    # After these rows, at least eight bytes follow.
-    direct_count = max(row_count - _LIMB_BYTES, 0)
+    # At least eight bytes follow each of these rows.
+    unpadded_count = max(row_count - _WORD_BYTES, 0)
     numbers = np.empty(row_count, np.uint64)
-    if direct_count:
-        numbers[:direct_count] = _view_limb(rows, direct_count, 0, is_little)
-    padded_rows = np.zeros((row_count - direct_count, _LIMB_BYTES), np.uint8)
-    padded_rows[:, :row_bytes] = rows[direct_count:]
-    numbers[direct_count:] = padded_rows.view(_get_limb_type(is_little))[:, 0]
+    if unpadded_count:
+        numbers[:unpadded_count] = _view_word(rows, unpadded_count, 0, is_little_endian)
+    padded_rows = np.zeros((row_count - unpadded_count, _WORD_BYTES), np.uint8)
+    padded_rows[:, :row_bytes] = rows[unpadded_count:]
+    numbers[unpadded_count:] = padded_rows.view(_get_word_type(is_little_endian))[:, 0]
     # The bytes of the next row are the high bytes in little-endian order, otherwise the low bytes.
-    if is_little:
+    if is_little_endian:
         numbers &= bit_mask(8 * row_bytes)
     else:
-        numbers >>= np.uint64(8 * (_LIMB_BYTES - row_bytes))
+        numbers >>= np.uint64(8 * (_WORD_BYTES - row_bytes))
     return numbers
 
 
-def are_within(bits: Any, check: Check, limit: int) -> Any:
-    """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
+def are_within_limits(bits: Any, check: Check, limit: int) -> Any:
+    """Return an array that is True for each number from ``check.lowest`` to ``limit``, which is the limit of the check.
+
+    ``bits`` are the bits of a field. Negative numbers are in two's complement.
+    """
     bits_type = bits.dtype.type
     mask = (1 << check.width) - 1
-    # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become the numbers from 0 on.
     if check.lowest:
+        # Modulo 2**width, the lowest number becomes 0, so one comparison checks both limits.
         bits = (bits - bits_type(check.lowest & mask)) & bits_type(mask)
     return bits <= bits_type(limit - check.lowest)
 
 
 def compute_parity(chunk: Chunk, check: Check) -> Any:
-    """Return the parity bit of each frame, of the bits as they were sent, or 0 if the encoder does not send it.
+    """Return the parity bit of each frame, which covers the bits as they were sent.
 
-    It is the XOR of the bits in ``parity_of``, inverted if ``odd`` is True.
+    The parity bit is the XOR of the bits in ``check.parity_of``, inverted if ``check.odd`` is True. It is 0 if the
+    encoder does not send a parity bit.
     """
     if not check.width:
-        return np.zeros(len(chunk.limbs[0]), np.uint8)
-    fields = [chunk.sent.take(low, width) for low, width in check.parity_of]
-    width = max(width for _, width in check.parity_of)
-    # The parity of several fields is the parity of their XOR.
-    bits = fields[0] if len(fields) == 1 else np.bitwise_xor.reduce([field.astype(np.uint64) for field in fields])
-    bits_type = bits.dtype.type
+        return np.zeros(len(chunk.words[0]), np.uint8)
+    covered_fields = [chunk.as_sent.take(low, width) for low, width in check.parity_of]
+    if len(covered_fields) == 1:
+        covered_bits = covered_fields[0]
+    else:
+        # The parity of several fields is the parity of their XOR.
+        covered_bits = np.bitwise_xor.reduce([field.astype(np.uint64) for field in covered_fields])
+    highest_width = max(width for _, width in check.parity_of)
+    bits_type = covered_bits.dtype.type
     if check.mask:
-        bits = bits & bits_type(check.mask & ((1 << width) - 1))
-    parity = _fold_to_one_bit(bits, width)
-    return parity ^ bits_type(check.odd)
+        mask_within_fields = check.mask & ((1 << highest_width) - 1)
+        covered_bits = covered_bits & bits_type(mask_within_fields)
+    even_parity = _xor_bits_of_each(covered_bits, highest_width)
+    return even_parity ^ bits_type(check.odd)
 
 
-def _fold_to_one_bit(bits: Any, width: int) -> Any:
-    """Return the XOR of the ``width`` bits of each number, by folding their upper half onto their lower half.
+def _xor_bits_of_each(numbers: Any, width: int) -> Any:
+    """Return the XOR of the ``width`` lowest bits of each number: 1 for an odd number of ones. Higher bits must be 0.
 
-    Bits above the width must be 0. An example of width 4: ``1011 -> 10 ^ 11 = 01 -> 0 ^ 1 = 1``.
+    The upper half of the bits is folded onto the lower half until one bit is left. An example with four bits is
+    ``1011 -> 10 ^ 11 = 01 -> 0 ^ 1 = 1``.
     """
-    bits_type = bits.dtype.type
-    # Half of the smallest power of two that is not below the width: 4 for the widths 5 to 8.
-    half = (1 << max(width - 1, 0).bit_length()) // 2
-    while half:
-        bits = bits ^ (bits >> bits_type(half))
-        half //= 2
-    return bits & bits_type(1)
+    number_type = numbers.dtype.type
+    # The width is rounded up to a power of two: half of it is 4 for the widths 5 to 8.
+    half_width = (1 << max(width - 1, 0).bit_length()) // 2
+    while half_width:
+        numbers = numbers ^ (numbers >> number_type(half_width))
+        half_width //= 2
+    return numbers & number_type(1)
 
 
-def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
-    """Return the bits in which each CRC differs from the computed CRC, 0 if it matches."""
+def compute_crc(chunk: Chunk, crc: CrcOf) -> Any:
+    """Return the CRC of each frame of a chunk in which the bits of the CRC are still 0."""
+    # The difference between a CRC of 0 and the computed CRC is the computed CRC.
+    return find_crc_difference(chunk, crc)
+
+
+def find_crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
+    """Return the XOR of the CRC in each frame and the CRC computed from the frame. It is 0 if they are equal."""
     if crc.steps:
-        return _fold_crc(chunk.limbs[0], crc, chunk.bits)
+        return _fold_crc(chunk.words[0], crc, chunk.bits)
     if crc.is_xor:
-        return _xor_bytes(chunk, crc.xorout)
+        return _xor_all_bytes(chunk, crc.xorout)
     # For other CRCs, each byte of the frame contributes an entry of its table.
     first_table, *other_tables = _make_crc_tables(crc.differs, chunk.bits)
     difference = first_table[chunk.byte(0)]
@@ -268,53 +324,56 @@ def compare_crc(chunk: Chunk, crc: CrcOf) -> Any:
     return difference
 
 
-def _xor_bytes(chunk: Chunk, xorout: int) -> Any:
-    """Return the XOR of all bytes of each frame, including the CRC, by folding 64 bits to 32, 16 and 8."""
-    number = reduce(np.bitwise_xor, chunk.limbs)
-    half = (number ^ shift_right(number, 32)).astype(np.uint32)
-    half ^= half >> np.uint32(16)
-    half ^= half >> np.uint32(8)
-    difference = half.astype(np.uint8)
-    return difference ^ np.uint8(xorout) if xorout else difference
+def _xor_all_bytes(chunk: Chunk, xorout: int) -> Any:
+    """Return the XOR of all bytes of each frame, including its CRC, and of ``xorout``. It is 0 if the CRC is correct.
+
+    The 64 bits are folded to 32, 16 and 8 bits.
+    """
+    number = reduce(np.bitwise_xor, chunk.words)
+    folded = (number ^ shift_right(number, 32)).astype(np.uint32)
+    folded ^= folded >> np.uint32(16)
+    folded ^= folded >> np.uint32(8)
+    xor_of_bytes = folded.astype(np.uint8)
+    return xor_of_bytes ^ np.uint8(xorout) if xorout else xor_of_bytes
 
 
 def _fold_crc(number: Any, crc: CrcOf, bits: int) -> Any:
-    """Return the remainders of numbers of ``bits`` bits with their CRC, 0 if it matches.
+    """Return the remainder of each frame, a number of ``bits`` bits, after division by the polynomial of its CRC.
 
-    A step removes the bits from ``step.shift`` on, and adds them to the lower ones (``step.mask``) twice: from bit 0
-    on, and from bit ``step.back`` on. The remainder of the division by the polynomial stays the same. Numbers that fit
-    into 32 bits are computed in 32 bits, which takes half the time.
+    The remainder is 0 if the CRC is correct. Each step removes the bits from ``step.shift`` up, and XORs them onto the
+    lower bits (``step.mask``) at two places: at bit 0 and, unless ``step.back`` is 0, at bit ``step.back``. This does
+    not change the remainder. As soon as the numbers fit into 32 bits, the steps use 32-bit numbers, which takes half
+    the time.
     """
     remainder = number ^ np.uint64(crc.xorout) if crc.xorout else number
-    word_type = np.uint64
+    number_type = np.uint64
     remaining_bits = bits
     for step in crc.steps:
-        has_bits_to_fold = remaining_bits > step.shift
-        if not has_bits_to_fold:
+        if remaining_bits <= step.shift:
+            # There are no bits to fold.
             continue
-        high = remainder >> word_type(step.shift)
-        remainder = remainder & word_type(step.mask)
-        # The width of the remainder: the width of the low bits, or of the folded high bits.
-        folded_bits = remaining_bits - step.shift + step.back
-        remaining_bits = max(step.shift, folded_bits)
-        if word_type is np.uint64 and remaining_bits <= 32:
-            word_type = np.uint32
-            remainder = remainder.astype(word_type)
-            high = high.astype(word_type)
-        remainder ^= high
+        high_bits = remainder >> number_type(step.shift)
+        remainder = remainder & number_type(step.mask)
+        folded_width = remaining_bits - step.shift + step.back
+        remaining_bits = max(step.shift, folded_width)
+        if number_type is np.uint64 and remaining_bits <= 32:
+            number_type = np.uint32
+            remainder = remainder.astype(number_type)
+            high_bits = high_bits.astype(number_type)
+        remainder ^= high_bits
         if step.back:
-            high <<= word_type(step.back)
-            remainder ^= high
+            high_bits <<= number_type(step.back)
+            remainder ^= high_bits
     return remainder
 
 
 @lru_cache(maxsize=64)
 def _make_crc_tables(compute_difference: Callable[[int], int], bits: int) -> tuple[Any, ...]:
-    """Return one table per byte of a frame. The XOR of the entries for all bytes is the CRC difference of the frame.
+    """Return a table of 256 entries for each byte of a frame of ``bits`` bits, the lowest byte first.
 
-    ``compute_difference`` returns the CRC difference of one frame: its CRC XOR the CRC computed from its other bits.
-    Each bit contributes the same difference in every frame, so the differences of bytes can be combined with XOR. The
-    difference of the frame 0 is part of every difference, and is included in the first table.
+    The XOR of the entries for all bytes of a frame is its CRC difference: the CRC in the frame XOR the CRC computed
+    from its other bits. ``compute_difference`` computes this for one frame. Each bit contributes the same difference to
+    every frame, so the contributions can be combined by XOR. The first table also includes the difference of frame 0.
     """
     zero_difference = compute_difference(0)
     tables: list[Any] = []

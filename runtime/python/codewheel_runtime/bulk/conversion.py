@@ -35,7 +35,7 @@ class Columns(Protocol):
 
 
 def insert_none(hidden: Iterable[bool], cells: Iterable[Any]) -> list[Any]:
-    """Return the cells of a column, with None for those that are hidden."""
+    """Return the cells of a column as a list, with None in place of the cells for which ``hidden`` is True."""
     return [None if is_hidden else cell for cell, is_hidden in zip(cells, hidden, strict=True)]
 
 
@@ -45,27 +45,32 @@ def list_texts(column: Any) -> list[str]:
 
 
 def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
-    """Return columns as Arrow arrays, ``fault`` and ``verdict`` as strings.
+    """Return columns as Arrow arrays by name, ``fault`` and ``verdict`` as strings.
 
-    Values without meaning, such as a position that is not usable, are null unless ``raw``. NaN is always null.
+    Values without meaning, such as a position that is not usable, are null unless ``raw`` is True. NaN is always null.
     """
     pa: Any = load("pyarrow")
     arrays: dict[str, Any] = {}
     for name in names:
         column = table[name]
         hidden = None if raw else table.hidden(name)
+        scale = table.scale(name)
         if name in WORDS:
             # The numbers of the column are indices of its words. They are small, so int8 is enough.
             arrays[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(WORDS[name]))
-        elif (scale := table.scale(name)) is not None:
-            arrays[name] = pa.array(column, pa.decimal128(_DECIMAL_PRECISION, scale.places), mask=hidden)
+        elif scale is not None:
+            decimal_type = pa.decimal128(_DECIMAL_PRECISION, scale.places)
+            arrays[name] = pa.array(column, decimal_type, mask=hidden)
         else:
             arrays[name] = _arrow_array(pa, column, hidden)
     return arrays
 
 
 def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
-    """Return a column as an Arrow array. In arrays of numbers and flags, values at ``hidden``, and NaN, become null."""
+    """Return a column as an Arrow array. ``pa`` is the module ``pyarrow``.
+
+    In arrays of numbers and flags, NaN and the values for which ``hidden`` is True become null.
+    """
     if _is_text(column):
         return pa.array(list_texts(column), pa.string())
     is_numpy_array = hasattr(getattr(column, "dtype", None), "kind")
@@ -73,9 +78,9 @@ def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
 
 
 def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
-    """Return columns for pandas, with ``fault`` and ``verdict`` as categories.
+    """Return columns for pandas by name, with ``fault`` and ``verdict`` as categories.
 
-    Values without meaning, such as a position that is not usable, are null unless ``raw``.
+    Values without meaning, such as a position that is not usable, are null unless ``raw`` is True.
     """
     pd: Any = load("pandas")
     columns: dict[str, Any] = {}
@@ -96,6 +101,6 @@ def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> d
 
 
 def _is_text(column: Any) -> bool:
-    """Return whether a column is an array of byte strings. Other columns of a file may lack a NumPy type."""
+    """Return whether a column is a NumPy array of byte strings. Other columns of a file may have another type."""
     dtype = getattr(column, "dtype", None)
     return getattr(dtype, "kind", "") == "S"

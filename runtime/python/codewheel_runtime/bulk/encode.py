@@ -8,7 +8,7 @@ from typing import Any, Final, NamedTuple
 
 from ..codec import NO_SUCH_FLAG, assert_never
 from ..errors import RangeError
-from .chunk import Chunk, are_within, bit_mask, compare_crc, compute_parity, np, shift_left, shift_right
+from .chunk import Chunk, are_within_limits, bit_mask, compute_crc, compute_parity, np, shift_left, shift_right
 from .decode import CHUNK
 from .shape import Column, DigitCoding, Join, Shape, find_scales, find_width
 from .table import Table
@@ -18,7 +18,7 @@ ARRAY_KINDS: Final[Mapping[str, str]] = {"text": "SU", "flag": "uib", "not_flag"
 
 
 class RowError(RangeError):
-    """A field cannot be encoded. ``row`` is the index of the first row with such a field."""
+    """A value cannot be encoded. ``row`` is the index of the first row with such a value."""
 
     def __init__(self, row: int, field: str, value: object, allowed: str) -> None:
         super().__init__(field, value, allowed)
@@ -65,7 +65,11 @@ class FirstError:
 
 
 def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
-    """Encode the frames in ``columns``. For the arguments, see ``encode_many`` of the frame's class."""
+    """Return the frames whose fields are in ``columns``, as rows of bytes or as 64-bit numbers.
+
+    ``columns`` is a decoded table, or arrays by name. Raises RowError if a value does not fit its field.
+    """
+    # Columns of a table that were not decoded from frames, such as ``time``, are ignored.
     other_names: Iterable[str] = ()
     if isinstance(columns, Table):
         other_names = columns.others
@@ -77,10 +81,11 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
     for start in range(0, count, CHUNK):
         rows = slice(start, start + CHUNK)
         first_error = FirstError()
-        limbs = _encode_rows({name: column[rows] for name, column in arrays.items()}, shape, first_error)
+        arrays_of_chunk = {name: array[rows] for name, array in arrays.items()}
+        words = _encode_rows(arrays_of_chunk, shape, first_error)
         first_error.raise_first(start)
-        # A frame of bits has at most 64 bits, so one limb.
-        frames[rows] = _convert_to_rows(limbs, shape) if shape.length else limbs[0]
+        # A frame of bits has at most 64 bits, which are one word.
+        frames[rows] = _convert_to_rows(words, shape) if shape.length else words[0]
     return frames
 
 
@@ -100,9 +105,9 @@ def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable
         fields |= dict.fromkeys(list_names(column), column)
     _check_names([*columns], fields, shape, other_names)
     joined_names = [join.name for join in shape.joins]
-    needed = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
-    arrays = {name: _make_array(name, columns[name]) for name in needed}
-    # Single values become arrays without dimensions.
+    names_present = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
+    arrays = {name: _make_array(name, columns[name]) for name in names_present}
+    # Single values become arrays without dimensions. If there are only single values, there is one row.
     row_count = max((array.size for array in arrays.values() if array.ndim), default=1)
     for name, array in arrays.items():
         field_kind = fields[name].kind if name in fields else "number"
@@ -182,49 +187,52 @@ def list_names(column: Column) -> tuple[str, ...]:
     return tuple(name for name, _, _ in column.runs) or (column.name,)
 
 
-def _make_limbs_of_constants(shape: Shape, row_count: int) -> list[Any]:
-    """Return limbs of frames in which only the constant bits are set, the lowest limb first."""
-    limbs: list[Any] = []
-    for low in range(0, shape.bits, 64):
-        constant = np.uint64((shape.fixed >> low) & ((1 << 64) - 1))
-        limbs.append(np.full(row_count, constant))
-    return limbs
+def _make_words_of_constants(shape: Shape, row_count: int) -> list[Any]:
+    """Return frames in which only the constant bits are set, as arrays of 64-bit words, the lowest word first."""
+    words: list[Any] = []
+    for lowest_bit in range(0, shape.bits, 64):
+        constant_bits = (shape.fixed >> lowest_bit) & ((1 << 64) - 1)
+        words.append(np.full(row_count, np.uint64(constant_bits)))
+    return words
 
 
 def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> list[Any]:
-    """Return the frames as numbers in 64-bit limbs: a list of arrays, the lowest limb first.
+    """Return the encoded frames as arrays of 64-bit words, the lowest word first.
 
-    Each array has an element for each frame. Errors in the values are added to ``first_error``.
+    Each array has an element for each frame. ``arrays`` contains the values of each field by name. A value that does
+    not fit is recorded in ``first_error``.
     """
     row_count = len(next(iter(arrays.values())))
-    limbs = _make_limbs_of_constants(shape, row_count)
+    words = _make_words_of_constants(shape, row_count)
     if "fault" in arrays:
         faults = arrays["fault"]
         first_error.add(faults != 0, "fault", faults, allowed="0 (a frame with an error has no values)")
     for column in shape.columns:
-        if all(name in arrays for name in list_names(column)):
+        has_values = all(name in arrays for name in list_names(column))
+        if has_values:
             for piece in _encode_field(arrays, column, first_error):
-                _insert(limbs, piece.low, piece.width, piece.bits)
+                _insert_bits(words, piece.low, piece.width, piece.bits)
         elif column.kind == "not_flag":
             # A missing flag is inactive. For an active-low flag, the bit is 1.
-            _insert(limbs, column.low, column.width, np.ones(row_count, np.uint64))
+            _insert_bits(words, column.low, column.width, np.ones(row_count, np.uint64))
     for join in shape.joins:
         if join.name in arrays:
-            _insert_join(limbs, arrays, shape, join, first_error)
-    _insert_unused(limbs, arrays, shape, first_error)
-    _check_values(limbs, arrays, shape, first_error)
-    _finish(limbs, shape)
-    return limbs
+            _insert_joined_number(words, arrays, shape, join, first_error)
+    _insert_unused_bits(words, arrays, shape, first_error)
+    _check_values(words, arrays, shape, first_error)
+    _convert_from_binary(words, shape)
+    _insert_parities_and_crc(words, shape)
+    return words
 
 
-def _insert(limbs: list[Any], low: int, width: int, bits: Any) -> None:
-    """Insert ``width`` bits of each frame from bit ``low`` on, where all bits are still 0."""
-    limb_index, shift = divmod(low, 64)
+def _insert_bits(words: list[Any], low: int, width: int, bits: Any) -> None:
+    """Insert ``width`` bits into each frame from bit ``low`` up. These bits of ``words`` must still be 0."""
+    word_index, shift = divmod(low, 64)
     if width:
-        limbs[limb_index] |= shift_left(bits, shift)
-    # The field can continue in the next limb.
-    if shift + width > 64:
-        limbs[limb_index + 1] |= shift_right(bits, 64 - shift)
+        words[word_index] |= shift_left(bits, shift)
+    continues_in_next_word = shift + width > 64
+    if continues_in_next_word:
+        words[word_index + 1] |= shift_right(bits, 64 - shift)
 
 
 class _Piece(NamedTuple):
@@ -236,10 +244,10 @@ class _Piece(NamedTuple):
 
 
 def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[_Piece]:
-    """Yield the pieces of a field. Wrong values are added to ``first_error``.
+    """Yield the bits of a field with their place in the frame. A value that does not fit goes into ``first_error``.
 
-    A string has one piece for each character, and any other field has one piece. ``arrays`` contains the columns by
-    name.
+    A text field has one piece for each character, and any other field has a single piece. ``arrays`` contains the
+    values of each field by name.
     """
     # Only a field of decimal digits has several columns, which ``_encode_digits`` takes from ``arrays``.
     first_name = list_names(column)[0]
@@ -262,17 +270,17 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
 
 
 def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
-    """Return the bits of a flag: 1 for True, or for False if the flag is active low.
+    """Return the bit of a flag in each frame: 1 for an active flag, or 0 if the flag is active low.
 
-    Wrong values, and active flags that the encoder does not send, are added to ``first_error``.
+    Values other than True and False, and active flags that the encoder does not send, go into ``first_error``.
     """
     is_active = values != 0
     if values.dtype.kind != "b":
         first_error.add(is_active & (values != 1), column.name, values, allowed="True or False")
     if not column.width:
         first_error.add(is_active, column.name, values, allowed=NO_SUCH_FLAG)
-    level_if_active = column.kind == "flag"
-    return (is_active == level_if_active).astype(np.uint64)
+    is_active_high = column.kind == "flag"
+    return (is_active == is_active_high).astype(np.uint64)
 
 
 def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Any:
@@ -280,7 +288,8 @@ def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: First
 
     Groups and numbers that are too large are added to ``first_error``.
     """
-    number = np.zeros(len(next(iter(arrays.values()))), np.uint64)
+    first_name, *_ = column.runs[0]
+    number = np.zeros(len(arrays[first_name]), np.uint64)
     for name, divisor, modulus in column.runs:
         digits = _check_unsigned(arrays[name], first_error, name, modulus - 1)
         number += digits * np.uint64(divisor)
@@ -291,11 +300,12 @@ def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: First
 
 
 def _encode_signed(values: Any, column: Column, first_error: FirstError) -> Any:
-    """Return the bits of a signed number in two's complement. Wrong values are added to ``first_error``."""
+    """Return the bits of a signed number in two's complement. Values that do not fit go into ``first_error``."""
     sign_bit = (1 << column.width) >> 1
-    # A field without bits has only the value 0.
-    highest = max(sign_bit, 1) - 1
+    # A field without bits can only have the value 0.
+    highest = sign_bit - 1 if sign_bit else 0
     is_wrong = values > highest if sign_bit else values != 0
+    # Unsigned arrays have no negative values.
     if values.dtype.kind == "i":
         is_wrong = is_wrong | (values < -sign_bit)
     first_error.add(is_wrong, column.name, values, allowed=f"{-sign_bit} to {highest}")
@@ -303,10 +313,10 @@ def _encode_signed(values: Any, column: Column, first_error: FirstError) -> Any:
 
 
 def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
-    """Return the bits of an unsigned number as unsigned 64-bit numbers.
+    """Return the bits of an unsigned number as 64-bit numbers. Values that do not fit go into ``first_error``.
 
-    If 0 has another meaning in the field, such as 16, then 16 is sent as 0 and the value 0 is an error. Wrong values
-    are added to ``first_error``.
+    If the bits 0 stand for another number (``column.zero_means``), such as 16, then 16 is sent as 0, and the value 0 is
+    an error. Some fields only accept powers of two.
     """
     if column.power_of_two:
         # A power of two has a single bit, which subtracting 1 clears.
@@ -316,11 +326,13 @@ def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
     if column.zero_means:
         first_error.add(values == 0, column.name, values, allowed=f"1 to {column.zero_means}")
         values = np.where(values == column.zero_means, values.dtype.type(0), values)
-    return _check_unsigned(values, first_error, column.name, (1 << column.width) - 1)
+    highest = (1 << column.width) - 1
+    return _check_unsigned(values, first_error, column.name, highest)
 
 
 def _check_unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> Any:
-    """Return numbers as unsigned 64-bit numbers. Numbers outside 0 to ``highest`` are added to ``first_error``."""
+    """Return numbers as unsigned 64-bit numbers. Numbers outside 0 to ``highest`` go into ``first_error``."""
+    # Unsigned arrays have no negative values.
     is_wrong = values < 0 if values.dtype.kind == "i" else np.zeros(len(values), bool)
     bits = values.astype(np.uint64)
     if highest < (1 << 64) - 1:
@@ -330,79 +342,86 @@ def _check_unsigned(values: Any, first_error: FirstError, name: str, highest: in
 
 
 def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterator[_Piece]:
-    """Yield the characters of strings as pieces of 8 bits.
+    """Yield the characters of a text field as pieces of 8 bits, from the highest place in the frame to the lowest.
 
-    The first character is the most significant. Trailing NUL characters may be omitted. A longer string, or one with a
-    character that is not Latin-1, is added to ``first_error``.
+    ``values`` is an array of strings. A string that is shorter than the field is padded with NUL characters. A longer
+    string, or a string with a character that is not Latin-1, goes into ``first_error``.
     """
     length = column.width // _CHARACTER_BITS
     # NumPy stores the characters of a bytes array (S) in one byte each, and the characters of a text array (U) in four.
     character_type = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
     stored_count = values.dtype.itemsize // character_type.itemsize
     # A row for each string and a column for each character, with NUL where the strings are shorter than the field.
-    letters = np.zeros((len(values), max(length, stored_count)), character_type)
+    characters = np.zeros((len(values), max(length, stored_count)), character_type)
     # Without gaps and in the byte order of this machine, the memory of the strings can be viewed as characters.
     contiguous_values = np.ascontiguousarray(values, values.dtype.newbyteorder("="))
-    letters[:, :stored_count] = contiguous_values.view(character_type).reshape(len(values), stored_count)
-    is_not_latin_1 = (letters > _LAST_LATIN_1).any(axis=1)
-    is_too_long = letters[:, length:].any(axis=1)
+    characters[:, :stored_count] = contiguous_values.view(character_type).reshape(len(values), stored_count)
+    is_not_latin_1 = (characters > _LAST_LATIN_1).any(axis=1)
+    is_too_long = characters[:, length:].any(axis=1)
     first_error.add(is_not_latin_1 | is_too_long, column.name, values, allowed=f"{length} Latin-1 characters")
     for index in range(length):
         following_characters = length - 1 - index
         low = column.low + _CHARACTER_BITS * following_characters
-        yield _Piece(low, _CHARACTER_BITS, letters[:, index].astype(np.uint64))
+        yield _Piece(low, _CHARACTER_BITS, characters[:, index].astype(np.uint64))
 
 
-def _insert_join(
-    limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, join: Join, first_error: FirstError
+def _insert_joined_number(
+    words: list[Any], arrays: Mapping[str, Any], shape: Shape, join: Join, first_error: FirstError
 ) -> None:
-    """Insert the fields of a joined number. Fields that are also given separately must agree with it.
+    """Insert a number that consists of several fields into the frames, such as a position of multiturn and singleturn.
 
-    The latter are in ``limbs`` already. If they differ, the joined number is added to ``first_error``.
+    Fields whose values are also given separately are in ``words`` already. If they differ from their bits in the joined
+    number, it goes into ``first_error``.
     """
     width = find_width(shape, join)
     joined_numbers = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
     by_name = {column.name: column for column in shape.columns}
-    for name, offset in join.fields:
+    # Each field is listed with the place of its lowest bit in the joined number.
+    for name, place in join.fields:
         column = by_name[name]
         if not column.width:
             continue
-        bits = shift_right(joined_numbers, offset) & bit_mask(column.width)
+        bits = shift_right(joined_numbers, place) & bit_mask(column.width)
         is_given_separately = all(field_name in arrays for field_name in list_names(column))
         if is_given_separately:
-            separate_bits = Chunk(limbs, shape.bits).take(column.low, column.width)
+            separate_bits = Chunk(words, shape.bits).take(column.low, column.width)
             first_error.add(separate_bits != bits, join.name, arrays[join.name], allowed="equal to its fields")
         else:
-            _insert(limbs, column.low, column.width, bits)
+            _insert_bits(words, column.low, column.width, bits)
 
 
-def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
-    """Insert unused bits as in the manual, inverted where the column ``unused`` of ``arrays`` is 1.
+def _insert_unused_bits(words: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
+    """Insert the unused bits with their values in the manual, inverted where a bit of the column ``unused`` is 1.
 
-    The column contains all unused bits side by side: ``place`` is a position in it, and ``low`` a position in the
-    frame. Without the column, all are as in the manual.
+    This column contains all unused bits of a frame side by side: ``place`` is a bit in the column, and ``low`` a bit in
+    the frame. Without this column, all unused bits have their values in the manual. Other bits that are 1 in the column
+    are an error, which goes into ``first_error``.
     """
-    no_differences = np.zeros(len(limbs[0]), np.uint8)
+    no_differences = np.zeros(len(words[0]), np.uint8)
     differences = arrays.get("unused", no_differences)
-    difference_bits = differences.astype(np.uint64)
+    differing_bits = differences.astype(np.uint64)
     unused_mask = sum(((1 << unused.width) - 1) << unused.place for unused in shape.unused)
-    is_outside = (difference_bits & ~np.uint64(unused_mask & ((1 << 64) - 1))) != 0
-    first_error.add(is_outside, "unused", differences, allowed=f"within the mask {unused_mask:#x}")
+    other_bits_mask = ~np.uint64(unused_mask & ((1 << 64) - 1))
+    has_other_bits = (differing_bits & other_bits_mask) != 0
+    first_error.add(has_other_bits, "unused", differences, allowed=f"within the mask {unused_mask:#x}")
     for unused in shape.unused:
         bits_in_manual = np.uint64(unused.value)
-        bits_to_send = shift_right(difference_bits, unused.place) ^ bits_in_manual
-        _insert(limbs, unused.low, unused.width, bits_to_send & bit_mask(unused.width))
+        bits_to_send = shift_right(differing_bits, unused.place) ^ bits_in_manual
+        _insert_bits(words, unused.low, unused.width, bits_to_send & bit_mask(unused.width))
 
 
-def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
-    """Add the first value to ``first_error`` that is not one of its field's values, or is outside its limits."""
+def _check_values(words: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
+    """Record the first value in ``first_error`` that is not one of its field's allowed values, or exceeds its limits.
+
+    ``words`` are the frames so far, and ``arrays`` the values of each field by name, for the error.
+    """
     columns_by_place = {(column.low, column.width): column for column in shape.columns}
     for check in shape.checks:
         column = columns_by_place.get((check.low, check.width))
         # No column covers constants, and parity bits are computed.
         if column is None or check.parity_of:
             continue
-        bits = Chunk(limbs, shape.bits).take(check.low, check.width)
+        bits = Chunk(words, shape.bits).take(check.low, check.width)
         if check.limit is None:
             # A value that needs more bits than the field never occurs in it.
             possible_values = [value for value in check.values if not value >> check.width]
@@ -410,53 +429,71 @@ def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
             values = arrays.get(column.name, bits)
             first_error.add(~np.isin(bits, possible_values), column.name, values, allowed=allowed)
             continue
-        is_within = are_within(bits, check, check.limit)
+        is_within = are_within_limits(bits, check, check.limit)
         if column.kind == "signed":
             first_error.add(~is_within, column.name, arrays[column.name], allowed=f"{check.lowest} to {check.limit}")
         else:
             first_error.add(~is_within, column.name, bits, allowed=f"at most {check.limit}")
 
 
-def _finish(limbs: list[Any], shape: Shape) -> None:
-    """Apply digit codes and Gray code, then insert the parity bits, which cover it, and the CRC, which covers both."""
+def _convert_from_binary(words: list[Any], shape: Shape) -> None:
+    """Convert binary numbers to separate digits and to Gray code, where the encoder sends these. Changes ``words``.
+
+    Frames with such numbers have a single word.
+    """
     for coding in shape.digit_codings:
-        _convert_to_digits(limbs, coding)
+        _convert_to_digits(words, coding)
     if shape.gray is not None:
-        _convert_to_gray(limbs, *shape.gray, excess=shape.excess)
-    chunk = Chunk(limbs, shape.bits)
+        low, width = shape.gray
+        _convert_to_gray(words, low, width, shape.excess)
+
+
+def _insert_parities_and_crc(words: list[Any], shape: Shape) -> None:
+    """Insert the parity bits, then the CRC, which covers them too. Both cover the bits as they are sent."""
+    chunk = Chunk(words, shape.bits)
     for check in shape.parities:
-        _insert(limbs, check.low, check.width, compute_parity(chunk, check).astype(np.uint64))
+        parity_bits = compute_parity(chunk, check).astype(np.uint64)
+        _insert_bits(words, check.low, check.width, parity_bits)
     if shape.crc is not None:
-        # The CRC bits are still 0, so the difference from them is the CRC.
-        crc_bits = compare_crc(Chunk(limbs, shape.bits), shape.crc).astype(np.uint64)
-        _insert(limbs, shape.crc.low, shape.crc.width, crc_bits)
+        # A new chunk, because the first one can have cached bytes from before the parity bits.
+        chunk_with_parities = Chunk(words, shape.bits)
+        crc_bits = compute_crc(chunk_with_parities, shape.crc).astype(np.uint64)
+        _insert_bits(words, shape.crc.low, shape.crc.width, crc_bits)
 
 
-def _convert_to_digits(limbs: list[Any], coding: DigitCoding) -> None:
-    """Convert a number to its digits, which are sent separately."""
+def _convert_to_digits(words: list[Any], coding: DigitCoding) -> None:
+    """Replace a binary number in each frame by the codes of its digits, such as BCD. Changes the first word."""
     base = np.uint64(len(coding.codes))
     codes = np.array(coding.codes, np.uint64)
-    number = shift_right(limbs[0], coding.low) & bit_mask(coding.width)
-    limbs[0] ^= shift_left(number, coding.low)
+    number = shift_right(words[0], coding.low) & bit_mask(coding.width)
+    # Clear the bits of the number, which the codes replace.
+    words[0] ^= shift_left(number, coding.low)
     for place in range(0, coding.width, coding.digit_bits):
-        code = codes[(number % base).astype(np.intp)]
-        limbs[0] |= shift_left(code & bit_mask(coding.width - place), coding.low + place)
+        lowest_digit = (number % base).astype(np.intp)
+        # The highest digit can have fewer bits than its code.
+        code_within_field = codes[lowest_digit] & bit_mask(coding.width - place)
+        words[0] |= shift_left(code_within_field, coding.low + place)
         number = number // base
 
 
-def _convert_to_gray(limbs: list[Any], low: int, width: int, excess: int) -> None:
-    """Add ``excess`` to the ``width`` bits from ``low`` on, and convert them to Gray code."""
+def _convert_to_gray(words: list[Any], low: int, width: int, excess: int) -> None:
+    """Convert the ``width`` bits from bit ``low`` on from binary to Gray code. Changes the first word.
+
+    ``excess`` is the number that the encoder sends for position 0, and is added to the binary number first.
+    """
     if excess:
-        # No position and its excess together are wider than the bits.
-        limbs[0] += np.uint64(excess << low)
-    binary = shift_right(limbs[0], low) & bit_mask(width)
+        # The sum of a position and the excess always fits into the bits.
+        words[0] += np.uint64(excess << low)
+    binary = shift_right(words[0], low) & bit_mask(width)
     # The Gray code of n is n ^ n >> 1.
-    limbs[0] ^= shift_left(shift_right(binary, 1), low)
+    words[0] ^= shift_left(shift_right(binary, 1), low)
 
 
-def _convert_to_rows(limbs: list[Any], shape: Shape) -> Any:
-    """Return the bytes of each frame in the order in which they are sent."""
-    # The bytes of all limbs, the lowest first. The highest limb can have more bytes than the frame.
-    rows = np.stack([limb.astype("<u8").view(np.uint8).reshape(-1, 8) for limb in limbs], 1)
-    rows = rows.reshape(len(limbs[0]), -1)[:, : shape.length]
+def _convert_to_rows(words: list[Any], shape: Shape) -> Any:
+    """Return the bytes of each frame as a row, in the order in which they are sent."""
+    # The bytes of each word, the lowest byte first, as one row for each frame.
+    bytes_by_word = [word.astype("<u8").view(np.uint8).reshape(-1, 8) for word in words]
+    rows = np.stack(bytes_by_word, axis=1).reshape(len(words[0]), -1)
+    # The highest word can have more bytes than the frame.
+    rows = rows[:, : shape.length]
     return rows if shape.order == "little" else rows[:, ::-1]

@@ -26,16 +26,16 @@ LengthUnit = Literal["counts", "micrometres", "millimetres", "metres"]
 #: Units for speeds: a unit per second, or revolutions per minute.
 SpeedUnit = Unit | Literal["rpm"]
 
-#: Size of one turn in each angular unit, and size of each unit of length in micrometres.
-_OF_A_TURN: Final[Mapping[str, float]] = {"turns": 1, "degrees": 360, "radians": tau}
-_OF_A_LENGTH: Final[Mapping[str, int]] = {"micrometres": 1, "millimetres": 1_000, "metres": 1_000_000}
-_POSITION_UNITS: Final = ("counts", *_OF_A_TURN, *_OF_A_LENGTH)
+#: Size of one turn in each angular unit, and size of each unit of length in micrometers.
+_UNITS_PER_TURN: Final[Mapping[str, float]] = {"turns": 1, "degrees": 360, "radians": tau}
+_MICROMETERS_PER_UNIT: Final[Mapping[str, int]] = {"micrometres": 1, "millimetres": 1_000, "metres": 1_000_000}
+_POSITION_UNITS: Final = ("counts", *_UNITS_PER_TURN, *_MICROMETERS_PER_UNIT)
 
 
-def all_match(columns: Any, when: Iterable[tuple[str, int]]) -> Any:
-    """Return an array that is True where all these columns have the corresponding values."""
+def all_match(columns: Any, values: Iterable[tuple[str, int]]) -> Any:
+    """Return an array that is True for each row in which all these columns have the values next to their names."""
     matches: Any = True
-    for name, value in when:
+    for name, value in values:
         matches = matches & (columns[name] == value)
     return matches
 
@@ -145,7 +145,9 @@ class Table(_TableOf[_Name, _Unit]):
 
     @property
     def position(self) -> Any:
-        """Raw position of each frame in counts, including invalid frames. See ``usable_position``.
+        """Raw position of each frame in counts, including invalid frames.
+
+        Prefer ``usable_position``, which masks these.
 
         Raises:
             AttributeError: The frames have no position.
@@ -181,31 +183,33 @@ class Table(_TableOf[_Name, _Unit]):
 
         This includes positions with a warning, and positions with the verdict ``UNKNOWN``.
         """
-        worst = [*Verdict].index(Verdict.NOT_USABLE)
-        return self.ok if self._verdict is None else (self._verdict != worst) & self.ok
+        if self._verdict is None:
+            return self.ok
+        not_usable = [*Verdict].index(Verdict.NOT_USABLE)
+        return (self._verdict != not_usable) & self.ok
 
     @property
     def reports(self) -> dict[str, Any]:
         """Arrays by name of the report. Each is True for the valid frames with that report."""
         reports: dict[str, Any] = {}
-        for condition in self._report_causes:
-            reports[condition.report] = self._find_active(condition) & self.ok
+        for cause in self._report_causes:
+            reports[cause.report] = self._find_active(cause) & self.ok
         return reports
 
-    def _find_active(self, condition: ReportCause) -> Any:
-        """Return an array that is True for the frames to which a report applies, valid or not.
+    def _find_active(self, cause: ReportCause) -> Any:
+        """Return an array that is True for the frames in which the cause of a report is active, valid or not.
 
-        Its condition is columns with certain values, or an active flag, or unused bits that differ from the manual.
+        The cause is columns with certain values, or an active flag, or unused bits that differ from the manual.
         """
-        if condition.when:
-            return all_match(self, condition.when)
-        if condition.flag:
-            return self._find_column(condition.flag)
+        if cause.when:
+            return all_match(self, cause.when)
+        if cause.flag:
+            return self._find_column(cause.flag)
         unused: Any = self._find_column("unused")
-        # The mask is limited to the width of the column, as NumPy requires.
+        # NumPy requires that the mask fits the type of the column, which has all unused bits.
         column_bits = 8 * unused.itemsize
-        possible_mask = condition.mask & ((1 << column_bits) - 1)
-        return (unused & possible_mask) != 0
+        mask_in_column = cause.mask & ((1 << column_bits) - 1)
+        return (unused & mask_in_column) != 0
 
     @property
     def others(self) -> Mapping[str, Any]:
@@ -252,7 +256,7 @@ class Table(_TableOf[_Name, _Unit]):
     def _replace_columns(
         self, columns: dict[str, Any], fault: Any, verdict: Any, other_columns: Mapping[str, Any]
     ) -> Table:
-        """Return a copy of the table with these columns, which can have other rows."""
+        """Return a copy of the table with these columns, errors and verdicts, which can have other rows."""
         return Table(
             encoder=self.encoder,
             columns=columns,
@@ -308,9 +312,10 @@ class Table(_TableOf[_Name, _Unit]):
                 yield dict(zip(self.names, row, strict=True))
 
     def _read_cells(self, name: str, rows: slice) -> list[Any]:
-        """Return the values of a column in some rows as objects of Python.
+        """Return the values of a column in some rows as Python objects.
 
-        Errors and verdicts become members of their enumerations, hidden values None, and bytes text.
+        Errors and verdicts become members of their enumerations, values without a meaning become None, and bytes become
+        text.
         """
         column = self._find_column(name)[rows]
         cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
@@ -326,9 +331,9 @@ class Table(_TableOf[_Name, _Unit]):
         return [cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells]
 
     def _find_column(self, name: str) -> Any:
-        """Return a column, which is computed on first use and kept if it is a quantity or a part of a number.
+        """Return a column by its name. Raises KeyError if there is no such column.
 
-        Raises KeyError if there is no such column.
+        A quantity, such as a temperature in °C, and a part of a joined number are computed on first use and then kept.
         """
         if name in self._others:
             return self._others[name]
@@ -353,13 +358,12 @@ class Table(_TableOf[_Name, _Unit]):
         return f"no column {name[:40]!r}; the columns are {', '.join(self.names)}{suggestion}"
 
     def _convert_to_quantities(self, name: str, scale: Scale) -> Any:
-        """Return a column of numbers in its unit, as decimals."""
+        """Return the column ``name`` of numbers converted to quantities, such as degrees Celsius, as decimals."""
         np: Any = load("numpy")
-        # Numbers such as temperatures repeat, so only a few conversions are needed.
-        # ``places`` contains the index in ``numbers`` of each value.
-        numbers, places = np.unique(self._find_column(name), return_inverse=True)
-        quantities = np.array([scale.decimal(number) for number in numbers.tolist()], object)
-        return quantities[places]
+        # Numbers such as temperatures repeat, so each different number is converted only once.
+        different_numbers, index_in_numbers = np.unique(self._find_column(name), return_inverse=True)
+        quantities = np.array([scale.decimal(number) for number in different_numbers.tolist()], object)
+        return quantities[index_in_numbers]
 
     def scale(self, name: str) -> Scale | None:
         """Return the scale of a column of quantities, or None for other columns."""
@@ -382,8 +386,12 @@ class Table(_TableOf[_Name, _Unit]):
 
     def faults(self) -> dict[ErrorKind, int]:
         """Return the number of valid frames and the number of frames with each error, without those that are 0."""
-        kinds = ((kind, int((self._fault == kind).sum())) for kind in ErrorKind)
-        return {kind: count for kind, count in kinds if count}
+        counts: dict[ErrorKind, int] = {}
+        for kind in ErrorKind:
+            count = int((self._fault == kind).sum())
+            if count:
+                counts[kind] = count
+        return counts
 
     def unwrapped(self, previous: int | None = None) -> Any:
         """Return the position of each frame as a count that continues when the position wraps around.
@@ -406,24 +414,25 @@ class Table(_TableOf[_Name, _Unit]):
         """
         np: Any = load("numpy")
         encoder: Any = self.encoder
-        valid: PositionRange = encoder._range_in(self._frame)
+        position_range: PositionRange = encoder._range_in(self._frame)
         usable_rows = np.flatnonzero(self.usable)
-        position = self.position.astype(np.int64)
+        positions = self.position.astype(np.int64)
         if not len(usable_rows):
-            return np.full(len(position), previous or 0, np.int64)
-        usable_positions = position[usable_rows]
+            return np.full(len(positions), previous or 0, np.int64)
+        usable_positions = positions[usable_rows]
         for extreme in (int(usable_positions.max()), int(usable_positions.min())):
-            if not valid.lowest <= extreme <= valid.highest:
-                raise RangeError("position", extreme, f"{valid.lowest} to {valid.highest}")
-        # The count of the first usable position.
-        start = int(usable_positions[0]) if previous is None else valid.unwrap(previous, int(usable_positions[0]))
+            if not position_range.lowest <= extreme <= position_range.highest:
+                raise RangeError("position", extreme, f"{position_range.lowest} to {position_range.highest}")
+        first_position = int(usable_positions[0])
+        first_count = first_position if previous is None else position_range.unwrap(previous, first_position)
         steps = np.diff(usable_positions)
-        if valid.modulus is not None:
+        modulus = position_range.modulus
+        if modulus is not None:
             # The shorter way around: from minus half of the modulus to half of it.
-            steps = (steps + valid.modulus // 2) % valid.modulus - valid.modulus // 2
+            steps = (steps + modulus // 2) % modulus - modulus // 2
         # Index 0 is the count before the first usable position, and index n the count at the n-th usable position.
-        count_before = start if previous is None else previous
-        counts = np.concatenate([[count_before, start], start + np.cumsum(steps)])
+        count_before = first_count if previous is None else previous
+        counts = np.concatenate([[count_before, first_count], first_count + np.cumsum(steps)])
         # For each frame, the number of usable positions up to it.
         usable_so_far = np.cumsum(self.usable)
         return counts[usable_so_far].astype(np.int64)
@@ -464,39 +473,43 @@ class Table(_TableOf[_Name, _Unit]):
             where the time is not later than at the previous usable frame.
 
         Raises:
-            AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
+            AttributeError: The frames have no position.
+            RangeError: A position is above the highest or below the lowest that this encoder sends.
+            ValueError: The encoder does not measure in this unit, or the manual does not give the size of a count or
+                say where the position wraps around.
             ValueError: ``seconds`` is a single time that is 0, negative or infinite, or there is not one number for
                 each frame. Or there is no column ``time``.
         """
         return self._compute_speed(seconds, unit, None)
 
     def _compute_speed(self, seconds: Any, unit: SpeedUnit, previous: tuple[int, float] | None) -> Any:
-        """Return the speed in each row, from the previous usable position. It is NaN where there is none.
+        """Return the speed in each row, measured from the previous usable position. It is NaN where there is none.
 
-        ``previous`` is the unwrapped position and the time of the last usable frame before the table, or None.
+        ``seconds`` is the time between two frames, an array of times, or None for the column ``time``. ``previous`` is
+        the unwrapped position and the time of the last usable frame before the table, or None.
         """
         np: Any = load("numpy")
         times = self._check_times(seconds)
         if unit not in (*_POSITION_UNITS, "rpm"):
             raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*_POSITION_UNITS, 'rpm'))}")
         usable_rows = np.flatnonzero(self.usable)
-        times = times[usable_rows]
+        usable_times = times[usable_rows]
         if previous is None:
             # The first usable row has no speed.
             rows_with_speed = usable_rows[1:]
-            positions = self.unwrapped(None)[usable_rows]
+            counts = self.unwrapped(None)[usable_rows]
         else:
-            previous_position, previous_time = previous
+            previous_count, previous_time = previous
             rows_with_speed = usable_rows
-            positions = np.insert(self.unwrapped(previous_position)[usable_rows], 0, previous_position)
-            times = np.insert(times, 0, previous_time)
-        elapsed = np.diff(times)
+            counts = np.insert(self.unwrapped(previous_count)[usable_rows], 0, previous_count)
+            usable_times = np.insert(usable_times, 0, previous_time)
+        elapsed = np.diff(usable_times)
         # If the clock stops or is set back, or if a time is infinite, there is no speed.
         elapsed = np.where((elapsed > 0) & np.isfinite(elapsed), elapsed, np.nan)
         numerator, denominator = self._find_unit_size("turns" if unit == "rpm" else unit)
-        units_per_second = np.diff(positions) * (_find_time_factor(unit) * numerator) / denominator / elapsed
+        seconds_per_unit_of_time = 60 if unit == "rpm" else 1
         speeds = np.full(self.count, np.nan)
-        speeds[rows_with_speed] = units_per_second
+        speeds[rows_with_speed] = np.diff(counts) * (seconds_per_unit_of_time * numerator) / denominator / elapsed
         return speeds
 
     def _check_times(self, seconds: Any) -> Any:
@@ -544,7 +557,10 @@ class Table(_TableOf[_Name, _Unit]):
             The table. It also has the other columns of this table.
 
         Raises:
-            AttributeError, RangeError, ValueError: See ``velocity``.
+            AttributeError: The frames have no position.
+            RangeError: A position is above the highest or below the lowest that this encoder sends.
+            ValueError: There is no column ``time``, or the manual does not give the size of a count or say where the
+                position wraps around.
         """
         table: Any = self
         family = getattr(self.encoder, "family", None)
@@ -556,45 +572,47 @@ class Table(_TableOf[_Name, _Unit]):
         """Return the size of one count in a unit, as numerator and denominator: ``(360, 65536)`` for degrees.
 
         Raises:
-            UnitError: The encoder measures lengths and not angles, or the other way round.
-            ValueError: This is not a unit of positions.
+            UnitError: The unit is a length and the encoder measures angles, or the other way around.
+            ValueError: The unit is not a unit of positions.
         """
         if unit == "counts":
             return 1, 1
         encoder: Any = self.encoder
-        if unit in _OF_A_TURN:
+        if unit in _UNITS_PER_TURN:
             if not hasattr(encoder, "from_turns"):
-                raise UnitError(self._wrong_unit_error(unit, _OF_A_TURN))
+                raise UnitError(self._wrong_unit_error(unit, _UNITS_PER_TURN))
             counts_per_turn: int = encoder.from_turns(1)
-            return _OF_A_TURN[unit], counts_per_turn
-        if unit in _OF_A_LENGTH:
+            return _UNITS_PER_TURN[unit], counts_per_turn
+        if unit in _MICROMETERS_PER_UNIT:
             if not hasattr(encoder, "micrometres"):
-                raise UnitError(self._wrong_unit_error(unit, _OF_A_LENGTH))
-            micrometres_per_count = Fraction(encoder.micrometres(1))
-            micrometres_per_unit = _OF_A_LENGTH[unit]
-            return micrometres_per_count.numerator, micrometres_per_count.denominator * micrometres_per_unit
+                raise UnitError(self._wrong_unit_error(unit, _MICROMETERS_PER_UNIT))
+            micrometers_per_count = Fraction(encoder.micrometres(1))
+            micrometers_per_unit = _MICROMETERS_PER_UNIT[unit]
+            return micrometers_per_count.numerator, micrometers_per_count.denominator * micrometers_per_unit
         explanation = "; it is a unit of speed" if unit == "rpm" else ""
         raise ValueError(f"'{unit[:40]}' is not a unit of positions{explanation}: use {', '.join(_POSITION_UNITS)}")
 
-    def _wrong_unit_error(self, unit: str, kind_of_unit: Mapping[str, float]) -> str:
-        """Return the message for a unit that the encoder does not measure in.
+    def _wrong_unit_error(self, unit: str, units_of_same_kind: Mapping[str, float]) -> str:
+        """Return the message for a unit that the encoder does not measure in, with the units that it measures in.
 
-        ``kind_of_unit`` contains all of this kind.
+        ``units_of_same_kind`` contains either all units of angles or all units of lengths, including ``unit``.
         """
         if self.encoder is None:
             return f"these frames belong to no encoder, so they have no {unit}: use counts"
-        measured = "angles, not lengths" if kind_of_unit is _OF_A_LENGTH else "lengths, not angles"
-        units = _OF_A_TURN if kind_of_unit is _OF_A_LENGTH else _OF_A_LENGTH
-        return f"{self.encoder.code} measures {measured}: use {', '.join(('counts', *units))} instead of {unit}"
+        is_length = units_of_same_kind is _MICROMETERS_PER_UNIT
+        measured = "angles, not lengths" if is_length else "lengths, not angles"
+        supported_units = _UNITS_PER_TURN if is_length else _MICROMETERS_PER_UNIT
+        units_text = ", ".join(("counts", *supported_units))
+        return f"{self.encoder.code} measures {measured}: use {units_text} instead of {unit}"
 
     def hidden(self, name: str) -> Any:
         """Return a mask of the rows in which a column has no meaning, or None if it always has a meaning.
 
-        A column that is the position or a part of it has no meaning in rows without a usable position, and a flag has
+        The position and the fields that it is joined from have no meaning in rows without a usable position. Flags have
         no meaning in rows of missing frames and of frames with a wrong length.
         """
-        # A quantity has no meaning where its number has no meaning.
         if name in self._scales:
+            # A quantity has no meaning where its number has none.
             number_name, _ = self._scales[name]
             return self.hidden(number_name)
         if name in self._position_columns:
@@ -639,8 +657,3 @@ class Table(_TableOf[_Name, _Unit]):
 
         table: Any = self
         return load("pandas").DataFrame(pandas_columns(table, self.names, raw))
-
-
-def _find_time_factor(unit: str) -> int:
-    """Return the seconds in the unit of time of a speed: 60 for revolutions per minute, otherwise 1."""
-    return 60 if unit == "rpm" else 1

@@ -33,46 +33,48 @@ def numbers(rows: Any, words: WordKind = "packed") -> Any:
     Rows of ``packed`` words have one to eight bytes, most significant first. The rows of other words have the number of
     bytes of the word.
     """
-    # A length of 0 stands for packed words. Words of eight bytes need no zeros in front, so they are read like words
-    # whose length is 8.
-    length, order = WORDS[words]
-    if length or rows.shape[1] == 8:
-        word_type = f"{order}u{length or 8}"
-        return np.ascontiguousarray(rows).reshape(-1).view(word_type).astype(np.uint64, copy=False)
-    # Shorter packed words get zeros in front.
-    padded_rows = np.zeros((len(rows), 8), np.uint8)
-    padded_rows[:, 8 - rows.shape[1] :] = rows
-    return padded_rows.reshape(-1).view(">u8").astype(np.uint64)
+    word_length, byte_order = WORDS[words]
+    is_short_packed_word = not word_length and rows.shape[1] < 8
+    if is_short_packed_word:
+        # Zeros in front make all words eight bytes long.
+        padded_rows = np.zeros((len(rows), 8), np.uint8)
+        padded_rows[:, 8 - rows.shape[1] :] = rows
+        return padded_rows.reshape(-1).view(">u8").astype(np.uint64)
+    word_type = f"{byte_order}u{word_length or 8}"
+    return np.ascontiguousarray(rows).reshape(-1).view(word_type).astype(np.uint64, copy=False)
 
 
-def read_floats(frames: Any, bits: int, done: int = 0) -> Any:
-    """Return floating-point frames as integers, masked if they are NaN or out of range.
+def read_floats(frames: Any, bits: int, rows_before: int = 0) -> Any:
+    """Return frames of ``bits`` bits that are floating-point numbers as integers. Missing frames are masked.
 
-    NaN, infinities, negative values, and values from 2**64 on represent missing frames, as do masked ones. ``done`` is
-    the number of earlier rows, to number the row in an error.
+    NaN, infinities, negative values, and values from 2**64 up are missing frames, and so are masked values.
+    ``rows_before`` is the number of earlier rows, to number the row in an error.
 
     Raises:
         TypeError: A value is not an integer, or the type cannot represent every frame of that length.
     """
     # A float has one more significant bit than its stored mantissa.
-    if bits > np.finfo(frames.dtype).nmant + 1:
+    significant_bits = np.finfo(frames.dtype).nmant + 1
+    if bits > significant_bits:
         raise TypeError(f"{frames.dtype} cannot represent every frame of {bits} bits: use integers or text")
     values = np.ma.getdata(frames)
     is_frame = (values >= 0) & (values < 2.0**64) & ~np.ma.getmaskarray(frames)
-    whole = np.where(is_frame, values, 0)
-    fractional_rows = np.flatnonzero(whole != np.floor(whole))
+    frame_values = np.where(is_frame, values, 0)
+    fractional_rows = np.flatnonzero(frame_values != np.floor(frame_values))
     if len(fractional_rows):
         first_row = fractional_rows[0]
-        raise TypeError(f"the frame at index {done + first_row} must be an integer, got {whole[first_row]}")
-    return np.ma.masked_array(whole.astype(np.uint64), ~is_frame)
+        raise TypeError(
+            f"the frame at index {rows_before + first_row} must be an integer, got {frame_values[first_row]}"
+        )
+    return np.ma.masked_array(frame_values.astype(np.uint64), ~is_frame)
 
 
 def short(text: str) -> str:
-    """Return the text for a message, shortened if it is long."""
+    """Return the text in quotes for a message, shortened if it is longer than 40 characters."""
     return repr(text if len(text) <= 40 else f"{text[:40]}...")
 
 
 def listed(names: list[str]) -> str:
-    """Return at most eight of the names, for a message."""
+    """Return at most eight of the names for a message, and how many more there are."""
     first_names = ", ".join(short(name) for name in names[:8])
     return f"{first_names} and {len(names) - 8} more" if len(names) > 8 else first_names

@@ -28,7 +28,7 @@ _ENDED_WITHIN_ACCESS = "the capture ends within the access"
 
 
 class ControlBits(NamedTuple):
-    """Time, CDS bit and CDM bit of each cycle over BiSS, also of lost ones, whose CDS bit is -1."""
+    """Time, CDS bit and CDM bit of each BiSS cycle. A lost cycle has the CDS bit -1."""
 
     times: Any
     cds: Any
@@ -73,9 +73,9 @@ class Accesses:
     """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave.
 
     ``_state`` is the method that follows the next cycle. ``_time`` is the time at which the control frame began, and
-    ``_is_write`` is True if it writes. ``_is_free`` is True outside a control frame. ``_zeros`` is the number of CDM
-    zeros since the last 1. ``_sent`` and ``_answers`` are the CDM and CDS bits of the header or byte, the last one in
-    bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head`` contains CTS, ID and address.
+    ``_is_write`` is True if it writes. ``_is_outside_frame`` is True outside a control frame. ``_zeros`` is the number
+    of CDM zeros since the last 1. ``_sent`` and ``_answers`` are the CDM and CDS bits of the header or byte, the last
+    one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head`` contains CTS, ID and address.
     """
 
     def __init__(self) -> None:
@@ -83,7 +83,7 @@ class Accesses:
         self._state = self._follow_idle
         self._time = 0.0
         self._head = 0
-        self._is_write, self._is_free = False, True
+        self._is_write, self._is_outside_frame = False, True
 
     def feed(self, bits: ControlBits) -> Iterator[Access]:
         """Yield the accesses that end in the cycles of these bits.
@@ -95,73 +95,74 @@ class Accesses:
         cycle = 0
         count = len(cdm)
         while cycle < count:
-            if self._is_free:
-                # Nothing happens until a bit is 1. ``next_one`` is its index in ``ones``.
-                next_one = np.searchsorted(ones, cycle)
-                if next_one == len(ones):
-                    self._zeros += count - cycle
-                    return
-                self._zeros += int(ones[next_one]) - cycle
-                cycle = int(ones[next_one])
-                # A 1 after enough zeros is the S bit of a control frame.
-                if self._zeros >= ZEROS:
-                    self._begin_access(float(times[cycle]))
-                self._zeros = 0
-            else:
+            if not self._is_outside_frame:
                 yield from self._follow_cycle(int(cds[cycle]), int(cdm[cycle]))
-            cycle += 1
+                cycle += 1
+                continue
+            index_in_ones = np.searchsorted(ones, cycle)
+            if index_in_ones == len(ones):
+                self._zeros += count - cycle
+                return
+            next_one = int(ones[index_in_ones])
+            self._zeros += next_one - cycle
+            # A 1 after enough zeros is the S bit of a control frame.
+            if self._zeros >= ZEROS:
+                self._begin_access(float(times[next_one]))
+            self._zeros = 0
+            cycle = next_one + 1
 
     def finish(self) -> Iterator[Access]:
-        """Yield the access that the end of the capture cuts off."""
-        if not self._is_free and self._is_known():
+        """Yield the access that the end of the capture cuts off, if there is one."""
+        if not self._is_outside_frame and self._has_unfinished_access():
             yield self._make_access(None, _ENDED_WITHIN_ACCESS)
 
     def _follow_idle(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Ignore a cycle outside a control frame."""
+        """Ignore the bits of a cycle outside a control frame, and yield no access."""
         yield from ()
 
     def _begin_access(self, time: float) -> None:
-        """Start a control frame at this time."""
+        """Begin to follow a control frame, whose S bit is at this time."""
         self._time = time
-        self._is_free = False
+        self._is_outside_frame = False
         self._bit_count = self._sent = self._answers = self._head = 0
         # A header that ends before R and W counts as the header of a read.
         self._is_write = False
         self._state = self._follow_header
 
     def _end_access(self) -> None:
-        """End the control frame."""
-        self._is_free = True
+        """Stop following the control frame."""
+        self._is_outside_frame = True
         self._state = self._follow_idle
 
     def _follow_cycle(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow one cycle within a control frame. Yield the access if it ends.
+        """Follow the bits of one cycle within a control frame. Yield the access if it ends.
 
-        A lost cycle (CDS -1) and 14 zeros of CDM also end it. The access is yielded if its address is known.
+        A lost cycle (CDS -1) and 14 zeros of CDM end the control frame. The access is then yielded if its address is
+        known.
         """
         self._zeros = 0 if cdm else self._zeros + 1
         if cds < 0:
-            if self._is_known():
+            if self._has_unfinished_access():
                 yield self._make_access(None, _LOST_CYCLE)
             self._end_access()
         elif self._zeros >= ZEROS:
-            if self._is_known():
+            if self._has_unfinished_access():
                 yield self._make_access(None, Outcome.ABORTED.value)
             self._end_access()
         else:
             yield from self._state(cds, cdm)
 
-    def _is_known(self) -> bool:
-        """Return whether an access is not finished, but its address has been transmitted.
+    def _has_unfinished_access(self) -> bool:
+        """Return whether the address of an access has been transmitted, but its result is not known yet.
 
-        After all bits of a byte, its access has been yielded, and the next one has not begun.
+        After all bits of a byte, the access has been yielded, and an access to the next register has not begun.
         """
         if self._state == self._follow_byte:
             return self._bit_count < BYTE_BITS
         return self._state != self._follow_header or self._bit_count >= ADDRESS_BITS
 
     def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
-        """Return the access with the ID and the address that were transmitted, and this value and result."""
+        """Return the access to the ID and the address that were transmitted, with this value and result."""
         head = ControlHead.decode(self._head)
         return Access(
             time=self._time,
@@ -174,9 +175,10 @@ class Accesses:
         )
 
     def _follow_header(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow the header: CTS, ID, address, CRC and the kind of access. Then the answer to W decides.
+        """Follow a cycle of the header: CTS, ID, address, CRC, R and W. Then the answer to W decides.
 
-        The CDS bit of a cycle answers the CDM bit of the cycle before, so the header ends one cycle after W.
+        The CDS bit of a cycle answers the CDM bit of the cycle before, so the header ends one cycle after W. An access
+        that the slave refuses is yielded.
         """
         self._bit_count += 1
         self._answers = append_bit(self._answers, cds)
@@ -204,14 +206,17 @@ class Accesses:
                 self._end_access()
 
     def _check_echo(self) -> Outcome:
-        """Return the outcome of the answers to the header. RUNNING if the slave participates."""
+        """Return the outcome according to the answers to the header. It is RUNNING if the slave accepts the access."""
         head = ControlHead.decode(self._head)
         # The value is not known yet. Any value turns the access into a write.
         value = 0 if self._is_write else None
         return Request(head.slave_id, head.address, value)._check_echo(self._answers)
 
     def _follow_start(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow the bits before a byte. The slave is busy until its start bit."""
+        """Follow a cycle in which the master sends S before a byte. The slave is busy until it answers with 1.
+
+        If the master sends 0 instead, the access ends, and is yielded.
+        """
         if cds:
             # This CDM bit is the first one of the byte.
             self._state = self._follow_byte
@@ -223,9 +228,10 @@ class Accesses:
             self._end_access()
 
     def _follow_byte(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow a byte on both sides: eight bits, their CRC, and a bit P, after which S can start the next register.
+        """Follow a cycle of a byte: eight bits, their CRC, and a bit P, after which S can start the next register.
 
-        The slave sends them in a read, the master in a write, which the slave repeats.
+        In a read, the slave sends the byte. In a write, the master sends it, and the slave repeats it. The access is
+        yielded after the last bit of the CRC.
         """
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
@@ -249,7 +255,10 @@ class Accesses:
             self._end_access()
 
     def _judge_byte(self, value: int | None) -> Outcome:
-        """Return the outcome of a byte, which is None if it has a CRC error. The slave must repeat a byte to write."""
+        """Return the outcome of an access whose byte was transmitted. ``value`` is None if the byte has a CRC error.
+
+        A write succeeds only if the slave has repeated the byte.
+        """
         if not self._is_write:
             return Outcome.BAD_CRC if value is None else Outcome.DONE
         is_repeated = self._answers == self._sent
@@ -257,7 +266,7 @@ class Accesses:
 
 
 def _decode_value(bits: int) -> int | None:
-    """Return the byte in 12 bits, or None if its CRC is wrong."""
+    """Return the byte in 12 bits, which are the byte and its CRC. Return None if the CRC is wrong."""
     try:
         return decode_byte(bits)
     except CrcError:

@@ -24,7 +24,7 @@ _FILLER_NAMES: Final = ("zero", "unused")
 
 
 class _Field(NamedTuple):
-    """Field of a layout. The polynomial and the start value belong to a CRC."""
+    """Field of a layout: its name and its width in bits. The polynomial and the start value belong to a CRC."""
 
     name: str
     width: int
@@ -62,13 +62,16 @@ class BissLayout(NamedTuple):
         return biss_layout, (self.text,)
 
     @property
-    def _no_size(self) -> str:
-        """Message if the counts per turn are needed, but not known."""
+    def _unknown_size_message(self) -> str:
+        """Message for a unit that needs the counts per turn, which this layout does not specify."""
         bits = self.modulus.bit_length() - 1
         return f"the layout does not give the counts per turn: use singleturn={bits} instead of position={bits}"
 
     def _range_in(self, frame: str, /) -> PositionRange:
-        """Return the range of the position, as an encoder does."""
+        """Return the range of the position.
+
+        All frames of a layout have the same range, whatever the name of the frame.
+        """
         return PositionRange(0, self.modulus - 1, self.modulus)
 
     def from_turns(self, turns: float) -> int:
@@ -77,12 +80,12 @@ class BissLayout(NamedTuple):
         Raises ValueError if the layout does not specify the counts per turn.
         """
         if not self.counts_per_turn:
-            raise ValueError(self._no_size)
+            raise ValueError(self._unknown_size_message)
         return round(turns * self.counts_per_turn)
 
     def micrometres(self, counts: int) -> int:
-        """Raise ValueError, because a layout does not specify the size of a count."""
-        raise ValueError(self._no_size)
+        """Raise ValueError, because the layout of a frame does not specify the length of a count."""
+        raise ValueError(self._unknown_size_message)
 
     def decode_many(self, frames: Any) -> Any:
         """Decode many frames into columns. Needs NumPy.
@@ -121,9 +124,11 @@ def biss_layout(text: str) -> BissLayout:
     widths = {field.name: field.width for field in fields if field.name not in ("crc", *_FILLER_NAMES)}
     joins: tuple[Join, ...] = ()
     if "singleturn" in widths and "position" not in widths:
-        # The multiturn is above the singleturn in the position. Each part has its lowest bit in it.
-        multiturn_part = (("multiturn", widths["singleturn"]),) if "multiturn" in widths else ()
-        joins = (Join("position", (("singleturn", 0), *multiturn_part)),)
+        # In the position, the multiturn is above the singleturn. Each part is listed with its lowest bit there.
+        parts = [("singleturn", 0)]
+        if "multiturn" in widths:
+            parts.append(("multiturn", widths["singleturn"]))
+        joins = (Join("position", tuple(parts)),)
         widths["position"] = widths["singleturn"] + widths.get("multiturn", 0)
     return BissLayout(
         text=text,
@@ -134,9 +139,10 @@ def biss_layout(text: str) -> BissLayout:
 
 
 def _check_fields(fields: Sequence[_Field]) -> None:
-    """Raise UsageError if the fields together are not a frame.
+    """Raise UsageError if the fields together cannot form a frame.
 
-    This is for a wrong length, names that are used twice or reserved, and a misplaced CRC.
+    The frame can have a wrong length, two fields of the same name, a reserved name, or a CRC that is not the last
+    field.
     """
     bits = sum(field.width for field in fields)
     names = [field.name for field in fields if field.name not in _FILLER_NAMES]
@@ -151,7 +157,10 @@ def _check_fields(fields: Sequence[_Field]) -> None:
 
 
 def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
-    """Return the description of a frame. ``widths`` are the widths of its columns, by name."""
+    """Return the description of a frame with these fields, for ``decode_many``.
+
+    ``widths`` contains the width of each column by name, and ``joins`` the position that is joined from several fields.
+    """
     columns: list[Column] = []
     checks: list[Check] = []
     unused: list[Unused] = []
@@ -173,10 +182,11 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
             unused.append(Unused(low, width, value=0, place=unused_width))
             unused_width += width
         else:
+            is_flag = name in _VERDICT_BY_FLAG
             # The flags of BiSS are active low.
-            columns.append(Column(name, low, width, kind="not_flag" if name in _VERDICT_BY_FLAG else "number"))
+            columns.append(Column(name, low, width, kind="not_flag" if is_flag else "number"))
     # Without a flag, nothing says whether the position is usable.
-    has_flag = any(name in widths for name in _VERDICT_BY_FLAG)
+    flags = [name for name in _VERDICT_BY_FLAG if name in widths]
     return Shape(
         bits,
         columns=tuple(columns),
@@ -185,10 +195,8 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
         checks=tuple(checks),
         crc=crc,
         position="position" if "position" in widths else "",
-        default_verdict=Verdict.USABLE if has_flag else Verdict.UNKNOWN,
-        verdict_causes=tuple(
-            VerdictCause(verdict, flag) for flag, verdict in _VERDICT_BY_FLAG.items() if flag in widths
-        ),
+        default_verdict=Verdict.USABLE if flags else Verdict.UNKNOWN,
+        verdict_causes=tuple(VerdictCause(_VERDICT_BY_FLAG[flag], flag) for flag in flags),
     )
 
 
@@ -199,19 +207,20 @@ def _parse_field(text: str) -> _Field:
         UsageError: The text is not a field.
     """
     not_a_field = UsageError(f"{short(text)} is not a field; {_FIELDS_HELP}")
-    name, equals, numbers_text = text.strip().partition("=")
+    name, equals_sign, numbers_text = text.strip().partition("=")
+    is_flag = name in _VERDICT_BY_FLAG
+    # Only a flag needs no width: it has 1 bit.
+    if not equals_sign and not is_flag:
+        raise not_a_field
     try:
-        # The first number is the width. A flag without a width has 1 bit.
-        numbers = [_parse_number(number_text) for number_text in numbers_text.split(":")] if equals else [1]
+        numbers = [_parse_number(number_text) for number_text in numbers_text.split(":")] if equals_sign else [1]
     except ValueError:
         raise not_a_field from None
     width, *crc_numbers = numbers
     is_name = name.isidentifier() and name.isascii()
-    # Only a flag needs no width.
-    has_width = bool(equals) or name in _VERDICT_BY_FLAG
-    if not is_name or not has_width or not 0 < width <= 64:
+    if not is_name or not 0 < width <= 64:
         raise not_a_field
-    if name in _VERDICT_BY_FLAG and width != 1:
+    if is_flag and width != 1:
         raise UsageError(f"{name} is one bit, not {width}")
     if name == "crc":
         return _parse_crc_field(text, width, crc_numbers)
@@ -221,9 +230,10 @@ def _parse_field(text: str) -> _Field:
 
 
 def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
-    """Return the field of a CRC in ``text``. ``numbers`` are its polynomial and, if it is not 0, its start value.
+    """Return the field of a CRC. ``numbers`` are its polynomial and, if it is not 0, its start value.
 
-    ``crc=6:0x43`` has the numbers ``[0x43]``, and its field the polynomial ``0x03``: the highest bit is left out.
+    ``crc=6:0x43`` has the numbers ``[0x43]``, and its field has the polynomial ``0x03``, without the highest bit.
+    ``text`` is the field as it was written, for the error.
 
     Raises:
         UsageError: A number does not fit the width, the polynomial is missing or even, there are more numbers, or the

@@ -51,10 +51,10 @@ class Signals(NamedTuple):
 
 
 class SignalNames(NamedTuple):
-    """Choice of the signals: the clock and the data line, or one data line if ``clock`` is None.
+    """Chosen channels: those of the clock and the data line, or of one data line if ``clock`` is None.
 
-    A name is the name of a channel, or its number from 1. An empty name is replaced by a channel with a common name for
-    the line. ``exchanged`` is True to use the clock as the data line and the data line as the clock.
+    A channel is chosen by its name, or by its number from 1. An empty name is replaced by a channel with a common name
+    for the line. ``exchanged`` is True to use the clock as the data line and the data line as the clock.
     """
 
     clock: str | None = ""
@@ -62,39 +62,39 @@ class SignalNames(NamedTuple):
     exchanged: bool = False
 
     def places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
-        """Return the index of each signal among the channels of a file.
+        """Return the index of each signal among the channels of a file: the clock, then the data line.
 
         Raises:
             InputError: There is no such channel, or it is not clear which one to use.
             UsageError: Both signals are on the same channel.
         """
-        places = self._places(channels, file)
+        places = self._find_places(channels, file)
         return places[::-1] if self.exchanged else places
 
-    def _places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
-        """Return the index of each signal, the clock first, without an exchange of them. Raises as ``places`` does.
+    def _find_places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
+        """Return the index of each signal among the channels of a file, the clock first, as if not exchanged.
 
         A signal without a chosen name uses the channel with a usual name. If no name is chosen, a usual name is
         missing, and there are as many channels as signals, they are taken in order. If only one of two signals has a
-        channel, the other gets the remaining one of two channels.
+        channel, the other gets the remaining one of two channels. Raises the errors of ``places``.
         """
-        signals: list[_Signal] = [(self.data, _NAMES_OF_SERIAL_LINES, "--data")]
+        choices: list[_SignalChoice] = [(self.data, _NAMES_OF_SERIAL_LINES, "--data")]
         if self.clock is not None:
-            signals = [(self.clock, _NAMES_OF_CLOCKS, "--clock"), (self.data, _NAMES_OF_DATA, "--data")]
-        if len(channels) < len(signals):
+            choices = [(self.clock, _NAMES_OF_CLOCKS, "--clock"), (self.data, _NAMES_OF_DATA, "--data")]
+        if len(channels) < len(choices):
             raise InputError(file, "", f"expected channels of a clock and a data line, got {listed(list(channels))}")
         places: list[int | None] = []
-        for name, usual_names, _ in signals:
+        for name, usual_names, _ in choices:
             place = _find_place(channels, name) if name else _find_usual_place(channels, usual_names)
             places.append(place)
-        has_choice = any(name for name, _, _ in signals)
-        if None in places and not has_choice and len(channels) == len(signals):
+        has_chosen_name = any(name for name, _, _ in choices)
+        if None in places and not has_chosen_name and len(channels) == len(choices):
             # Of two channels with other names, the first one is the clock.
-            return tuple(range(len(signals)))
-        if len(signals) == len(channels) == 2:
-            places = _add_remaining_channel(signals, places)
+            return tuple(range(len(choices)))
+        if len(choices) == len(channels) == 2:
+            places = _add_remaining_channel(choices, places)
         known_places: list[int] = []
-        for (name, _, option), place in zip(signals, places, strict=True):
+        for (name, _, option), place in zip(choices, places, strict=True):
             if place is None:
                 problem = f"no channel {short(name)}" if name else f"choose a channel with {option}"
                 raise InputError(file, "", f"{problem}; the channels are {listed(list(channels))}")
@@ -104,13 +104,13 @@ class SignalNames(NamedTuple):
         return tuple(known_places)
 
 
-def _add_remaining_channel(signals: Sequence[_Signal], places: list[int | None]) -> list[int | None]:
-    """Return the places of two signals among two channels. If one is known, the other has the remaining channel.
+def _add_remaining_channel(choices: Sequence[_SignalChoice], places: list[int | None]) -> list[int | None]:
+    """Return the places of two signals among two channels. If only one is known, the other has the remaining channel.
 
-    A place that is not known is None. It stays None if the chosen name of the signal does not exist.
+    A place is None if it is not known. It stays None if the chosen name of the signal does not exist.
     """
     known = [place for place in places if place is not None]
-    has_unknown_name = any(name and place is None for (name, _, _), place in zip(signals, places, strict=True))
+    has_unknown_name = any(name and place is None for (name, _, _), place in zip(choices, places, strict=True))
     if len(known) != 1 or has_unknown_name:
         return places
     # The places are 0 and 1.
@@ -119,7 +119,7 @@ def _add_remaining_channel(signals: Sequence[_Signal], places: list[int | None])
 
 
 #: Chosen name of a signal, its usual names, and the option that chooses it.
-_Signal = tuple[str, tuple[str, ...], str]
+_SignalChoice = tuple[str, tuple[str, ...], str]
 
 _NAMES_OF_CLOCKS: Final = ("ma", "clock", "clk", "sck", "sclk", "scl")
 _NAMES_OF_DATA: Final = ("slo", "sl", "data", "dat", "miso", "sdo", "sda")
@@ -127,7 +127,7 @@ _NAMES_OF_SERIAL_LINES: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "d
 
 
 def _find_place(channels: Sequence[str], name: str) -> int | None:
-    """Return the index of the only channel with this name, or of the one with this number from 1.
+    """Return the index of the only channel with this name, or of the channel with this number, from 1.
 
     Return None if there is none.
     """
@@ -139,26 +139,29 @@ def _find_place(channels: Sequence[str], name: str) -> int | None:
     return None
 
 
-def _find_usual_place(channels: Sequence[str], names: Iterable[str]) -> int | None:
-    """Return the index of the channel with the first of these names that is unique. None if there is none.
+def _find_usual_place(channels: Sequence[str], usual_names: Iterable[str]) -> int | None:
+    """Return the index of the channel with a usual name, or None if no channel has such a name.
 
-    Case is ignored. A single channel is taken, whatever its name.
+    The first usual name that belongs to exactly one channel counts. Case is ignored. If there is only one channel, it
+    is taken whatever its name.
     """
     if len(channels) == 1:
         return 0
-    lower = [channel.lower() for channel in channels]
-    unique_names = [name for name in names if lower.count(name) == 1]
-    return lower.index(unique_names[0]) if unique_names else None
+    lower_names = [channel.lower() for channel in channels]
+    for name in usual_names:
+        if lower_names.count(name) == 1:
+            return lower_names.index(name)
+    return None
 
 
 # Samples
 
 
 def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) -> Generator[Edges, None, None]:
-    """Yield the edges of samples.
+    """Yield the edges of the signals in samples.
 
-    Each part has one number per sample, the amount read so far, and the time of each sample. Without times, samples are
-    numbered from 0. ``masks`` contains the bit of each signal in a sample.
+    Each part has one number per sample, the amount read so far, and the time of each sample. If the times are None,
+    samples are numbered from 0. ``masks`` contains the bit of each signal in a sample.
     """
     signals_mask = sum(masks)
     # The number of the first sample of a part, and the last sample of the previous part.
@@ -167,39 +170,46 @@ def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) 
     for samples, done, times in parts:
         if not len(samples):
             continue
+        levels_before = int(samples[0]) if last_sample is None else last_sample
+        edge_indices, changed_bits = _find_changes(samples, levels_before, signals_mask)
         sample_type = samples.dtype.type
-        changes = np.bitwise_xor(samples[1:], samples[:-1])
-        changes &= sample_type(signals_mask)
-        # Index i shows the change from sample i to i + 1, whose edge is at sample i + 1.
-        places = np.flatnonzero(changes != 0)
-        changed_bits = changes[places]
-        places = places + 1
-        # The bits before the first edge of this part.
-        levels = int(samples[0]) if last_sample is None else last_sample
-        changed_between = (levels ^ int(samples[0])) & signals_mask
-        if changed_between:
-            # Signals also change between the last sample of a part and the first one of the next.
-            places = np.insert(places, 0, 0)
-            changed_bits = np.insert(changed_bits, 0, sample_type(changed_between))
-        places_by_signal = [places[(changed_bits & sample_type(mask)) != 0] for mask in masks]
+        indices_by_signal = [edge_indices[(changed_bits & sample_type(mask)) != 0] for mask in masks]
         if times is None:
-            edge_times = [(signal_places + first_number).astype(np.float64) for signal_places in places_by_signal]
+            edge_times = [(indices + first_number).astype(np.float64) for indices in indices_by_signal]
             begin = float(first_number)
             end = float(first_number + len(samples))
         else:
-            edge_times = [times[signal_places] for signal_places in places_by_signal]
+            edge_times = [times[indices] for indices in indices_by_signal]
             begin = float(times[0])
             end = float(times[-1])
         first_number += len(samples)
         last_sample = int(samples[-1])
-        first_levels = tuple(int(levels & mask != 0) for mask in masks)
+        first_levels = tuple(int(levels_before & mask != 0) for mask in masks)
         yield Edges(first_levels, tuple(edge_times), begin, end, done)
 
 
-def pack_bits(columns: Any) -> Any:
-    """Return rows of levels as one number per sample, the first column in the lowest bit. Any number but 0 is 1.
+def _find_changes(samples: Any, sample_before: int, mask: int) -> tuple[Any, Any]:
+    """Return the indices of the samples that differ from the sample before, and the bits in which each differs.
 
-    There are at most 8 columns, because the numbers are bytes.
+    Only the bits in ``mask`` count. ``sample_before`` is the sample before the first one.
+    """
+    sample_type = samples.dtype.type
+    changes = np.bitwise_xor(samples[1:], samples[:-1])
+    changes &= sample_type(mask)
+    indices_before_change = np.flatnonzero(changes != 0)
+    changed_bits = changes[indices_before_change]
+    indices = indices_before_change + 1
+    change_of_first = (sample_before ^ int(samples[0])) & mask
+    if change_of_first:
+        indices = np.insert(indices, 0, 0)
+        changed_bits = np.insert(changed_bits, 0, sample_type(change_of_first))
+    return indices, changed_bits
+
+
+def pack_bits(columns: Any) -> Any:
+    """Return rows of levels as one number per sample, with the first column in the lowest bit.
+
+    Any number other than 0 is the level 1. There are at most 8 columns, because the results are bytes.
     """
     columns = np.asarray(columns)
     levels = np.zeros(len(columns), np.uint8)
@@ -219,12 +229,14 @@ def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> S
 
     Raises:
         TypeError: ``samples`` is not such an array.
-        InputError, UsageError: See ``SignalNames.places``.
+        InputError: There is no such channel, or it is not clear which one to use.
+        UsageError: Both signals are on the same channel.
     """
     array = np.asarray(samples)
     has_rows = array.ndim == 2
+    are_integers = array.dtype.kind in "uib"
     has_no_channels = has_rows and not array.shape[1]
-    if array.dtype.kind not in "uib" or array.ndim not in (1, 2) or has_no_channels:
+    if not are_integers or array.ndim not in (1, 2) or has_no_channels:
         raise TypeError(f"expected whole numbers in one or two dimensions, got {array.dtype} {array.shape}")
     channel_count = array.shape[1] if has_rows else 8 * array.dtype.itemsize
     places = names.places([str(number) for number in range(1, channel_count + 1)], "the array")
@@ -236,9 +248,9 @@ def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> S
 
 
 def _split_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples part by part: unsigned numbers, the number of samples so far, and None instead of times.
+    """Yield the samples part by part: numbers, the number of samples so far, and None instead of their times.
 
-    ``places`` are the columns of the signals. If the array has rows, only these columns are kept.
+    ``places`` are the columns of the signals. If the array has rows, only these columns are kept, as bits of a number.
     """
     for start in range(0, len(array), SAMPLES):
         part = array[start : start + SAMPLES]
@@ -255,39 +267,40 @@ def _split_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, in
 def merge_edges(
     signals: Sequence[Generator[tuple[int, Any, int], None, None]], end: Callable[[], float]
 ) -> Generator[Edges, None, None]:
-    """Yield the edges of signals that are stored separately.
+    """Yield the edges of signals that are stored separately, one stretch of the capture after another.
 
     Each generator yields the level before some edges, their times, and the amount read so far, at least once. ``end``
-    returns the end of the capture once all of them are exhausted. ``waiting_times`` holds the edges of each signal that
-    were read but not yielded yet, because another signal's edges at the same time are not known yet.
+    returns the end of the capture once all of them are exhausted. Edges that were read are kept in ``pending_times``
+    until the other signals have been read up to the same time.
     """
     first_parts = [next(signal) for signal in signals]
     levels = [level for level, _, _ in first_parts]
-    waiting_times = [times for _, times, _ in first_parts]
+    pending_times = [times for _, times, _ in first_parts]
     amounts_read = [amount for _, _, amount in first_parts]
     unfinished = set(range(len(signals)))
     begin = -np.inf
     while unfinished:
         # Continue with the signal whose edges end first.
-        index = min(sorted(unfinished), key=lambda signal_index: _find_last(waiting_times[signal_index]))
+        index = min(sorted(unfinished), key=lambda signal_index: _find_last_time(pending_times[signal_index]))
         part = next(signals[index], None)
         if part is None:
             # All edges of this signal have been read.
             unfinished.remove(index)
         else:
             _, times, amounts_read[index] = part
-            waiting_times[index] = np.concatenate([waiting_times[index], times])
-        # Up to the earliest end, the edges of all signals are known.
-        until = min((_find_last(waiting_times[signal_index]) for signal_index in unfinished), default=end())
-        counts = [int(np.searchsorted(times, until, "right")) for times in waiting_times]
-        edge_times = tuple(times[:count] for times, count in zip(waiting_times, counts, strict=True))
-        yield Edges(tuple(levels), edge_times, begin, until, sum(amounts_read))
-        begin = until
+            pending_times[index] = np.concatenate([pending_times[index], times])
+        # The edges of all signals are known up to the earliest of their last edges.
+        last_times = [_find_last_time(pending_times[signal_index]) for signal_index in unfinished]
+        known_until = min(last_times) if last_times else end()
+        counts = [int(np.searchsorted(times, known_until, "right")) for times in pending_times]
+        edge_times = tuple(times[:count] for times, count in zip(pending_times, counts, strict=True))
+        yield Edges(tuple(levels), edge_times, begin, known_until, sum(amounts_read))
+        begin = known_until
         # An odd number of edges inverts the level.
         levels = [level ^ (count & 1) for level, count in zip(levels, counts, strict=True)]
-        waiting_times = [times[count:] for times, count in zip(waiting_times, counts, strict=True)]
+        pending_times = [times[count:] for times, count in zip(pending_times, counts, strict=True)]
 
 
-def _find_last(times: Any) -> float:
+def _find_last_time(times: Any) -> float:
     """Return the last time, or minus infinity if there is none."""
     return float(times[-1]) if len(times) else -np.inf

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Recognises the form of a table of samples: its separator, its channels, and the unit of its times."""
+"""Recognizes the form of a table of samples: its separator, its channels, and the unit of its times."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _TIME_HEADING: Final = re.compile(r"(?:(?:time|zeit)\s*)?[\[(]?(?P<unit>[a-zµ]*
 _NAMES_OF_SAMPLE_NUMBERS: Final = ("sample", "samples", "sample number", "index", "no", "no.", "nr", "#", "sequence")
 #: Marks of a comment at the beginning of a line.
 _COMMENT_MARKS: Final = (";", "#")
-#: Number of rows that are enough to recognise numbers of samples.
+#: Number of rows that are enough to recognize numbers of samples.
 _FIRST_ROWS: Final = 4
 #: Most digits of the number of a sample. Python does not convert texts of thousands of digits.
 _MOST_DIGITS: Final = 18
@@ -80,11 +80,16 @@ class _Headers(NamedTuple):
 
 
 def parse_rate(text: str) -> float | None:
-    """Return a sample rate such as ``24 MHz`` in samples per second, or None if the text is not one or is 0."""
+    """Return a sample rate such as ``24 MHz`` in samples per second.
+
+    Return None if the text is not a rate, or if the rate is 0.
+    """
     match = _RATE_IN_HEADER.fullmatch(text)
     if match is None:
         return None
-    return float(match[1]) * _UNIT_PREFIXES[match[2]] or None
+    number, prefix = match.groups()
+    rate = float(number) * _UNIT_PREFIXES[prefix]
+    return rate if rate > 0 else None
 
 
 def find_table_form(path: str, head: bytes) -> TableForm:
@@ -125,40 +130,43 @@ def find_table_form(path: str, head: bytes) -> TableForm:
 def _find_delimiter(lines: Sequence[str]) -> str | None:
     """Return the separator of the cells, or None for white space.
 
-    A comma counts only if there is no other one, since it can be decimal. The last line may be cut off, and the first
-    lines can be titles, so the second-to-last line is examined, or the first of at most two lines.
+    A comma counts only if there is no other separator, because it can be decimal. The last line may be cut off, and the
+    first lines can be titles, so the second-to-last line is examined, or the first of at most two lines.
     """
     sample_line = lines[-2] if len(lines) > 2 else lines[0]
     return next((mark for mark in ";\t," if mark in sample_line), None)
 
 
 def _find_headers(cells_by_line: Sequence[list[str]]) -> _Headers | None:
-    """Return the headers of a table, or None if the lines are not a table.
+    """Return the headers of a table from the cells of its first lines, or None if the lines are not a table.
 
-    A line of units can follow the names of the columns. Oscilloscopes also write settings, line by line, in front of
-    the names. The lines are not a table if several of them have no row after them, or if the last header has fewer
-    cells than the first row.
+    A line of units can follow the names of the columns. Oscilloscopes also write settings, line by line, before the
+    names. The lines are not a table if several of them are followed by no row, or if the last header has fewer cells
+    than the first row.
     """
-    line_count = next((index for index, cells in enumerate(cells_by_line) if _is_row(cells)), len(cells_by_line))
+    row_indices = (index for index, cells in enumerate(cells_by_line) if _is_row(cells))
+    line_count = next(row_indices, len(cells_by_line))
     if not line_count:
         return _Headers(names=None, units=None, line_count=0)
     has_rows = line_count < len(cells_by_line)
     if not has_rows:
         # A capture can end after its header.
         return _Headers(names=cells_by_line[0], units=None, line_count=1) if line_count == 1 else None
-    columns = len(cells_by_line[line_count])
+    column_count = len(cells_by_line[line_count])
     last_header = cells_by_line[line_count - 1]
-    if len(last_header) < columns:
+    if len(last_header) < column_count:
         return None
-    # A line that begins with the name of a time column has names, so the line in front of it is a setting.
-    has_units = line_count > 1 and len(cells_by_line[line_count - 2]) >= columns and not _is_time(last_header[0])
-    if has_units:
-        return _Headers(names=cells_by_line[line_count - 2], units=last_header, line_count=line_count)
+    if line_count > 1:
+        line_before = cells_by_line[line_count - 2]
+        # If the last header begins with the name of a time column, it has the names, and a setting precedes it.
+        has_names_before_units = len(line_before) >= column_count and not _is_time(last_header[0])
+        if has_names_before_units:
+            return _Headers(names=line_before, units=last_header, line_count=line_count)
     return _Headers(names=last_header, units=None, line_count=line_count)
 
 
 def _is_time(name: str) -> bool:
-    """Return whether a name belongs to a time column, such as ``TIME`` or ``Time (s)``, and is not only a unit."""
+    """Return whether a name is the name of a time column, such as ``TIME`` or ``Time (s)``, and not just a unit."""
     return name.strip().lower().startswith(("time", "zeit"))
 
 
@@ -167,9 +175,9 @@ def _name_channels(
 ) -> list[str]:
     """Return the names of the channels: from a comment of sigrok, from the header, or numbers from 1.
 
-    The names of a comment count only if there is one for each channel. ``comments`` are lines without the mark of the
-    comment. ``first_rows`` are the cells of some rows, the first of which shows the number of channels. ``has_times``
-    is True if a column of times or of numbers is in front of the channels.
+    The names in a comment are used only if there is one for each channel. ``comments`` are lines without the mark of
+    the comment. ``first_rows`` are the cells of some rows, the first of which shows the number of channels.
+    ``has_times`` is True if a column of times or of numbers precedes the channels.
     """
     first_channel = int(has_times)
     column_count = len(first_rows[0])
@@ -181,7 +189,10 @@ def _name_channels(
 
 
 def _find_time_unit(headers: _Headers, first_rows: Sequence[list[str]]) -> float | None:
-    """Return the unit of the times in the first column, see ``TableForm.unit``."""
+    """Return the unit of the times in the first column, in seconds.
+
+    It is None if there is no such column, and 0 if its times are not used, as for sample numbers.
+    """
     unit: float | None = None
     if headers.names is not None:
         first_header = headers.names[0] if headers.units is None else headers.units[0]
@@ -201,7 +212,10 @@ def _have_fractions(first_rows: Sequence[list[str]]) -> bool:
 
 
 def _find_increment_rate(headers: _Headers) -> float | None:
-    """Return the sample rate according to the column ``Increment``, whose unit is a number, or None without it."""
+    """Return the sample rate from the column ``Increment``, or None without this column.
+
+    The unit of this column is a number, the time between two samples in seconds.
+    """
     if headers.names is None or headers.units is None:
         return None
     for name, unit in zip(headers.names, headers.units, strict=False):
@@ -212,7 +226,7 @@ def _find_increment_rate(headers: _Headers) -> float | None:
 
 
 def _is_row(cells: Sequence[str]) -> bool:
-    """Return whether the cells can form a row: numbers, a time stamp, or X for a channel that was off."""
+    """Return whether the cells can form a row: numbers, a time stamp in front, or X for a channel that was off."""
     if not cells:
         return False
     for index, cell in enumerate(cells):
@@ -240,21 +254,21 @@ def _is_number(text: str) -> bool:
 def _are_numbered(rows: Sequence[list[str]]) -> bool:
     """Return whether the first cells of four or more rows are successive numbers, such as sample numbers.
 
-    Rows of a single cell do not count.
+    Rows of a single cell are ignored.
     """
     first_cells = [row[0] for row in rows if len(row) > 1]
     are_short = all(len(cell) <= _MOST_DIGITS for cell in first_cells)
     are_decimal = all(cell.isascii() and cell.isdigit() for cell in first_cells)
     if len(first_cells) < _FIRST_ROWS or not are_short or not are_decimal:
         return False
-    first = int(first_cells[0])
-    return [int(cell) for cell in first_cells] == [*range(first, first + len(first_cells))]
+    first_number = int(first_cells[0])
+    return [int(cell) for cell in first_cells] == [*range(first_number, first_number + len(first_cells))]
 
 
 def _find_comment(comments: Sequence[str], name: str) -> str:
     """Return the text after the colon of the first comment that begins with ``name``, or an empty string.
 
-    With the comment ``Samplerate: 24 MHz``, this is `` 24 MHz`` for ``Samplerate``.
+    For the name ``Samplerate`` and the comment ``Samplerate: 24 MHz``, this is `` 24 MHz``.
     """
     for comment in comments:
         if comment.startswith(name):
@@ -292,7 +306,8 @@ def _split_cells(line: str, delimiter: str | None) -> list[str]:
 def _find_unit(name: str) -> float | None:
     """Return the unit of the first column in seconds, according to its header, such as ``Time [ms]``.
 
-    It is 0 for a column of sample numbers, and for a column ``Time`` without a unit. It is None for a channel.
+    It is 0 for a column of sample numbers, and for a column ``Time`` without a unit. It is None if the header is the
+    name of a channel.
     """
     if name.strip().lower() in _NAMES_OF_SAMPLE_NUMBERS:
         return 0.0

@@ -30,49 +30,49 @@ _MOST_PRINTED = 10
 _LONGEST_HEADER = 1 << 16
 
 
-def capture(package: str, chosen: argparse.Namespace) -> None:
+def capture(package: str, options: argparse.Namespace) -> None:
     """Decode a capture into a file of columns."""
-    encoder = _take_encoder(package, chosen)
-    with show_progress(package, chosen.files[0]) as progress:
+    encoder = _select_encoder(package, options)
+    with show_progress(package, options.files[0]) as progress:
         # The arguments that say how the encoder was connected, and which frames it sends.
-        capture_arguments = _read_probes(chosen)
+        capture_arguments = _list_capture_arguments(options)
         summary = Captures(package).decode_capture(
             encoder,
-            chosen.files,
-            chosen.output,
+            options.files,
+            options.output,
             **capture_arguments,
-            si=chosen.si,
-            to=chosen.write,
-            columns=chosen.columns,
-            limit=chosen.limit,
-            raw=chosen.raw,
-            force=chosen.force,
+            si=options.si,
+            to=options.write,
+            columns=options.columns,
+            limit=options.limit,
+            raw=options.raw,
+            force=options.force,
             progress=progress,
         )
-    _print_summary(summary, chosen)
+    _print_summary(summary, options)
 
 
-def plot(package: str, chosen: argparse.Namespace) -> None:
+def plot(package: str, options: argparse.Namespace) -> None:
     """Plot position and speed of a capture over time."""
-    encoder = _take_encoder(package, chosen)
+    encoder = _select_encoder(package, options)
     try:
         from .plot import save
     except ImportError as error:
         raise missing_package_error(error) from None
-    with show_progress(package, chosen.files[0]):
+    with show_progress(package, options.files[0]):
         lost: tuple[Lost, ...] = ()
-        if _has_frames(chosen.files[0]):
-            table = _read_frames(encoder, chosen)
+        if _has_frames(options.files[0]):
+            table = _read_frames(encoder, options)
         else:
-            table, lost, *_ = Captures(package).read_capture(encoder, chosen.files, **_read_probes(chosen))
+            table, lost, *_ = Captures(package).read_capture(encoder, options.files, **_list_capture_arguments(options))
         if not table.count:
-            raise CommandFailed(_explain_no_frames(lost, chosen))
-        save(table, chosen.output, lost, force=chosen.force, sources=chosen.files)
-    print(f"{chosen.output}: {table.count} frames, {len(lost)} lost")
+            raise CommandFailed(_explain_no_frames(lost, options))
+        save(table, options.output, lost, force=options.force, sources=options.files)
+    print(f"{options.output}: {table.count} frames, {len(lost)} lost")
 
 
 def _has_frames(path: str) -> bool:
-    """Return whether a file has a column of frames: Parquet, or CSV with ``word`` or ``frame``.
+    """Return whether a file has a column of frames: Parquet, or CSV with a column ``word`` or ``frame``.
 
     Other files are captures.
     """
@@ -87,27 +87,32 @@ def _has_frames(path: str) -> bool:
     return any(name in ("word", "frame") for name in names)
 
 
-def _read_frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
-    """Return the frames of a file with the columns ``time`` and ``word`` or ``frame``."""
+def _read_frames(encoder: Encoder | BissLayout, options: argparse.Namespace) -> Table:
+    """Return a table of the frames in a file that has the columns ``time`` and ``word`` or ``frame``."""
     if isinstance(encoder, BissLayout):
         shape = encoder.shape
     else:
-        shape = find_shape(encoder, chosen.layout, dict(chosen.choose))
-    path = chosen.files[0]
+        shape = find_shape(encoder, options.layout, dict(options.choose))
+    path = options.files[0]
     frames: list[Any] = []
     times: list[Any] = []
-    # Nothing checks the first frames here, so the function for their valid fraction does not matter.
-    with open_source(path, StorageFormat(digits=chosen.digits, wanted=("time",)), shape, lambda frames: 1.0) as read:
-        if "time" not in read.empty_columns:
+    storage = StorageFormat(digits=options.digits, wanted=("time",))
+    with open_source(path, storage, shape, _accept_all_frames) as frame_source:
+        if "time" not in frame_source.empty_columns:
             raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
-        for part in read.parts:
+        for part in frame_source.parts:
             times.append(read_seconds(part.other_columns["time"], path))
             frames += _list_rows(part.frames) if shape.length else _list_numbers(part.frames)
     return decode_many(frames, shape, encoder).with_columns(time=np.concatenate([np.zeros(0), *times]))
 
 
+def _accept_all_frames(_frames: Any) -> float:
+    """Return 1.0 as the fraction of valid frames, so that the check of the first frames of a file always passes."""
+    return 1.0
+
+
 def _list_rows(frames: Any) -> list[bytes | None]:
-    """Return rows of bytes as a list. A missing frame is None."""
+    """Return rows of bytes as a list of bytes. A missing frame is None."""
     return [None if row is None else bytes(row) for row in frames]
 
 
@@ -116,78 +121,83 @@ def _list_numbers(frames: Any) -> Any:
     return frames.tolist() if hasattr(frames, "tolist") else frames
 
 
-def _take_encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
-    """Return the encoder or the layout. Without ``--biss``, the first of ``files`` is its label, and is removed.
+def _select_encoder(package: str, options: argparse.Namespace) -> Encoder | BissLayout:
+    """Return the encoder or the layout that the arguments select.
+
+    Without ``--biss``, the first of ``files`` is the label of the encoder. It becomes ``order_code``, and is removed
+    from the files.
 
     Raises:
         CommandFailed: The layout or the label is wrong, or there is no file.
     """
-    if chosen.biss is not None:
+    if options.biss is not None:
         try:
-            return biss_layout(chosen.biss)
+            return biss_layout(options.biss)
         except UsageError as error:
             raise CommandFailed(error, USAGE) from None
     # The command line puts both into one list, because the label is omitted with --biss.
-    chosen.order_code, *chosen.files = chosen.files
+    options.order_code, *options.files = options.files
     try:
-        encoder = find_encoder(package, chosen)
+        encoder = find_encoder(package, options)
     except CommandFailed:
-        if os.path.isfile(chosen.order_code):
-            problem = f"{chosen.order_code} is a file: give the order code in front of it, or --biss"
+        if os.path.isfile(options.order_code):
+            problem = f"{options.order_code} is a file: give the order code in front of it, or --biss"
             raise CommandFailed(problem, USAGE) from None
         raise
-    if not chosen.files:
+    if not options.files:
         raise CommandFailed("give the order code and the file of the capture, or --biss and the file", USAGE)
     return encoder
 
 
-def _read_probes(chosen: argparse.Namespace) -> dict[str, Any]:
-    """Return the arguments that ``capture`` and ``plot`` pass on to the functions for captures.
+def _list_capture_arguments(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the arguments that ``capture`` and ``plot`` pass on to the functions for captures, by name.
 
     An example is ``{"clock": "MA", "data": "SLO", "rate": None, …, "layout": "", "answers": {}}``.
     """
     names = ("clock", "data", "rate", "rest", "baud", "threshold", "layout")
-    arguments: dict[str, Any] = {name: getattr(chosen, name) for name in names}
+    arguments: dict[str, Any] = {name: getattr(options, name) for name in names}
     # ``choose`` contains pairs of the name of a question and the answer.
-    arguments["answers"] = dict(chosen.choose)
+    arguments["answers"] = dict(options.choose)
     return arguments
 
 
-def _print_summary(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
-    """Print the counts of a capture.
+def _print_summary(summary: CaptureSummary, options: argparse.Namespace) -> None:
+    """Print the counts of a capture, its first lost cycles and its first register accesses.
 
     Raises:
         CommandFailed: There is no frame, or more than ``--max-errors`` percent of the cycles have no valid frame.
     """
-    out = sys.stderr if chosen.output == "-" else sys.stdout
-    if chosen.json:
+    out = sys.stderr if options.output == "-" else sys.stdout
+    if options.json:
         print(json.dumps(summary.to_dict()), file=out)
     else:
         for lost in summary.first_lost[:_MOST_PRINTED]:
             print(f"{lost.time:.9g}: {lost.reason}", file=out)
-        if (more := sum(summary.lost.values()) - _MOST_PRINTED) > 0:
-            print(f"... and {more} more lost", file=out)
+        more_lost = sum(summary.lost.values()) - _MOST_PRINTED
+        if more_lost > 0:
+            print(f"... and {more_lost} more lost", file=out)
         for access in summary.accesses[:_MOST_PRINTED]:
             print(f"{access.time:.9g}: {access}", file=out)
-        if (more := summary.access_count - _MOST_PRINTED) > 0:
-            print(f"... and {more} more accesses; --json prints all of them", file=out)
+        more_accesses = summary.access_count - _MOST_PRINTED
+        if more_accesses > 0:
+            print(f"... and {more_accesses} more accesses; --json prints all of them", file=out)
         print(summary, file=out)
     if not summary.frames.frames:
-        raise CommandFailed(_explain_no_frames(summary.first_lost, chosen))
-    if 100 * summary.error_rate > chosen.max_errors:
+        raise CommandFailed(_explain_no_frames(summary.first_lost, options))
+    if 100 * summary.error_rate > options.max_errors:
         problem = f"{summary.error_rate:.0%} of the cycles have no valid frame"
         raise CommandFailed(
-            f"{problem}; check {_name_layout(chosen)} and the channels (--max-errors is {chosen.max_errors:g})"
+            f"{problem}; check {_name_layout(options)} and the channels (--max-errors is {options.max_errors:g})"
         )
 
 
-def _name_layout(chosen: argparse.Namespace) -> str:
-    """Return the argument that describes the frames, for a message."""
-    return "the order code" if chosen.biss is None else "the layout (--biss)"
+def _name_layout(options: argparse.Namespace) -> str:
+    """Return the name of the argument that describes the frames, for a message."""
+    return "the order code" if options.biss is None else "the layout (--biss)"
 
 
-def _explain_no_frames(lost: Any, chosen: argparse.Namespace) -> str:
-    """Return the message for a capture without a frame, with the reason of the first lost cycle."""
+def _explain_no_frames(lost: Any, options: argparse.Namespace) -> str:
+    """Return the message for a capture without a frame, with the reason why the first cycle was lost."""
     first_lost: Lost | None = next(iter(lost), None)
     reason = f": {first_lost.reason}" if first_lost else ""
-    return f"the capture contains no frame{reason}; check the channels (--clock, --data) and {_name_layout(chosen)}"
+    return f"the capture contains no frame{reason}; check the channels (--clock, --data) and {_name_layout(options)}"

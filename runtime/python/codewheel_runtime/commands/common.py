@@ -34,39 +34,39 @@ def distribution(package: str) -> str:
     return package.replace("_", "-")
 
 
-def find_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
-    """Return the encoder that the arguments select. Raises Failed if they are wrong."""
+def find_encoder(package: str, options: argparse.Namespace) -> Encoder:
+    """Return the encoder that the arguments select. Raises CommandFailed if they are wrong."""
     try:
-        return _select_encoder(package, chosen)
+        return _select_encoder(package, options)
     except ValueError as error:
         raise CommandFailed(error, USAGE) from None
 
 
-def _select_encoder(package: str, chosen: argparse.Namespace) -> Encoder:
-    """Return the encoder for the arguments: order code, interface, registers and answers.
+def _select_encoder(package: str, options: argparse.Namespace) -> Encoder:
+    """Return the encoder for the arguments of the command: order code, interface, registers and answers.
 
     Raises:
         ValueError: The label is not an order code, the encoder has another interface, no registers affect its frames,
             or a register or an answer is not valid.
     """
-    encoder: Encoder = import_module(package).lookup(str(chosen.order_code))
-    if chosen.interface is not None and encoder.interface.value != chosen.interface:
-        wanted = Interface(chosen.interface).title
+    encoder: Encoder = import_module(package).lookup(str(options.order_code))
+    if options.interface is not None and encoder.interface.value != options.interface:
+        wanted = Interface(options.interface).title
         raise ValueError(f"{encoder.code} has the interface {encoder.interface.title}, not {wanted}")
-    if chosen.register:
+    if options.register:
         with_registers: Callable[[dict[int, int]], Encoder] | None = getattr(encoder, "with_registers", None)
         if with_registers is None:
             raise ValueError(f"no register affects the frames of {encoder.code}")
-        encoder = with_registers(dict(chosen.register))
-    return _add_optional_answers(encoder, chosen)
+        encoder = with_registers(dict(options.register))
+    return _add_optional_answers(encoder, options)
 
 
-def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encoder:
-    """Return the encoder with those answers of ``chosen.choose`` that it keeps, and remove them from there.
+def _add_optional_answers(encoder: Encoder, options: argparse.Namespace) -> Encoder:
+    """Return the encoder with the chosen answers that belong to the encoder, and remove them from ``options.choose``.
 
-    These are the parameters of ``with_answers``, if the encoder has this method. If any of them is chosen, those that
-    are not chosen get their first value. If none is, the encoder is returned unchanged. The remaining answers of
-    ``chosen.choose`` are for the decoder of the frames.
+    These answers are the parameters of ``with_answers``, if the encoder has this method. If any of them is chosen, the
+    others get their first value. If none is, the encoder is returned unchanged. The remaining answers in
+    ``options.choose`` are for the decoder of the frames.
 
     Raises:
         ValueError: A parameter does not have the chosen value.
@@ -74,16 +74,17 @@ def _add_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encod
     with_answers: Callable[..., Encoder] | None = getattr(encoder, "with_answers", None)
     if with_answers is None:
         return encoder
-    hints: dict[str, Any] = get_type_hints(with_answers)
-    # The enumeration of each parameter. Its first member is the default.
-    kinds = {name: hint for name, hint in hints.items() if name not in ("self", "return")}
-    answers: dict[str, Any] = {name: next(iter(kind)) for name, kind in kinds.items()}
-    is_any_chosen = any(name in kinds for name, _ in chosen.choose)
-    for name, answer in chosen.choose:
-        if name in kinds:
-            answers[name] = find_answer(name, answer, kinds[name])
-    chosen.choose = [(name, answer) for name, answer in chosen.choose if name not in kinds]
-    return with_answers(**answers) if is_any_chosen else encoder
+    parameter_types: dict[str, Any] = get_type_hints(with_answers)
+    # Each parameter has an enumeration of answers, whose first member is the default.
+    answer_classes = {name: kind for name, kind in parameter_types.items() if name not in ("self", "return")}
+    answers: dict[str, Any] = {name: next(iter(answer_class)) for name, answer_class in answer_classes.items()}
+    encoder_choices = [(name, answer) for name, answer in options.choose if name in answer_classes]
+    options.choose = [(name, answer) for name, answer in options.choose if name not in answer_classes]
+    if not encoder_choices:
+        return encoder
+    for name, answer in encoder_choices:
+        answers[name] = find_answer(name, answer, answer_classes[name])
+    return with_answers(**answers)
 
 
 def find_answer(name: str, answer: str, kind: type[Enum]) -> Enum:
@@ -106,7 +107,7 @@ def show_progress(package: str, source: str) -> Generator[Callable[[int, int | N
 
     progress = Progress(sys.stderr)
     try:
-        with _Stoppable():
+        with _InterruptOnTermination():
             yield progress.show if sys.stderr.isatty() else None
     except UsageError as error:
         raise CommandFailed(error, USAGE) from None
@@ -137,18 +138,18 @@ def missing_package_error(error: ImportError) -> CommandFailed:
     return CommandFailed(f"this needs {module}: pip install {_PACKAGE_BY_MODULE.get(module, module)}")
 
 
-class _Stoppable:
-    """Context that treats SIGTERM like a keyboard interrupt, so that no incomplete file remains."""
+class _InterruptOnTermination:
+    """Context in which SIGTERM raises KeyboardInterrupt, so that no incomplete file remains."""
 
     def __enter__(self) -> None:
-        self._before = signal.getsignal(signal.SIGTERM)
-        signal.signal(signal.SIGTERM, self._stop)
+        self._previous_handler = signal.getsignal(signal.SIGTERM)
+        signal.signal(signal.SIGTERM, self._interrupt)
 
     def __exit__(self, *_: object) -> None:
-        signal.signal(signal.SIGTERM, self._before)
+        signal.signal(signal.SIGTERM, self._previous_handler)
 
     @staticmethod
-    def _stop(number: int, frame: FrameType | None) -> NoReturn:
+    def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
         raise KeyboardInterrupt
 
 
@@ -165,14 +166,14 @@ class Progress:
     def __init__(self, out: TextIO) -> None:
         self._out = out
         self._started = monotonic()
-        self._shown = 0.0
+        self._last_shown = 0.0
 
     def show(self, done: int, total: int | None, frames: int) -> None:
         """Show the progress, at most ``RATE`` times per second. Without a total, there is no bar."""
         now = monotonic()
-        if now - self._shown < 1 / self.RATE:
+        if now - self._last_shown < 1 / self.RATE:
             return
-        self._shown = now
+        self._last_shown = now
         text = f"{frames:,} frames, {now - self._started:.0f} s"
         if total:
             fraction = min(done / total, 1.0)
@@ -186,6 +187,6 @@ class Progress:
 
     def clear(self) -> None:
         """Clear the line if anything was shown."""
-        if self._shown:
+        if self._last_shown:
             self._out.write(f"\r{' ' * (shutil.get_terminal_size().columns - 1)}\r")
             self._out.flush()

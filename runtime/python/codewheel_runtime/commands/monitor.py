@@ -41,50 +41,50 @@ class Readings(NamedTuple):
     failures: int
 
 
-def monitor(package: str, chosen: argparse.Namespace) -> None:
+def monitor(package: str, options: argparse.Namespace) -> None:
     """Show an encoder live, and record its readings.
 
     Raises:
         CommandFailed: The encoder has no RS-485, it never answered, or more readings failed than ``--max-errors``
             allows.
     """
-    encoder = find_encoder(package, chosen)
+    encoder = find_encoder(package, options)
     if encoder.interface is not Interface.RS485:
         is_spi = encoder.interface is Interface.SPI
         how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
         problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
-        raise CommandFailed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
+        raise CommandFailed(f"{problem}: record it with a logic analyzer, and {how}", USAGE)
     # On a terminal, readings are shown. In a pipe, they are written as a table.
-    target = chosen.output if chosen.output or sys.stdout.isatty() else "-"
+    target = options.output if options.output or sys.stdout.isatty() else "-"
     out = sys.stderr if target == "-" else sys.stdout
     try:
         with (
-            show_progress(package, chosen.port),
-            open_recorder(target, chosen.write, chosen.force) if target else nullcontext() as recorder,
+            show_progress(package, options.port),
+            open_recorder(target, options.write, options.force) if target else nullcontext() as recorder,
             # Without retries, every error is counted.
-            open_encoder(chosen.port, encoder, retries=0) as opened,
+            open_encoder(options.port, encoder, retries=0) as opened,
         ):
             readings = watch(
                 opened,
                 encoder,
-                chosen.port,
-                count=chosen.count,
-                interval_s=chosen.interval,
+                options.port,
+                count=options.count,
+                interval_s=options.interval,
                 out=out,
                 recorder=recorder,
                 is_shown=target != "-",
             )
     except LinkError as error:
         raise CommandFailed(error) from None
-    if 100 * readings.failures > chosen.max_errors * readings.total:
+    if 100 * readings.failures > options.max_errors * readings.total:
         failures_text = f"{readings.failures} of {readings.total} readings failed"
-        raise CommandFailed(f"{failures_text}; --max-errors is {chosen.max_errors:g}")
+        raise CommandFailed(f"{failures_text}; --max-errors is {options.max_errors:g}")
 
 
 def watch(
     reader: Reader,
     encoder: Encoder,
-    place: str,
+    port: str,
     *,
     count: int | None = None,
     interval_s: float = 0.0,
@@ -102,7 +102,7 @@ def watch(
         encoder: The encoder.
         place: Name of the port.
         count: Number of readings. By default, until interrupted.
-        interval_s: Time in seconds from the start of a reading to that of the next one.
+        interval_s: Time in seconds from the start of a reading to the start of the next one.
         out: File to write to. The default is standard output.
         recorder: Output for all readings.
         is_shown: Show the readings if ``out`` is a terminal.
@@ -113,8 +113,8 @@ def watch(
     Raises:
         RuntimeError: The encoder never answered. This is the error that ``reader`` raised.
     """
-    screen = _Screen(encoder, place, out or sys.stdout, recorder, is_shown)
-    # Number of readings so far, and the time at which the next one is to start.
+    screen = _Screen(encoder, port, out or sys.stdout, recorder, is_shown)
+    # Number of readings so far, and the time at which the next one starts.
     done, due = 0, 0.0
     try:
         while count is None or done < count:
@@ -130,7 +130,7 @@ def watch(
 
 
 def _wait_until(due: float) -> float:
-    """Wait until a time, and return it, or the present time if that is later.
+    """Wait until a time, and return it. If the time has passed, return the present time.
 
     Readings therefore come at fixed intervals. After a late reading, the next interval starts at that reading.
     """
@@ -139,11 +139,11 @@ def _wait_until(due: float) -> float:
 
 
 class _Screen:
-    """Last readings, and the lines that show them."""
+    """Last readings of an encoder, and the lines on the terminal that show them."""
 
-    def __init__(self, encoder: Encoder, place: str, out: TextIO, recorder: Recorder | None, is_shown: bool) -> None:
+    def __init__(self, encoder: Encoder, port: str, out: TextIO, recorder: Recorder | None, is_shown: bool) -> None:
         self._encoder = encoder
-        self._place = place
+        self._port = port
         self._out = out
         self._recorder = recorder
         self._is_live = is_shown and out.isatty()
@@ -151,7 +151,7 @@ class _Screen:
         #: Last unwrapped position, and the range with which it was unwrapped.
         self._count: int | None = None
         self._range: PositionRange | None = None
-        #: Time and unwrapped position of each reading in the last half second. None: the position is not usable.
+        #: Time and unwrapped position of each reading in the last half second, or None instead of a position.
         self._recent: deque[tuple[float, int | None]] = deque()
         #: Number of failures by kind, such as "no reply".
         self._errors: Counter[str] = Counter()
@@ -161,7 +161,10 @@ class _Screen:
         self.frames = self.failures = 0
 
     def show_reading_of(self, reader: Reader) -> None:
-        """Show the next frame or failure. Raises the error of the reader at the tenth failure without any frame."""
+        """Read a frame, and show it or the failure.
+
+        Raises the error of the reader at the tenth failure without any frame.
+        """
         try:
             self.add(reader.read())
         except RuntimeError as error:
@@ -170,7 +173,7 @@ class _Screen:
                 raise
 
     def add(self, frame: Any) -> None:
-        """Add a frame, record it, and show it."""
+        """Record and show a frame."""
         self.frames += 1
         self._frame = frame
         now = monotonic()
@@ -188,7 +191,7 @@ class _Screen:
         self._update(now)
 
     def fail(self, error: RuntimeError) -> None:
-        """Add a failure, record it, and show it."""
+        """Record and show a failure."""
         self.failures += 1
         kind = _name_error(error)
         now = monotonic()
@@ -210,7 +213,8 @@ class _Screen:
     def _unwrap(self, frame_class: type, position: int) -> int:
         """Return the count of a position in a frame of ``frame_class``, which continues when the position wraps around.
 
-        It starts again if the range of the positions has changed. Without a known range, it is the position.
+        The count starts again if the range of the positions has changed. If the range is not known, the count is the
+        position.
         """
         try:
             position_range = self._encoder.range_of(frame_class)
@@ -223,17 +227,18 @@ class _Screen:
         return position_range.unwrap(previous, position)
 
     def _update(self, now: float) -> None:
-        """Draw the readings if the last drawing is old enough."""
+        """Draw the readings if a tenth of a second has passed since the last drawing."""
         if self._is_live and now - self._drawn_at >= 1 / _UPDATES_PER_SECOND:
             self._drawn_at = now
             self._draw()
 
     def _draw(self) -> None:
-        """Draw the readings over the previous readings."""
+        """Draw the readings in place of the previous readings."""
         # The last column stays empty, because some terminals would begin a new line.
         columns = shutil.get_terminal_size().columns - 1
-        head = f"{self._encoder.code}, {self._encoder.interface.title}, {self._place}    Ctrl-C ends"
-        lines = [head, *(f"{name:<10}{value}" for name, value in (*self._list_values(), *self._list_state()))]
+        head = f"{self._encoder.code}, {self._encoder.interface.title}, {self._port}    Ctrl-C ends"
+        rows = [*self._list_values(), *self._list_state()]
+        lines = [head, *(f"{name:<10}{value}" for name, value in rows)]
         # Escape sequences: move up by some lines, and clear a line.
         up = f"\x1b[{self._height}A" if self._height else ""
         text = "".join(f"\r\x1b[2K{line[:columns]}\n" for line in lines)
@@ -242,21 +247,21 @@ class _Screen:
         self._height = len(lines)
 
     def _list_values(self) -> list[tuple[str, str]]:
-        """Return the rows of the last frame: labels and texts, such as ``("position", "4711 counts")``."""
+        """Return the rows about the last frame: labels and texts, such as ``("position", "4711 counts")``."""
         frame = self._frame
         if frame is None:
             return [("position", "-"), ("angle", "-"), ("speed", "-"), ("verdict", "-")]
-        usable = frame.usable_position
-        name, value = _convert_to_unit(self._encoder, usable)
+        usable_position = frame.usable_position
+        name, value = _convert_to_unit(self._encoder, usable_position)
         return [
-            ("position", "-" if usable is None else f"{usable} counts"),
+            ("position", "-" if usable_position is None else f"{usable_position} counts"),
             (name, value),
             ("speed", self._measure_speed()),
             ("verdict", frame.verdict.value.replace("_", " ")),
         ]
 
     def _list_state(self) -> list[tuple[str, str]]:
-        """Return the rows of alarms, rate and errors: labels and texts."""
+        """Return the rows about alarms, rate and errors: labels and texts."""
         reports = self._frame.reports if self._frame is not None else ()
         # Times of all frames in the last half second, also of those without a usable position.
         times = [time for time, _ in self._recent]
@@ -278,7 +283,7 @@ class _Screen:
         return f"{self.failures} of {total} readings failed{kinds_text}"
 
     def _measure_speed(self) -> str:
-        """Return the speed over the recent readings, with its unit, or ``-`` with fewer than two usable positions."""
+        """Return the speed over the last half second with its unit, or ``-`` with fewer than two usable positions."""
         timed_counts = [(time, count) for time, count in self._recent if count is not None]
         if len(timed_counts) < 2:
             return "-"
@@ -286,19 +291,19 @@ class _Screen:
         last_time, last_count = timed_counts[-1]
         if last_time <= first_time:
             return "-"
-        per_second = (last_count - first_count) / (last_time - first_time)
+        counts_per_second = (last_count - first_count) / (last_time - first_time)
         encoder: Any = self._encoder
         if hasattr(encoder, "millimetres"):
-            return f"{per_second * encoder.millimetres(1):.3f} mm/s"
+            return f"{counts_per_second * encoder.millimetres(1):.3f} mm/s"
         if hasattr(encoder, "from_turns"):
-            return f"{60 * per_second / encoder.from_turns(1):.3f} rpm"
-        return f"{per_second:.0f} counts/s"
+            return f"{60 * counts_per_second / encoder.from_turns(1):.3f} rpm"
+        return f"{counts_per_second:.0f} counts/s"
 
 
 def _convert_to_unit(encoder: Any, position: int | None) -> tuple[str, str]:
     """Return the name and the value of a position in a unit, such as ``("angle", "12.34500°")``.
 
-    The value is ``-`` for None, and for encoders whose manual does not state the size of a count.
+    The value is ``-`` for a position that is None, and for encoders whose manual does not state the size of a count.
     """
     measures_length = hasattr(encoder, "millimetres")
     name = "length" if measures_length else "angle"
@@ -312,7 +317,7 @@ def _convert_to_unit(encoder: Any, position: int | None) -> tuple[str, str]:
 
 
 def _name_error(error: RuntimeError) -> str:
-    """Return the text for an error class: 'no reply' for NoReplyError."""
+    """Return the name of an error for the screen: ``no reply`` for NoReplyError."""
     words: list[str] = []
     for character in type(error).__name__.removesuffix("Error"):
         # Each capital letter begins a word.

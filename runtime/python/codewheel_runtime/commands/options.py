@@ -51,7 +51,13 @@ def add_output(parser: argparse.ArgumentParser, plot: bool = False) -> None:
     add("--json", action="store_true", help="print a frame, or the summary, as JSON")
     add("--si", action="store_true", help="also write position and speed in SI units (a file needs a column 'time')")
     add("--write", choices=("parquet", "arrow", "csv"), help="output format (default: by extension, else csv)")
-    add("--columns", type=_names, default=(), metavar="NAME,...", help="columns to write, also of FILE (default: all)")
+    add(
+        "--columns",
+        type=_parse_names,
+        default=(),
+        metavar="NAME,...",
+        help="columns to write, also of FILE (default: all)",
+    )
     add("--raw", action="store_true", help="write the position of every frame, even if it is not usable")
     _add_max_errors(add, "frames have an error")
     add("--limit", type=count, metavar="COUNT", help="decode at most this many frames")
@@ -90,6 +96,7 @@ def _add_max_errors(add: Callable[..., object], failure: str) -> None:
 
 
 def _add_digits(add: Callable[..., object]) -> None:
+    """Add the option ``--digits``."""
     add("--digits", choices=("hex", "decimal"), help="base of numbers in text without 0x")
 
 
@@ -121,29 +128,31 @@ def add_encoder(parser: argparse.ArgumentParser) -> None:
 # The functions below parse the text of an option. They raise ValueError for a wrong text, which argparse reports.
 
 
-def _names(text: str) -> tuple[str, ...]:
-    """Return the names in a list with commas: ``("time", "position")`` for ``time,position``."""
+def _parse_names(text: str) -> tuple[str, ...]:
+    """Return the names in a list separated by commas: ``("time", "position")`` for ``time,position``."""
     return tuple(name.strip() for name in text.split(","))
 
 
 def _parse_number(text: str) -> int:
-    """Return a number of an option."""
-    # Longer numbers are out of range anyway, and Python refuses to parse very long ones.
+    """Return the number in the text of an option, in decimal, or with a prefix such as 0x."""
+    # Longer numbers are out of range anyway, and Python rejects very long ones.
     if len(text) > _LONGEST_NUMBER or not text.isascii():
         raise ValueError
     return int(text, 0)
 
 
 def count(text: str) -> int:
-    """Return a number of frames or readings."""
-    if (number := _parse_number(text)) < 0:
+    """Return a number of frames or readings, which is at least 0."""
+    number = _parse_number(text)
+    if number < 0:
         raise ValueError
     return number
 
 
 def _parse_percent(text: str) -> float:
     """Return a percentage, from 0 to 100."""
-    if not 0 <= (number := float(text)) <= 100:
+    number = float(text)
+    if not 0 <= number <= 100:
         raise ValueError
     return number
 
@@ -155,29 +164,33 @@ def _parse_register(text: str) -> tuple[int, int]:
 
 
 def _parse_answer(text: str) -> tuple[str, Enum | str]:
-    """Return a question and its answer: ``QUESTION=ANSWER``."""
-    name, between, answer = text.partition("=")
-    if not between:
+    """Return the name of a question and its answer: ``("zero_bit", "as_printed")`` for ``zero_bit=as_printed``."""
+    name, equals_sign, answer = text.partition("=")
+    if not equals_sign:
         raise ValueError
     return name.strip(), answer.strip()
 
 
 def seconds(text: str) -> float:
     """Return a time in seconds."""
-    if not 0 <= (number := float(text)) < 1e6:
+    number = float(text)
+    if not 0 <= number < 1e6:
         raise ValueError
     return number
 
 
 def _parse_rate(text: str) -> float:
-    """Return a sample rate in Hz."""
+    """Return a rate, such as a sample rate, in Hz: 24000000.0 for ``24MHz``."""
     match = _RATE_TEXT.fullmatch(text.strip())
-    if match is None or not float(match[1]):
+    if match is None:
         raise ValueError
-    # The index of the prefix is the power of 1000: none, k, M, G.
-    return float(match[1]) * 1000.0 ** " kMG".index(match[2] or " ")
+    number, prefix = float(match[1]), match[2]
+    if not number:
+        raise ValueError
+    return number * _FACTOR_BY_PREFIX[prefix]
 
 
+_FACTOR_BY_PREFIX: Final = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 _RATE_TEXT: Final = re.compile(r"([0-9]{1,12}(?:\.[0-9]{1,9})?) ?([kMG]?)(?:Hz|S/s|Bd)?")
 
 # argparse prints these names in its messages.

@@ -20,7 +20,7 @@ _FIGURE: Any = import_module("matplotlib.figure")
 _COLLECTIONS: Any = import_module("matplotlib.collections")
 
 _PICTURE_FORMATS: Final = ("png", "svg", "pdf")
-_ERROR_COLOURS: Final = {
+_ERROR_COLORS: Final = {
     ErrorKind.LENGTH: "tab:purple",
     ErrorKind.CRC: "tab:red",
     ErrorKind.CONSTANT: "tab:pink",
@@ -43,7 +43,7 @@ _UNITS_TO_TRY: Final = (
     _Units("degrees", "angle in degrees", "rpm", "speed in rpm"),
     _Units("counts", "position in counts", "counts", "speed in counts/s"),
 )
-#: Number of points above which only the lowest and highest of each column of pixels are drawn.
+#: Number of points above which only the lowest and the highest point of each segment are drawn.
 _MOST_POINTS: Final = 20_000
 #: Number of points below which each of them is marked.
 _FEW_POINTS: Final = 200
@@ -65,10 +65,11 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
     Raises:
         ValueError: The table has no column of times, or the frames have no position.
     """
-    axis = next((name for name in ("time", "sample") if name in table), None)
-    if axis is None:
+    time_columns = [name for name in ("time", "sample") if name in table]
+    if not time_columns:
         raise ValueError("the table has no column 'time'")
-    times = np.asarray(table[axis], np.float64)
+    time_column = time_columns[0]
+    times = np.asarray(table[time_column], np.float64)
     units = _choose_units(table)
     drawn = _FIGURE.Figure(figsize=(10, 6), layout="constrained")
     top, bottom = drawn.subplots(2, 1, sharex=True)
@@ -76,14 +77,14 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
     _draw_line(top, times, table.in_units(units.position), wraps=units.position == "degrees")
     top.set_ylabel(units.position_label)
     _draw_speed(bottom, table, times, units.speed)
-    is_timed = axis == "time"
+    is_timed = time_column == "time"
     # Without a sample rate, speeds are per sample.
     speed_label = units.speed_label if is_timed else units.speed_label.replace("/s", "/sample")
     bottom.set_ylabel(speed_label)
     bottom.set_xlabel("time in s" if is_timed else "sample")
-    for mark_times, label, colour in _list_marks(table, times, lost):
+    for mark_times, label, color in _list_marks(table, times, lost):
         if len(mark_times):
-            _draw_marks((top, bottom), mark_times, f"{label} ({len(mark_times)})", colour)
+            _draw_marks((top, bottom), mark_times, f"{label} ({len(mark_times)})", color)
     _, legend_labels = top.get_legend_handles_labels()
     if legend_labels:
         # Above the axes, where it does not cover the plot.
@@ -95,7 +96,7 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
 
 
 def _draw_speed(axes: Any, table: Table, times: Any, unit: SpeedUnit) -> None:
-    """Draw the speed over time, or a note if it is unknown."""
+    """Draw the speed over time, or a note if the speed cannot be computed."""
     try:
         _draw_line(axes, times, table.velocity(times, unit), wraps=False)
     except (AttributeError, ValueError):
@@ -104,9 +105,9 @@ def _draw_speed(axes: Any, table: Table, times: Any, unit: SpeedUnit) -> None:
 
 
 def _list_marks(table: Table, times: Any, lost: Sequence[Lost]) -> Iterator[tuple[Any, str, str]]:
-    """Yield the times to mark, with their label and colour: ``(times, "CRC error", "tab:red")``. There may be none."""
-    for kind, colour in _ERROR_COLOURS.items():
-        yield times[table.fault == kind], _name_error(kind), colour
+    """Yield the times to mark, with a label and a color: ``(times, "CRC error", "tab:red")``. There may be no times."""
+    for kind, color in _ERROR_COLORS.items():
+        yield times[table.fault == kind], _name_error(kind), color
     yield times[table.ok & ~table.usable], "position not usable", "tab:orange"
     yield np.array([cycle.time for cycle in lost], np.float64), "lost", "black"
 
@@ -123,8 +124,10 @@ def save(
     """Draw the position and the speed over time, and write the picture.
 
     Args:
-        table, lost, title: See ``figure``.
+        table: The frames, with a column ``time`` or ``sample``.
         target: The file to write: ``.png``, ``.svg`` or ``.pdf``.
+        lost: Cycles without a frame.
+        title: Title. The default is the order code.
         force: Replace an existing file.
         sources: Input files, which are never replaced.
 
@@ -163,8 +166,8 @@ def _name_error(kind: ErrorKind) -> str:
 
 
 def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
-    """Draw values over time. The line has a gap where the position wraps around."""
-    times, values = _thin_out(times, values)
+    """Draw values over time. If they are degrees that wrap around (``wraps``), the line has a gap where they do."""
+    times, values = _reduce_points(times, values)
     if wraps and len(values):
         # Degrees jump by up to 360 where they wrap around. A NaN there interrupts the line.
         wraps_at = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
@@ -175,28 +178,30 @@ def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
     axes.plot(times, values, linewidth=1, **markers)
 
 
-def _thin_out(times: Any, values: Any) -> tuple[Any, Any]:
-    """Return at most about 20,000 points that look the same: the lowest and highest of each stretch, and the last.
+def _reduce_points(times: Any, values: Any) -> tuple[Any, Any]:
+    """Return at most about 20,000 points that look like all points, with their times.
 
-    Values that are NaN are left out. All stretches have the same length. Of the points behind them, only the last
-    is kept.
+    The points are split into segments of equal length. The lowest and the highest point of each segment are kept. Of
+    the points after the last complete segment, only the very last is kept. Values that are NaN are left out.
     """
     is_finite = np.isfinite(values)
     times = times[is_finite]
     values = values[is_finite]
     if len(values) <= _MOST_POINTS:
         return times, values
-    # Two points of each stretch are kept.
-    stretch_size = ceil(len(values) / (_MOST_POINTS // 2))
-    whole_size = len(values) // stretch_size * stretch_size
-    stretches = values[:whole_size].reshape(-1, stretch_size)
-    starts = np.arange(len(stretches)) * stretch_size
-    lowest, highest = starts + stretches.argmin(axis=1), starts + stretches.argmax(axis=1)
-    places = np.unique(np.concatenate([lowest, highest, [len(values) - 1]]))
-    return times[places], values[places]
+    # Two points of each segment are kept.
+    segment_size = ceil(len(values) / (_MOST_POINTS // 2))
+    segment_count = len(values) // segment_size
+    segments = values[: segment_count * segment_size].reshape(-1, segment_size)
+    first_indices = np.arange(segment_count) * segment_size
+    lowest = first_indices + segments.argmin(axis=1)
+    highest = first_indices + segments.argmax(axis=1)
+    last = len(values) - 1
+    kept = np.unique(np.concatenate([lowest, highest, [last]]))
+    return times[kept], values[kept]
 
 
-def _draw_marks(axes: Sequence[Any], times: Any, label: str, colour: str) -> None:
+def _draw_marks(axes: Sequence[Any], times: Any, label: str, color: str) -> None:
     """Mark times with thin vertical lines."""
     # Where lines are too close to be distinguished, only some are drawn.
     most_lines = _MOST_POINTS // 10
@@ -207,7 +212,7 @@ def _draw_marks(axes: Sequence[Any], times: Any, label: str, colour: str) -> Non
         lines = _COLLECTIONS.LineCollection(
             lines_at,
             transform=plot_axes.get_xaxis_transform(),
-            colors=colour,
+            colors=color,
             linewidths=1,
             alpha=0.6,
             # One entry in the legend for both plots.

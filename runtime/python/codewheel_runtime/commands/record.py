@@ -55,41 +55,41 @@ class Recorder(Protocol):
         ...
 
     def close(self) -> None:
-        """Write what is left."""
+        """Write the readings that have not been written yet."""
         ...
 
 
 class _Csv:
     """CSV with a header. Each row is written at once, so that another program can follow.
 
-    Without a file, rows go to standard output. ``_own`` is the text layer over a file, which the caller closes.
+    Without a file, rows go to standard output. ``_own_file`` is the text layer over a file, which the caller closes.
     """
 
     def __init__(self, file: Any) -> None:
-        self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
-        self._out = self._own or sys.stdout
-        self._row: Callable[[Any], object] = csv.writer(self._out, lineterminator="\n").writerow
-        self._row(RecordedReading._fields)
+        self._own_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
+        self._out = self._own_file or sys.stdout
+        self._write_row: Callable[[Any], object] = csv.writer(self._out, lineterminator="\n").writerow
+        self._write_row(RecordedReading._fields)
 
     def write(self, reading: RecordedReading) -> None:
-        self._row(reading._replace(time=_round(reading.time)))
+        self._write_row(reading._replace(time=_round(reading.time)))
         self._out.flush()
 
     def close(self) -> None:
         self._out.flush()
-        if self._own is not None:
-            self._own.detach()
+        if self._own_file is not None:
+            self._own_file.detach()
 
 
 class _JsonLines:
     """One JSON object per line.
 
-    Without a file, lines go to standard output. ``_own`` is the text layer over a file, which the caller closes.
+    Without a file, lines go to standard output. ``_own_file`` is the text layer over a file, which the caller closes.
     """
 
     def __init__(self, file: Any) -> None:
-        self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
-        self._out = self._own or sys.stdout
+        self._own_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
+        self._out = self._own_file or sys.stdout
 
     def write(self, reading: RecordedReading) -> None:
         self._out.write(json.dumps(reading._replace(time=_round(reading.time))._asdict()) + "\n")
@@ -97,8 +97,8 @@ class _JsonLines:
 
     def close(self) -> None:
         self._out.flush()
-        if self._own is not None:
-            self._own.detach()
+        if self._own_file is not None:
+            self._own_file.detach()
 
 
 class _Parquet:
@@ -136,28 +136,28 @@ _RECORDERS: Final[dict[RecordKind, Callable[[Any], Recorder]]] = {
 
 
 def record_kind(target: str, kind: RecordKind | None) -> RecordKind:
-    """Return the format to write: the requested format, or the format of the file name.
+    """Return the format to write: the requested format, or the format that the file name implies.
 
     Raises:
         UsageError: Parquet cannot be written to standard output.
     """
-    chosen = kind or _FORMAT_BY_SUFFIX.get(PurePath(target).suffix.lower(), "csv")
-    if target == "-" and chosen == "parquet":
+    chosen_kind = kind or _FORMAT_BY_SUFFIX.get(PurePath(target).suffix.lower(), "csv")
+    if target == "-" and chosen_kind == "parquet":
         raise UsageError("Parquet cannot be written to standard output; give a file with -o")
-    return chosen
+    return chosen_kind
 
 
 @contextmanager
 def open_recorder(target: str, kind: RecordKind | None, force: bool) -> Generator[Recorder, None, None]:
-    """Open a file of readings, or standard output for ``-``. After an error, no file is left.
+    """Open a file of readings, or standard output for ``-``. After an error, no file remains.
 
     Raises:
         UsageError: The file exists, or the format does not fit.
         OSError: The file cannot be written.
     """
-    chosen = record_kind(target, kind)
+    chosen_kind = record_kind(target, kind)
     with open_for_writing(target, (), force) as file:
-        recorder = _RECORDERS[chosen](file)
+        recorder = _RECORDERS[chosen_kind](file)
         yield recorder
         recorder.close()
 

@@ -42,9 +42,10 @@ class Block(NamedTuple):
 
 
 def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:
-    """Yield blocks of whole lines. The last block may end within a line. ``data`` was read from the file before.
+    """Yield blocks of whole lines from a file. The last block may end within a line.
 
-    A line that is longer than a block ends the blocks, because the file is not CSV.
+    ``data`` is the part of the file that was read before. A line that is longer than a block ends the blocks, because
+    the file is not CSV.
     """
     while more := file.read(BLOCK):
         data += more
@@ -59,10 +60,9 @@ def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:
 
 
 def has_a_row_per_line(block: bytes) -> bool:
-    """Return whether a block has no comments, and ends its lines only with LF or CRLF.
+    """Return whether each line of a block is a row: it has no comments, and its lines end only with LF or CRLF.
 
-    With an odd number of quotes, the last row of the block can continue in the next one, so the answer is False.
-    ``ends_with_row`` examines the quotes of other blocks.
+    With an odd number of quotes, the last row of the block can continue in the next one, so the result is False.
     """
     if b"#" in block or (b'"' in block and block.count(b'"') % 2):
         return False
@@ -71,17 +71,18 @@ def has_a_row_per_line(block: bytes) -> bool:
 
 
 def ends_with_row(block: bytes, delimiter: str) -> bool:
-    """Return whether a block ends with the end of a row. If quotes are in unusual places, the answer is False."""
+    """Return whether a block ends with the end of a row. If quotes are in unusual places, the result is False."""
     if b'"' not in block:
         return True
     escaped = re.escape(delimiter.encode())
-    # Cells in quotes, in which quotes are doubled, between delimiters or line ends. Without them, no quote is left.
-    cells_in_quotes = rb'(?<![^%b\r\n])"(?:[^"]|"")*"(?=[%b\r\n])' % (escaped, escaped)
-    return b'"' not in re.sub(cells_in_quotes, b"", block)
+    # A cell in quotes is between delimiters or line ends. Quotes within it are doubled.
+    cell_in_quotes = rb'(?<![^%b\r\n])"(?:[^"]|"")*"(?=[%b\r\n])' % (escaped, escaped)
+    text_without_cells_in_quotes = re.sub(cell_in_quotes, b"", block)
+    return b'"' not in text_without_cells_in_quotes
 
 
 class JoinedBlocks(io.RawIOBase):
-    """Blocks of bytes as one file."""
+    """File whose contents are blocks of bytes, one after another."""
 
     def __init__(self, blocks: Iterable[bytes]) -> None:
         super().__init__()
@@ -104,17 +105,17 @@ class JoinedBlocks(io.RawIOBase):
 
 def make_block_reader(
     names: Sequence[str],
-    place: int,
+    frame_column: int,
     kept_columns: Sequence[tuple[int, str]],
     delimiter: str,
     shape: Shape,
     digits: DigitKind | None,
 ) -> Callable[[bytes], Block | None] | None:
-    """Return a function that reads a block, or None if pyarrow is not installed.
+    """Return a function that reads a block of whole lines, or None if pyarrow is not installed.
 
     The function returns None if a cell is missing, has a line end in quotes, or is not a frame in the usual form.
-    ``names`` are the names of all columns. ``place`` is the index of the column of frames, and ``kept_columns`` have
-    the index and the name of each other column to keep. ``digits`` is the base of numbers without ``0x``.
+    ``names`` are the names of all columns. ``frame_column`` is the index of the column of frames, and ``kept_columns``
+    have the index and the name of each other column to keep. ``digits`` is the base of numbers without ``0x``.
     """
     try:
         pa: Any = load("pyarrow")
@@ -125,7 +126,7 @@ def make_block_reader(
     columns = [str(index) for index in range(len(names))]
     parse = csv.ParseOptions(delimiter=delimiter)
     # Columns are named by their index, because names in the file can be equal. The column of frames comes first.
-    wanted = [str(place), *(str(index) for index, _ in kept_columns)]
+    wanted = [str(frame_column), *(str(index) for index, _ in kept_columns)]
     convert = csv.ConvertOptions(
         include_columns=wanted, column_types=dict.fromkeys(wanted, pa.string()), strings_can_be_null=False
     )
@@ -160,28 +161,36 @@ def make_block_reader(
 
 
 def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
-    """Return numbers, or None if they need the slower reader. The conversion raises ArrowInvalid for other cells.
+    """Return the frames in cells of text as numbers, or None if the cells need the slower reader.
 
-    Cells without ``0x`` are in the base ``digits``. If it is hexadecimal, either all cells or none must begin with
-    ``0x``.
+    Cells without ``0x`` are in the base ``digits``. If that is hexadecimal, either all cells or none must begin with
+    ``0x``. ``pa`` and ``pc`` are the modules of pyarrow. The conversion raises ArrowInvalid for cells that are not
+    numbers.
     """
 
     def begins_with(text: str) -> Any:
         """Return whether each cell begins with ``text``, regardless of case."""
         return pc.starts_with(cells, text, ignore_case=True)
 
-    if not pc.all(begins_with("0x"), min_count=0).as_py():
-        if digits is None or pc.any(begins_with("0b"), min_count=0).as_py():
+    all_have_prefix = pc.all(begins_with("0x"), min_count=0).as_py()
+    if not all_have_prefix:
+        has_binary_cell = pc.any(begins_with("0b"), min_count=0).as_py()
+        if digits is None or has_binary_cell:
             return None
         if digits == "hex":
-            if pc.any(begins_with("0x"), min_count=0).as_py():
+            any_has_prefix = pc.any(begins_with("0x"), min_count=0).as_py()
+            if any_has_prefix:
                 return None
             cells = pc.binary_join_element_wise("0x", cells, "")
     return cells.cast(pa.uint64()).to_numpy(zero_copy_only=False)
 
 
 def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
-    """Return rows of bytes, or None if there is no cell, or if one has a different length or is not hexadecimal."""
+    """Return the hexadecimal bytes in cells as an array with a row for each cell.
+
+    Return None if there is no cell, or if one has a different length or is not hexadecimal. ``pc`` is the module
+    ``pyarrow.compute``.
+    """
     packed_cells = pc.replace_substring(cells, " ", "")
     count = len(packed_cells)
     # Arrow stores the cells one after another in ``data``, and the start of each in ``offsets``, followed by the end of

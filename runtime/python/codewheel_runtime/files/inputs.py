@@ -23,7 +23,7 @@ FIRST: Final = 1000
 
 FileKind = Literal["binary", "csv", "parquet"]
 #: Function that decodes frames and returns the fraction of valid frames, from 0 to 1. It must get at least one frame.
-Share = Callable[[Any], float]
+ValidFraction = Callable[[Any], float]
 
 #: Default names of the column that contains the frames.
 _DEFAULT_COLUMNS: Final = ("frame", "word")
@@ -51,7 +51,7 @@ class StorageFormat(NamedTuple):
     wanted: Sequence[str] = ()
 
     def keeps(self, name: str) -> bool:
-        """Return True if the column ``name``, which does not contain the frames, must be kept."""
+        """Return whether the column ``name``, which does not contain the frames, must be kept."""
         return not self.wanted or name in self.wanted
 
 
@@ -80,20 +80,21 @@ class Source(NamedTuple):
 
 
 def select_columns(
-    names: Iterable[str], stored: StorageFormat, empty: Callable[[str], Any], file: str
+    names: Iterable[str], storage: StorageFormat, make_empty_column: Callable[[str], Any], file: str
 ) -> dict[str, Any]:
-    """Return an empty column, made by ``empty``, for each of the other columns to keep, by name.
+    """Return an empty column, made by ``make_empty_column``, for each column to keep except the column of frames.
 
-    ``names`` are the names of all columns except the column of frames. ``file`` is the name of the file, for errors.
+    The columns are returned by name. ``names`` are the names of all columns except the column of frames. ``file`` is
+    the name of the file, for errors.
 
     Raises:
         UsageError: Two of these columns have the same name.
     """
     columns: dict[str, Any] = {}
-    for name in filter(stored.keeps, names):
+    for name in filter(storage.keeps, names):
         if name in columns:
             raise UsageError(f"{file} has two columns {short(name)}; rename one, or select the columns")
-        columns[name] = empty(name)
+        columns[name] = make_empty_column(name)
     return columns
 
 
@@ -118,33 +119,46 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
 
 def find_usual_column(names: list[str]) -> int | None:
     """Return the index of the only column, or of the only one named ``frame`` or ``word``, otherwise None."""
-    named = [index for index, name in enumerate(names) if len(names) == 1 or name.lower() in _DEFAULT_COLUMNS]
-    return named[0] if len(named) == 1 else None
+    if len(names) == 1:
+        return 0
+    usual_indices = [index for index, name in enumerate(names) if name.lower() in _DEFAULT_COLUMNS]
+    return usual_indices[0] if len(usual_indices) == 1 else None
 
 
-def check_form(name: str, chosen_frames: Any, other_forms: Iterable[tuple[str, Any]], share: Share) -> None:
-    """Check that no other form works much better if many frames are invalid in the chosen form.
+def check_form(
+    name: str, chosen_frames: Any, other_forms: Iterable[tuple[str, Any]], find_valid_fraction: ValidFraction
+) -> None:
+    """Check that no other form of the frames would make far more of them valid.
 
     Args:
         name: Name of the file.
         chosen_frames: The first frames in the chosen form.
         other_forms: Command-line option of each other form, and the first frames in that form.
-        share: Function that returns the fraction of valid frames.
+        find_valid_fraction: Function that returns the fraction of valid frames.
 
     Raises:
         InputError: At least one frame in ten has an error, but in one of ``other_forms`` at most one in twenty would.
     """
-    if not len(chosen_frames) or (valid := share(chosen_frames)) > 0.9:
+    if not len(chosen_frames):
+        return
+    valid_fraction = find_valid_fraction(chosen_frames)
+    if valid_fraction > 0.9:
         return
     for option, frames in other_forms:
         # One or two frames can be valid by chance.
-        if len(frames) > 2 and (fitting := share(frames)) >= 0.95:
-            problem = f"{1 - valid:.0%} of the first {len(chosen_frames)} frames have an error"
-            raise InputError(name, "", f"{problem}; with {option}, {fitting:.0%} are valid")
+        if len(frames) <= 2:
+            continue
+        other_fraction = find_valid_fraction(frames)
+        if other_fraction >= 0.95:
+            problem = f"{1 - valid_fraction:.0%} of the first {len(chosen_frames)} frames have an error"
+            raise InputError(name, "", f"{problem}; with {option}, {other_fraction:.0%} are valid")
 
 
 def read_seconds(cells: Any, source: str) -> Any:
-    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN. Arrays stay as they are.
+    """Return a column of times in seconds as a NumPy array. An empty cell becomes NaN.
+
+    ``cells`` is a list of texts, an Arrow array, or a NumPy array, which is returned unchanged. ``source`` is the name
+    of the file, for the error.
 
     Raises:
         InputError: A cell is not a number, or infinite.

@@ -57,7 +57,7 @@ class PartitionDecoder(NamedTuple):
         raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {class_name}")
 
     def _decode_arrow(self, partition: Any) -> Any:
-        """Return a table of Arrow: the columns without the column of frames, then the decoded columns."""
+        """Return an Arrow table: the columns except the column of frames, then the decoded columns."""
         names = list(partition.schema.names)
         column = find_column(names, self.column, _PARTITION_NAME)
         try:
@@ -72,7 +72,7 @@ class PartitionDecoder(NamedTuple):
         return partition.__class__.from_arrays([*columns.values()], names=[*columns])
 
     def _decode_pandas(self, partition: Any) -> Any:
-        """Return a table of pandas: the columns without the column of frames, then the decoded columns."""
+        """Return a pandas DataFrame: the columns except the column of frames, then the decoded columns."""
         names = list(map(str, partition.columns))
         column = find_column(names, self.column, _PARTITION_NAME)
         column_index = names.index(column)
@@ -92,15 +92,16 @@ class PartitionDecoder(NamedTuple):
 def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN.
 
-    Integers stay an array, as do floats for frames of bits. Other columns become a list of cells. ``digits`` is the
-    base of numbers in text.
+    Integers stay an array, and so do floats for frames of bits. Other columns become a list of frames. ``digits`` is
+    the base of numbers in text without ``0x``.
 
     Raises:
         ValueError: Most cells of text contain no frame.
         TypeError: A cell is not a frame.
     """
     frames: Any = series.to_numpy()
-    if frames.dtype.kind in "ui" or (frames.dtype.kind == "f" and not shape.length):
+    has_bits = not shape.length
+    if frames.dtype.kind in "ui" or (frames.dtype.kind == "f" and has_bits):
         return frames
     cells = TextCells(shape, digits)
     missing = series.isna().tolist()
@@ -115,7 +116,8 @@ def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
 def _read_cell(cell: object, shape: Shape, cells: TextCells, row: int) -> Any:
     """Return the frame in a cell of text, bytes or an integer.
 
-    ``cells`` reads text, and returns None for a cell without a frame.
+    ``cells`` is the reader of text, which returns None for a cell without a frame. ``row`` is the number of the row,
+    for errors.
 
     Raises:
         TypeError: The cell is something else, or a number for a frame of bytes.
@@ -131,7 +133,7 @@ def _read_cell(cell: object, shape: Shape, cells: TextCells, row: int) -> Any:
 
 
 def check_apart(source_columns: Iterable[str], decoded_columns: Iterable[str], source: str) -> None:
-    """Raise UsageError if another column of ``source`` has the name of a decoded column."""
+    """Raise UsageError if one of ``source_columns`` has the name of a decoded column. ``source`` names their file."""
     shared = sorted({*source_columns} & {*decoded_columns})
     if shared:
         raise UsageError(

@@ -83,7 +83,7 @@ class Summary(NamedTuple):
 
 
 def count_units(count: int, word: str) -> str:
-    """Return a number followed by its noun."""
+    """Return a number followed by its noun, such as ``1 frame`` or ``2 frames``."""
     return f"{count} {word}{'' if count == 1 else 's'}"
 
 
@@ -160,8 +160,8 @@ class Files(NamedTuple):
         output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
         # Speeds need the times, even if the column is not written.
         wanted = (*columns, "time") if si and columns else columns
-        stored = StorageFormat(kind, words, column, digits, cut, wanted)
-        return _decode_file(encoder, shape, os.fspath(source), stored, output, limit, progress)
+        storage = StorageFormat(kind, words, column, digits, cut, wanted)
+        return _decode_file(encoder, shape, os.fspath(source), storage, output, limit, progress)
 
     def decode_partition(
         self,
@@ -233,12 +233,12 @@ class Output(NamedTuple):
 
 
 def find_target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
-    """Return the format to write: the requested format, or the format of the file name.
+    """Return the format to write: the requested format, or the format that the file name implies.
 
-    ``-`` means standard output.
+    A target ``-`` means standard output.
 
     Raises:
-        UsageError: Another format than CSV is requested for standard output.
+        UsageError: A format other than CSV is requested for standard output.
     """
     kind = to or find_target_kind(os.fspath(target))
     if os.fspath(target) == "-" and kind != "csv":
@@ -250,59 +250,64 @@ def _decode_file(
     encoder: Encoder,
     shape: Shape,
     source: str,
-    stored: StorageFormat,
+    storage: StorageFormat,
     output: Output,
     limit: int | None,
     progress: Callable[[int, int | None, int], None] | None,
 ) -> Summary:
-    """Decode a file into a file of columns, part by part. For ``limit`` and ``progress``, see ``decode_file``.
+    """Decode a file into a file of columns, part by part, and return the counts.
+
+    ``limit`` is the maximum number of frames. ``progress`` is called from time to time with the amount read, the total
+    if known, and the number of frames.
 
     Raises:
-        UsageError: Speeds are requested, but the source has no column ``time``, or has a column with the name of an
-            added one. Or see ``open_source``, ``open_for_writing`` and ``make_plan``.
+        UsageError: Speeds are requested, but the source has no column ``time``. Or an argument does not fit the source
+            or the target.
         InputError: The source does not contain such frames.
     """
     # A table without frames shows which columns the result has.
-    empty = decode_many([], shape, encoder)
-    derived = Derived("time", source) if output.si else None
-    fields = empty if derived is None else derived.check(empty.with_columns(time=np.zeros(0)))
+    empty_result = decode_many([], shape, encoder)
+    add_columns = SpeedColumns("time", source) if output.si else None
+    if add_columns is not None:
+        empty_result = add_columns.check(empty_result.with_columns(time=np.zeros(0)))
 
-    def share(frames: Any) -> float:
+    def find_valid_fraction(frames: Any) -> float:
         """Return the fraction of valid frames."""
         return float(decode_many(frames, shape, encoder).ok.mean())
 
     with (
-        open_source(source, stored, shape, share) as read,
+        open_source(source, storage, shape, find_valid_fraction) as frame_source,
         open_for_writing(output.target, [source], output.force) as file,
     ):
-        if derived is not None:
-            if "time" not in read.empty_columns:
+        if add_columns is not None:
+            if "time" not in frame_source.empty_columns:
                 raise UsageError(f"{source} has no column 'time', which speeds in SI units need")
-            check_apart(read.empty_columns, [name for name in fields.others if name != "time"], source)
-        plan = make_plan(fields, read, output.columns, source, output.raw)
+            added_names = [name for name in empty_result.others if name != "time"]
+            check_apart(frame_source.empty_columns, added_names, source)
+        plan = make_plan(empty_result, frame_source, output.columns, source, output.raw)
         with SINKS[output.kind](file, plan) as sink:
-            return decode_parts(read, shape, encoder, sink, limit, progress, derived)
+            return decode_parts(frame_source, shape, encoder, sink, limit, progress, add_columns)
 
 
 def decode_parts(
-    read: Source,
+    frame_source: Source,
     shape: Shape,
     encoder: FrameSource | None,
     sink: Sink,
     limit: int | None = None,
     progress: Callable[[int, int | None, int], None] | None = None,
-    derived: Callable[[Table, Mapping[str, Any]], Table] | None = None,
+    add_columns: Callable[[Table, Mapping[str, Any]], Table] | None = None,
 ) -> Summary:
     """Decode the frames of a source into a file, and return the counts.
 
     Args:
-        read: The source.
+        frame_source: The source.
         shape: Description of the frames.
         encoder: Encoder of the frames, if known.
         sink: The file.
         limit: Maximum number of frames to decode.
         progress: Called after each part with the amount read, the total if known, and the number of frames.
-        derived: Function that adds columns to a table. It also gets the other columns of the same rows.
+        add_columns: Function that adds columns to a table. It also gets the other columns of the same rows.
 
     Raises:
         UsageError: ``limit`` is negative.
@@ -311,24 +316,24 @@ def decode_parts(
     if limit is not None and whole_number("limit", limit) < 0:
         raise UsageError(f"limit must be at least 0, got {limit}")
     counts = _Counts()
-    for part in read.parts:
-        # As many rows as the limit leaves, or all.
+    for part in frame_source.parts:
+        # A slice up to None takes all rows.
         rows_left = None if limit is None else limit - counts.frames
         rows = slice(rows_left)
         table = decode_many(part.frames[rows], shape, encoder)
         counts.add(table)
         if len(table.fault):
             other_columns = {name: column[rows] for name, column in part.other_columns.items()}
-            extended_table = table if derived is None else derived(table, other_columns)
+            extended_table = table if add_columns is None else add_columns(table, other_columns)
             sink.write(extended_table, other_columns)
         if progress is not None:
-            progress(part.done, read.total, counts.frames)
+            progress(part.done, frame_source.total, counts.frames)
         if limit is not None and counts.frames >= limit:
             break
     return counts.summary(sink.lost)
 
 
-class Derived:
+class SpeedColumns:
     """Function that adds the position and the speed in SI units to each table of a file.
 
     ``_time`` is the name of the column of times. ``_last`` holds the unwrapped position and the time of the last usable
@@ -341,7 +346,7 @@ class Derived:
         self._last: tuple[int, float] | None = None
 
     def check(self, empty: Table) -> Table:
-        """Return a table without frames with the added columns.
+        """Return a table without frames that has the added columns.
 
         Raises:
             UsageError: The times are not in seconds, or the encoder has no SI units.
@@ -370,7 +375,10 @@ class Derived:
 
 
 class _Counts:
-    """Running counts of frames, by error, and of valid frames by the index of the verdict in ``Verdict``."""
+    """Running counts of frames, of frames with each error, and of valid frames with each verdict.
+
+    ``_verdicts`` has the counts by the index of the verdict in ``Verdict``.
+    """
 
     def __init__(self) -> None:
         self.frames = 0
@@ -389,29 +397,33 @@ class _Counts:
             for index in range(len(Verdict)):
                 self._verdicts[index] = self._verdicts.get(index, 0) + int((valid_verdicts == index).sum())
 
-    def summary(self, lost: int) -> Summary:
-        """Return the counts, without verdicts that do not occur. ``lost`` is the number of cells left empty."""
+    def summary(self, lost_cells: int) -> Summary:
+        """Return the counts, without verdicts that do not occur.
+
+        ``lost_cells`` is the number of cells that were left empty.
+        """
         all_verdicts = [*Verdict]
         verdicts = {all_verdicts[index]: count for index, count in self._verdicts.items() if count}
-        return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)
+        return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost_cells)
 
 
-def make_plan(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
+def make_plan(empty_result: Table, frame_source: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
     """Return the columns to write: the requested ones, or the other columns of the file and all fields.
 
-    ``empty`` is a table without frames, which shows the fields. ``read`` is the source, ``source`` its name for errors,
-    and ``columns`` are the requested columns, or none. With ``raw``, positions that are not usable are also written.
+    ``empty_result`` is a table without frames, which shows the fields. ``frame_source`` is the source, ``source`` its
+    name for errors, and ``columns`` are the requested columns, or none. With ``raw``, positions that are not usable are
+    also written.
 
     Raises:
         UsageError: A requested column does not exist, or a column of the file has the name of a field.
     """
-    unknown = [name for name in columns if name not in (*read.names, *empty.names)]
-    if unknown:
-        known_columns = ", ".join([*read.names, *empty.names])
-        raise UsageError(f"no column '{unknown[0][:40]}'; the columns are {known_columns}")
-    field_names = [name for name in empty.names if name not in empty.others]
-    check_apart(read.empty_columns, field_names, source)
-    written_names = columns or (*read.empty_columns, *empty.names)
-    # Each name once, in the order of the first.
+    existing_names = [*frame_source.names, *empty_result.names]
+    unknown_names = [name for name in columns if name not in existing_names]
+    if unknown_names:
+        raise UsageError(f"no column '{unknown_names[0][:40]}'; the columns are {', '.join(existing_names)}")
+    field_names = [name for name in empty_result.names if name not in empty_result.others]
+    check_apart(frame_source.empty_columns, field_names, source)
+    written_names = columns or (*frame_source.empty_columns, *empty_result.names)
+    # Each name is written once, in the order of its first occurrence.
     names = tuple(dict.fromkeys(written_names))
-    return Plan(names=names, source_columns=read.empty_columns, empty=empty, raw=raw)
+    return Plan(names=names, source_columns=frame_source.empty_columns, empty=empty_result, raw=raw)

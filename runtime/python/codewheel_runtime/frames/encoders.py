@@ -27,17 +27,17 @@ _TABLE_WIDTH: Final = 8
 def find_class_encoder(frame: Any) -> Encode:
     """Return the function that encodes frames of the class of ``frame`` for its encoder.
 
-    The first members of a frame are the encoder and the answers to open questions, in the order of ``needed``. The
-    function compiles one encoder for each combination of answers, when it first occurs in a frame.
+    A frame begins with its encoder, if the class needs it, and the answers to open questions. The function compiles one
+    encoding function for each combination of answers, when it first occurs in a frame.
     """
-    kind = cast(type, frame.__class__)
-    needed = find_description(kind)[1]
-    # A frame begins with its encoder, if the class needs it, and the answers: (encoder, answer, …, field, …). The
-    # encoder is the same in all frames that the function encodes, so only the answers choose.
-    encoder_count = sum(issubclass(argument_type, Encoder) for argument_type in needed)
-    argument_count = len(needed)
+    frame_class = cast(type, frame.__class__)
+    _, argument_types = find_description(frame_class)
+    # The members of a frame are (encoder, answer, …, field, …). The encoder, if there is one, is the same in all frames
+    # that the function encodes, so only the answers choose.
+    encoder_count = sum(issubclass(argument_type, Encoder) for argument_type in argument_types)
+    argument_count = len(argument_types)
     # Raises an error if a field is not an encoder or an answer.
-    encode_first = make_encoder(kind, frame[:argument_count])
+    encode_first = make_encoder(frame_class, frame[:argument_count])
     has_no_answers = argument_count == encoder_count
     if has_no_answers:
         return encode_first
@@ -50,32 +50,29 @@ def find_class_encoder(frame: Any) -> Encode:
             encode_frame = by_answers[answers]
         except (KeyError, TypeError):
             # The answers are new, or not hashable. This raises an error if a field is not an answer.
-            encode_frame = make_encoder(kind, next_frame[:argument_count])
+            encode_frame = make_encoder(frame_class, next_frame[:argument_count])
             by_answers[answers] = encode_frame
         return encode_frame(next_frame)
 
     return encode
 
 
-def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
+def make_encoder(frame_class: type, arguments: tuple[Any, ...]) -> Encode:
     """Return a function that encodes frames of a class. ``arguments`` are the encoder and the answers that it needs.
 
-    The function is compiled for this class. If a field has no fast path, or limits that depend on the encoder, it is
-    ``encode_any`` instead, which reads the description of the frame each time.
+    The function is compiled for this class. If a field has no fast path, or limits that depend on the encoder, the
+    function reads the description of the frame each time instead.
     """
-    shape = shape_of(kind, *arguments)
+    shape = shape_of(frame_class, *arguments)
 
     def encode_any(frame: Any) -> int | bytes:
         """Encode a frame with any values, and raise an error if a value does not fit."""
         number = encode_number(frame, shape, arguments)
         return number.to_bytes(shape.length, shape.order) if shape.length else number
 
-    fields = cast("tuple[str, ...]", cast(Any, kind)._fields)
-    if (
-        shape.limited is not None
-        or shape.digit_codings
-        or any(_describe_usual_bits(column) is None for column in shape.columns)
-    ):
+    fields = cast("tuple[str, ...]", cast(Any, frame_class)._fields)
+    has_slow_fields = any(_describe_usual_bits(column) is None for column in shape.columns)
+    if shape.limited is not None or shape.digit_codings or has_slow_fields:
         return encode_any
     source = _FunctionText(shape, fields)
     source.names["encode_any"] = encode_any
@@ -85,7 +82,7 @@ def make_encoder(kind: type, arguments: tuple[Any, ...]) -> Encode:
 
 
 class _Bits(NamedTuple):
-    """Two texts of code for a field, in which ``{0}`` is replaced by the variable of the value.
+    """Two texts of code for a field, in which ``{0}`` is replaced by the variable that holds the value of the field.
 
     ``condition`` is True if the value has the usual type and fits, and ``bits`` is an expression for its bits. For a
     number of 20 bits: ``"type({0}) is int and not {0} >> 20"`` and ``"{0}"``.
@@ -96,7 +93,7 @@ class _Bits(NamedTuple):
 
 
 def _describe_usual_bits(column: Column) -> _Bits | None:
-    """Return the condition and the bits of a field, or None if ``encode_number`` must handle it.
+    """Return the code for the condition on a field and for its bits, or None if the field needs ``encode_number``.
 
     ``encode_number`` handles strings, decimal digits, numbers and choices with a list of values, powers of two, numbers
     whose value 0 has another meaning, and signed numbers without bits.
@@ -110,9 +107,10 @@ def _describe_usual_bits(column: Column) -> _Bits | None:
         case "not_flag":
             return _Bits("type({0}) is bool", "(not {0})") if width else _Bits("{0} is False", "0")
         case "signed" if width:
+            end = (1 << width) >> 1
+            mask = (1 << width) - 1
             # The double braces leave {0} in the text.
-            top = (1 << width) >> 1
-            return _Bits(f"type({{0}}) is int and {-top} <= {{0}} < {top}", f"({{0}} & {(1 << width) - 1:#x})")
+            return _Bits(f"type({{0}}) is int and {-end} <= {{0}} < {end}", f"({{0}} & {mask:#x})")
         case "number" if not column.values:
             return _Bits(f"type({{0}}) is int and not {{0}} >> {width}", "{0}")
         case "choice" if isinstance(column.values, type):
@@ -158,9 +156,9 @@ class _FunctionText:
         self._add_result(shape)
 
     def _add_column(self, column: Column) -> None:
-        """Add the condition on a field, and its bits at their place in the frame, as code.
+        """Add code for the condition on a field, and for its bits at their place in the frame.
 
-        The first field, a number of 20 bits from bit 1 on, adds ``type(field_0) is int and not field_0 >> 20`` to the
+        The first field, a number of 20 bits from bit 1 up, adds ``type(field_0) is int and not field_0 >> 20`` to the
         conditions, and ``field_0 << 1`` to the terms.
         """
         usual = _describe_usual_bits(column)
@@ -176,7 +174,7 @@ class _FunctionText:
             self.names[f"kind_of_{name}"] = column.values
 
     def _add_unused(self, shape: Shape) -> None:
-        """Add the condition on the field ``unused``, and the unused bits, as code.
+        """Add code for the condition on the field ``unused``, and for the unused bits.
 
         In a register that keeps its other bits, ``unused`` holds these bits at their places. Otherwise a bit of
         ``unused`` is 1 where the sent bit differs from the manual, so 0 represents the values in the manual.
@@ -192,7 +190,7 @@ class _FunctionText:
         self._terms += [f"{unused.value << unused.low:#x}" for unused in shape.unused if unused.value]
 
     def _add_limits(self, shape: Shape) -> None:
-        """Add the checks of fields with a highest value, as code: ``encode_any`` raises the error if one fails."""
+        """Add code for the checks of fields with a highest value. If a check fails, ``encode_any`` raises the error."""
         for index, check in enumerate(shape.checks):
             if check.limit is not None:
                 self.names[f"is_within_{index}"] = check.is_within
@@ -200,13 +198,13 @@ class _FunctionText:
                 self._statements.append(f"if not is_within_{index}({bits}): return encode_any(frame)")
 
     def _add_parities(self, shape: Shape) -> None:
-        """Add the parity bits as code. They come after Gray code, because they cover the bits as they are sent."""
+        """Add code for the parity bits. It comes after Gray code, because parity covers the bits as they are sent."""
         for index, check in enumerate(shape.parities):
             self.names[f"parity_{index}"] = check.parity
             self._statements.append(f"number |= parity_{index}(number) << {check.low}")
 
     def _add_result(self, shape: Shape) -> None:
-        """Add the CRC and the conversion to bytes as code.
+        """Add code for the CRC and for the conversion to bytes.
 
         A CRC of at most 8 bits, which are the lowest of the frame, is the XOR of one table entry for each 16 bits.
         """
@@ -227,7 +225,7 @@ class _FunctionText:
         self._statements.append(f"return {result}")
 
     def text(self) -> str:
-        """Return the function as text."""
+        """Return the complete function as text."""
         lines = ["def encode(frame):"]
         if self._fields:
             lines.append(f"    {', '.join(self._fields.values())}, = frame")
@@ -240,9 +238,13 @@ class _FunctionText:
 
 
 def _make_tables(crc: CrcOf, bits: int) -> tuple[Any, ...]:
-    """Return one table for each 16 bits of a frame, lowest bits first. The XOR of their entries is the CRC."""
+    """Return one table for each 16 bits of a frame of ``bits`` bits. The XOR of the entries for a frame is its CRC.
+
+    The first table is for the lowest bits. The bits of the CRC in the frame must be 0.
+    """
 
     def crc_of_number(covered: int, _: int) -> int:
         return compute_crc(covered << crc.width, crc)
 
-    return make_crc_tables(crc_of_number, bits - crc.width, crc.width, (bits + 15) // 16)
+    table_count = (bits + 15) // 16
+    return make_crc_tables(crc_of_number, bits - crc.width, crc.width, table_count)

@@ -44,11 +44,11 @@ def read_column(column: Any, shape: Shape) -> Any:
         raise InputError("the frames", f"row {error.row + 1}", reason) from None
 
 
-def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: int = 0) -> Any:
+def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, rows_before: int = 0) -> Any:
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
-    Text is read in the base ``digits``, see ``read_text``. ``done`` is the number of rows of the file that were read
-    before. If it is 0, most of these cells must be frames, if they are text.
+    ``digits`` is the base of numbers in text without ``0x``. ``rows_before`` is the number of rows of the file that
+    were read before. If it is 0 and the column is text, most of its cells must be frames.
 
     Raises:
         NoFrame: Most of the first cells of text are not frames.
@@ -69,16 +69,16 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: 
     if kinds.is_integer(arrow_type):
         return _read_integers(array, shape)
     if kinds.is_float64(arrow_type) and not shape.length:
-        return read_floats(array.to_numpy(zero_copy_only=False), shape.bits, done)
+        return read_floats(array.to_numpy(zero_copy_only=False), shape.bits, rows_before)
     if kinds.is_string(arrow_type) or kinds.is_large_string(arrow_type):
-        return _read_each(array.to_pylist(), shape, digits, is_first=not done)
+        return _read_each(array.to_pylist(), shape, digits, is_first=not rows_before)
     if not (kinds.is_binary(arrow_type) or kinds.is_large_binary(arrow_type) or kinds.is_fixed_size_binary(arrow_type)):
         raise TypeError(f"expected numbers, bytes or text, got items of the type {arrow_type}")
-    length = shape.length or (shape.bits + 7) // 8
-    rows = _read_rows(array, length) if not array.null_count else None
-    if rows is not None:
-        return rows if shape.length else numbers(rows)
-    return read_byte_cells(array.to_pylist(), shape)
+    bytes_per_frame = shape.length or (shape.bits + 7) // 8
+    rows = _read_rows(array, bytes_per_frame) if not array.null_count else None
+    if rows is None:
+        return read_byte_cells(array.to_pylist(), shape)
+    return rows if shape.length else numbers(rows)
 
 
 def _convert_views(array: Any) -> Any:
@@ -101,10 +101,13 @@ def _read_integers(array: Any, shape: Shape) -> Any:
 
 
 def _read_rows(array: Any, length: int) -> Any:
-    """Return byte strings as rows of an array, without copying them, or None if a string has the wrong length."""
+    """Return byte strings as an array with a row for each string, without copying.
+
+    Return None if a string has another length.
+    """
     arrow_type = array.type
-    count = len(array)
-    if not count:
+    row_count = len(array)
+    if not row_count:
         return np.zeros((0, length), np.uint8)
     # Arrow stores the bytes of all strings in one buffer, the last one. With a fixed size, this is the second of two
     # buffers. Otherwise it is the third, and the second contains the offset of each string, and of the end.
@@ -118,23 +121,27 @@ def _read_rows(array: Any, length: int) -> Any:
     else:
         has_wide_offsets = load("pyarrow").types.is_large_binary(arrow_type)
         all_offsets = np.frombuffer(buffers[1], np.int64 if has_wide_offsets else np.int32)
-        offsets = all_offsets[array.offset : array.offset + count + 1]
+        offsets = all_offsets[array.offset : array.offset + row_count + 1]
         if (np.diff(offsets) != length).any():
             return None
         start = int(offsets[0])
         data = buffers[2]
-    return np.frombuffer(data, np.uint8, count=count * length, offset=start).reshape(count, length)
+    return np.frombuffer(data, np.uint8, count=row_count * length, offset=start).reshape(row_count, length)
 
 
 def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
-    """Return rows of bytes in the form that ``decode_many`` expects: unchanged, or converted to integers.
+    """Return frames that are byte strings in the form that ``decode_many`` expects: unchanged, or as integers.
 
-    None is kept. For frames of bits, a row with too few bytes for all bits also becomes None.
+    None stays None. For frames of bits, a string with too few bytes for all bits also becomes None.
     """
     if shape.length:
         return list(items)
     least_bytes = (shape.bits + 7) // 8
-    return [int.from_bytes(row, "big") if row and len(row) >= least_bytes else None for row in items]
+    frames: list[int | None] = []
+    for data in items:
+        is_complete = data is not None and len(data) >= least_bytes
+        frames.append(int.from_bytes(data, "big") if data and is_complete else None)
+    return frames
 
 
 def _read_each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:

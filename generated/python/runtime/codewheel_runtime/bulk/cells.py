@@ -17,36 +17,39 @@ _WORDS_FOR_MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "
 
 
 def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
-    """Return the frame that a string contains. Raises ValueError if the string contains no frame.
+    """Return the frame in a cell of text. Raises ValueError if the text is not a frame.
 
     Spaces and underscores are ignored. A frame of bytes is a row of hexadecimal bytes, with or without a leading
     ``0x``. A frame of bits is a number: ``0x`` and ``0b`` specify its base, and ``digits`` specifies the base of other
     texts.
     """
-    packed = text.replace(" ", "").replace("_", "")
+    compact = text.replace(" ", "").replace("_", "")
     if shape.length:
-        return _read_bytes(packed, text)
-    if _PREFIXED_NUMBER.fullmatch(packed):
-        return int(packed, 0)
-    is_decimal = _DECIMAL_DIGITS.fullmatch(packed) is not None
+        return _read_bytes(compact, text)
+    if _PREFIXED_NUMBER.fullmatch(compact):
+        return int(compact, 0)
+    is_decimal = _DECIMAL_DIGITS.fullmatch(compact) is not None
     if digits == "decimal":
         if not is_decimal:
             raise ValueError(f"{short(text)} is not a decimal number")
-        return int(packed, 10)
-    if not _HEX_DIGITS.fullmatch(packed):
+        return int(compact, 10)
+    if not _HEX_DIGITS.fullmatch(compact):
         raise ValueError(f"{short(text)} is not a hexadecimal number")
     if digits is None and is_decimal:
         choice = "choose --digits decimal or --digits hex, or put 0x in front"
         raise ValueError(f"{short(text)} can be decimal or hexadecimal: {choice}")
     if digits is None:
         raise ValueError(f"{short(text)} is hexadecimal: choose --digits hex, or put 0x in front")
-    return int(packed, 16)
+    return int(compact, 16)
 
 
-def _read_bytes(packed: str, text: str) -> bytes:
-    """Return the hexadecimal bytes in ``packed``. ``text`` is the cell, for the error."""
-    has_prefix = packed[:2] in ("0x", "0X")
-    hex_digits = packed[2:] if has_prefix else packed
+def _read_bytes(compact: str, text: str) -> bytes:
+    """Return the hexadecimal bytes in ``compact``, which is a cell without spaces.
+
+    ``text`` is the cell, for the error.
+    """
+    has_prefix = compact[:2] in ("0x", "0X")
+    hex_digits = compact[2:] if has_prefix else compact
     if not _HEX_DIGITS.fullmatch(hex_digits) or len(hex_digits) % 2:
         raise ValueError(f"{short(text)} is not a row of hexadecimal bytes")
     return bytes.fromhex(hex_digits)
@@ -55,9 +58,9 @@ def _read_bytes(packed: str, text: str) -> bytes:
 class TextCells:
     """Reader of text cells that contain frames. An empty cell, or one without a frame, yields None.
 
-    ``seen`` is the number of cells that are not empty, and ``unread`` the number of these cells without a frame. Words
-    for a missing value, such as ``nan``, count as empty. ``place`` and ``error`` are the location and the error message
-    of the first cell without a frame.
+    ``seen`` is the number of cells that are not empty, and ``unread`` the number of these cells that contain no frame.
+    Words for a missing value, such as ``nan``, count as empty. ``place`` and ``error`` are the location and the error
+    message of the first cell without a frame.
     """
 
     def __init__(self, shape: Shape, digits: DigitKind | None) -> None:

@@ -10,7 +10,17 @@ from typing import Any, Final, NamedTuple, cast
 from ..codec import as_bytes, assert_never, whole_number
 from ..errors import ErrorKind
 from ..reports import Verdict
-from .chunk import Chunk, are_within, bit_mask, compare_crc, compute_parity, limbs_of, np, shift_left, shift_right
+from .chunk import (
+    Chunk,
+    are_within_limits,
+    bit_mask,
+    compute_parity,
+    find_crc_difference,
+    np,
+    shift_left,
+    shift_right,
+    split_into_words,
+)
 from .shape import (
     Check,
     Column,
@@ -31,42 +41,50 @@ from .words import read_floats
 
 #: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
 CHUNK: Final = 32_768
-#: Number of values above which a search is faster than comparisons.
+#: Number of allowed values above which a search takes less time than one comparison for each.
 _MANY_VALUES: Final = 16
+#: Verdicts in the order of their numbers in a column. The worst is 0.
+VERDICTS: Final[list[Verdict | None]] = [*Verdict]
 
 
 def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Table:
-    """Decode ``frames`` into columns, ``CHUNK`` frames at a time.
+    """Decode many frames into a table with an array for each field, and with the error of each frame.
 
-    A frame with a wrong length gets the error LENGTH, and meaningless values. For the arguments, see ``decode_many`` of
-    the frame's class.
+    A frame of the wrong length has a length error, and its values have no meaning.
+
+    Args:
+        frames: Frames as an array, a buffer, a list or an Arrow column. They are rows of bytes, or numbers if a frame
+            is a string of bits.
+        shape: Description of the frames.
+        encoder: Encoder of the frames, for the units of the table, or None if it is not known.
     """
     if _is_arrow(frames):
         from .arrow import read_column
 
         frames = read_column(frames, shape)
-    source, wrong_rows = read_rows(frames, shape.length) if shape.length else _read_words(frames, shape.bits)
-    count = len(source)
-    out = _allocate_columns(count, {**list_column_types(shape), "fault": "u1"})
-    fault = out.pop("fault")
-    fault[:] = 0
+    # Frames of the wrong length have been replaced by zeros. Their rows are in ``wrong_rows``.
+    frames_read, wrong_rows = read_rows(frames, shape.length) if shape.length else _read_words(frames, shape.bits)
+    count = len(frames_read)
+    columns = _allocate_columns(count, {**list_column_types(shape), "fault": "u1"})
+    faults = columns.pop("fault")
+    faults[:] = 0
     for start in range(0, count, CHUNK):
         rows = slice(start, start + CHUNK)
-        _decode(source[rows], shape, {name: column[rows] for name, column in out.items()}, fault[rows])
+        columns_of_chunk = {name: column[rows] for name, column in columns.items()}
+        _decode_chunk(frames_read[rows], shape, columns_of_chunk, faults[rows])
+    verdicts = columns.pop("verdict", None)
     if len(wrong_rows):
-        fault[wrong_rows] = ErrorKind.LENGTH
-    verdicts = out.pop("verdict", None)
-    if verdicts is not None and len(wrong_rows):
-        # The verdict "not usable".
-        verdicts[wrong_rows] = 0
-    # Fields of joined numbers: the name of the number, the lowest bit in it, and the width.
+        faults[wrong_rows] = ErrorKind.LENGTH
+        if verdicts is not None:
+            verdicts[wrong_rows] = VERDICTS.index(Verdict.NOT_USABLE)
+    # Fields that the table extracts from a joined number on access: the number, the lowest bit in it, and the width.
     parts: dict[str, tuple[str, int, int]] = {}
     for join in shape.joins:
         parts |= {name: (join.name, low, width) for name, low, width in find_deferred_fields(shape, join)}
     return Table(
         encoder=encoder,
-        columns=out,
-        fault=fault,
+        columns=columns,
+        fault=faults,
         verdict=verdicts,
         position=shape.position,
         parts=parts,
@@ -82,21 +100,22 @@ def _is_arrow(frames: object) -> bool:
     return hasattr(frames, "__arrow_c_stream__") or hasattr(frames, "__arrow_c_array__")
 
 
-def _allocate_columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
-    """Return columns of ``count`` rows in one block of memory, in the order of ``wanted``: NumPy types by name.
+def _allocate_columns(count: int, types: Mapping[str, str]) -> dict[str, Any]:
+    """Return uninitialized columns of ``count`` rows by name, in one block of memory.
 
-    The system uses larger pages for one block than for many small ones.
+    ``types`` contains the NumPy type of each column by name, and determines their order. The system uses larger pages
+    for one block than for many small ones.
     """
-    size = {name: np.dtype(dtype).itemsize for name, dtype in wanted.items()}
-    space = np.empty(count * sum(size.values()), np.uint8)
+    item_sizes = {name: np.dtype(type_name).itemsize for name, type_name in types.items()}
+    block = np.empty(count * sum(item_sizes.values()), np.uint8)
     columns = {}
     start = 0
     # The largest types come first, to align the columns of numbers.
-    for name in sorted(wanted, key=lambda name: -size[name]):
-        end = start + count * size[name]
-        columns[name] = space[start:end].view(wanted[name])
+    for name in sorted(types, key=lambda name: -item_sizes[name]):
+        end = start + count * item_sizes[name]
+        columns[name] = block[start:end].view(types[name])
         start = end
-    return {name: columns[name] for name in wanted}
+    return {name: columns[name] for name in types}
 
 
 class ReadFrames(NamedTuple):
@@ -110,10 +129,10 @@ class ReadFrames(NamedTuple):
 
 
 def read_rows(frames: Any, length: int) -> ReadFrames:
-    """Return frames as rows of bytes.
+    """Return frames of ``length`` bytes as an array with a row of bytes for each frame.
 
-    A missing frame counts as one of 0 bytes, as does a row of an array with masked bytes. Arrays and buffers have
-    frames of one length only.
+    A missing frame, such as None, has the wrong length, and so does a row of an array with masked bytes. Arrays and
+    buffers have frames of one length only. Lists can have frames of different lengths.
 
     Raises:
         TypeError: The frames are not bytes.
@@ -153,10 +172,10 @@ def _read_list_of_rows(frames: Iterable[Any], length: int) -> ReadFrames:
 
 
 def _read_words(frames: Any, bits: int) -> ReadFrames:
-    """Return frames as 64-bit numbers. A missing frame is listed as one of the wrong length.
+    """Return frames of ``bits`` bits as 64-bit numbers. A missing frame, such as None, has the wrong length.
 
-    A buffer of bytes has eight bytes per frame, least significant first. A buffer of other items is an array. ``bits``
-    is the length of a frame.
+    ``frames`` is an array or a list of numbers, or a buffer. A buffer of bytes has eight bytes per frame, least
+    significant first. A buffer of other items is read as an array.
 
     Raises:
         TypeError: The frames are not integers or a buffer.
@@ -224,257 +243,252 @@ def _is_missing(frame: object) -> bool:
     return frame is None or is_nan or type(frame).__name__ == "NAType"
 
 
-def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
-    """Decode some frames into the columns ``out``, and their errors into ``fault``.
+def _decode_chunk(frames: Any, shape: Shape, columns: Mapping[str, Any], faults: Any) -> None:
+    """Decode some frames: write their values into ``columns`` and their errors into ``faults``.
 
-    Frames that fail a quick check are examined for their errors. All frames are written, including frames with an
-    error.
+    Quick checks first find the frames that have any error. Only these frames are then examined for the kind of their
+    error. Values are written for all frames, including frames with an error.
     """
-    # Arrays that are nonzero for frames that fail a check.
-    doubts: list[Any] = []
+    # Each array is nonzero for the frames that fail one check.
+    failures: list[Any] = []
     if shape.length:
-        limbs = limbs_of(source, shape)
+        words = split_into_words(frames, shape)
     else:
-        limbs = [source]
-        has_long_words = shape.bits < 64 and int(source.max()) >> shape.bits
-        if has_long_words:
-            doubts.append(shift_right(source, shape.bits))
-            limbs = [source & bit_mask(shape.bits)]
-    chunk = Chunk(limbs, shape.bits)
+        words = [frames]
+        has_too_long_frames = shape.bits < 64 and int(frames.max()) >> shape.bits
+        if has_too_long_frames:
+            failures.append(shift_right(frames, shape.bits))
+            words = [frames & bit_mask(shape.bits)]
+    chunk = Chunk(words, shape.bits)
     if shape.crc is not None:
-        doubts.append(compare_crc(chunk, shape.crc))
-    chunk.convert(shape)
-    doubts += _find_doubtful_frames(chunk, shape)
-    doubtful = [doubt for doubt in doubts if doubt.any()]
-    _write(chunk, shape, out)
+        failures.append(find_crc_difference(chunk, shape.crc))
+    chunk.convert_to_binary(shape)
+    failures += _run_quick_checks(chunk, shape)
+    failures = [failure for failure in failures if failure.any()]
+    _write_columns(chunk, shape, columns)
     if shape.default_verdict is not None:
-        _judge(shape, out)
-    if not doubtful:
+        _write_verdicts(shape, columns)
+    if not failures:
         return
-    doubtful_rows = np.flatnonzero(reduce(np.logical_or, doubtful))
-    doubtful_limbs = [limb.take(doubtful_rows) for limb in limbs]
-    fault[doubtful_rows] = _find_faults(source.take(doubtful_rows, axis=0), doubtful_limbs, shape)
+    failed_rows = np.flatnonzero(reduce(np.logical_or, failures))
+    words_of_failed = [word.take(failed_rows) for word in words]
+    faults[failed_rows] = _find_faults(frames.take(failed_rows, axis=0), words_of_failed, shape)
     if shape.default_verdict is not None:
-        # A frame with an error gets verdict 0, so its position is not usable. True and False multiply by 1 and 0.
-        verdicts: Any = out["verdict"]
-        verdicts *= fault == 0
+        # The verdict NOT_USABLE is 0. True and False multiply by 1 and 0, which sets the verdict of invalid frames.
+        verdicts: Any = columns["verdict"]
+        verdicts *= faults == 0
 
 
-def _find_doubtful_frames(chunk: Chunk, shape: Shape) -> list[Any]:
-    """Return arrays that are nonzero for frames that fail a check other than the CRC: one array for each check."""
+def _run_quick_checks(chunk: Chunk, shape: Shape) -> list[Any]:
+    """Return an array for each check except the CRC. It is nonzero for the frames that fail the check."""
     checks = find_quick_checks(shape)
     failures: list[Any] = []
-    for limb, (mask, value) in zip(chunk.limbs, checks.fixed, strict=False):
+    for word, (mask, required_bits) in zip(chunk.words, checks.fixed, strict=False):
         if mask:
-            failures.append((limb & np.uint64(mask)) ^ np.uint64(value))
+            failures.append((word & np.uint64(mask)) ^ np.uint64(required_bits))
     for index, allowed_values in checks.bytes:
         byte = chunk.byte(index)
         is_allowed = reduce(np.logical_or, (byte == np.uint8(value) for value in allowed_values))
         failures.append(~is_allowed)
     for check in checks.remaining:
-        failures.append(~_is_met(chunk, check))
+        failures.append(~_pass_check(chunk, check))
     return failures
 
 
-def _find_faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
-    """Return the error of each frame, or 0. If there are several errors, it is the first that ``decode`` checks.
+def _find_faults(frames: Any, words: list[Any], shape: Shape) -> Any:
+    """Return the error of each frame as the number of its ``ErrorKind``, or 0 for a valid frame.
 
-    This is the one with the lowest ``ErrorKind``, because ``decode`` checks in the order of these numbers. ``limbs``
-    are the frames as numbers. In ``source``, which are the frames as they were passed, bits above the frame are still
-    set.
+    If a frame has several errors, the lowest number counts, because ``decode`` checks in the order of these numbers.
+    ``words`` are the frames as 64-bit words, limited to the bits of the frame. ``frames`` are the frames as they were
+    passed, in which the extra bits of a frame that is too long are still set.
     """
-    chunk = Chunk(limbs, shape.bits)
+    chunk = Chunk(words, shape.bits)
     # Each kind of error, with an array that is True for the frames with this error.
     errors: list[tuple[ErrorKind, Any]] = []
     if shape.crc is not None:
-        errors.append((ErrorKind.CRC, compare_crc(chunk, shape.crc) != 0))
-    chunk.convert(shape)
-    errors += [(check.fault, np.logical_not(_is_met(chunk, check))) for check in shape.checks]
+        errors.append((ErrorKind.CRC, find_crc_difference(chunk, shape.crc) != 0))
+    chunk.convert_to_binary(shape)
+    errors += [(check.fault, np.logical_not(_pass_check(chunk, check))) for check in shape.checks]
     if not shape.length and shape.bits < 64:
-        errors.append((ErrorKind.LENGTH, shift_right(source, shape.bits) != 0))
-    faults = np.zeros(len(source), np.uint8)
+        errors.append((ErrorKind.LENGTH, shift_right(frames, shape.bits) != 0))
+    faults = np.zeros(len(frames), np.uint8)
     # The highest kind comes first, so that lower kinds replace it.
-    for error_kind, has_error in sorted(errors, key=lambda error: -error[0]):
-        # In the frames with this error, its number replaces an earlier one.
+    highest_kind_first = sorted(errors, key=lambda error: -error[0])
+    for error_kind, has_error in highest_kind_first:
         faults *= np.logical_not(has_error)
         faults += has_error * np.uint8(error_kind)
     return faults
 
 
-def _is_met(chunk: Chunk, check: Check) -> Any:
-    """Return for each frame whether its bits meet a check."""
+def _pass_check(chunk: Chunk, check: Check) -> Any:
+    """Return an array that is True for each frame that passes a check of its parity, limits or allowed values."""
     bits = chunk.take(check.low, check.width)
     if check.parity_of:
         return bits == compute_parity(chunk, check)
     if check.limit is not None:
-        return are_within(bits, check, check.limit)
+        return are_within_limits(bits, check, check.limit)
     # A value that needs more bits than the field never occurs in it.
-    values = [value for value in check.values if not value >> check.width]
-    # For many values, a search takes less time than one comparison for each.
-    if len(values) > _MANY_VALUES:
-        return np.isin(bits, np.array(values, bits.dtype))
+    possible_values = [value for value in check.values if not value >> check.width]
+    if len(possible_values) > _MANY_VALUES:
+        return np.isin(bits, np.array(possible_values, bits.dtype))
     is_allowed = np.zeros(len(bits), bool)
-    for value in values:
+    for value in possible_values:
         is_allowed |= bits == bits.dtype.type(value)
     return is_allowed
 
 
-def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
-    """Write the columns of the fields, of the joined numbers and of unused bits into ``out``, by name."""
-    columns_by_name = {column.name: column for column in shape.columns}
-    # Fields that are extracted from a joined number on access are not in ``out``. The columns of digits have separate
-    # names.
-    for column in shape.columns:
-        if column.name in out or column.runs:
-            _write_column(chunk, column, out)
+def _write_columns(chunk: Chunk, shape: Shape, columns: Mapping[str, Any]) -> None:
+    """Write the values of fields, joined numbers and unused bits into ``columns``, which are arrays by name."""
+    fields_by_name = {field.name: field for field in shape.columns}
+    for field in shape.columns:
+        # A field that the table extracts from a joined number on access has no column. A field of decimal digits has
+        # one column for each group of digits.
+        if field.name in columns or field.runs:
+            _write_field(chunk, field, columns)
     for join in shape.joins:
-        _write_join(chunk, shape, join, columns_by_name, out[join.name].view(np.uint64))
+        _write_joined_number(chunk, shape, join, fields_by_name, out=columns[join.name].view(np.uint64))
     if shape.unused:
-        _write_unused(chunk, shape, out["unused"])
+        _write_unused_bits(chunk, shape, out=columns["unused"])
 
 
-def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Column], number: Any) -> None:
-    """Write a number that consists of several fields into the array ``number``.
+def _write_joined_number(chunk: Chunk, shape: Shape, join: Join, fields: Mapping[str, Column], out: Any) -> None:
+    """Write a number that is joined from several fields into ``out``, an array of 64-bit numbers.
 
-    The first field provides its lowest bits.
-
-    ``columns`` contains the descriptions of all fields by name. ``low`` is a position in the frame, and ``offset`` a
-    position in the joined number.
+    ``join.fields`` lists the fields, each with the place of its lowest bit in the joined number. The first field
+    provides the lowest bits. ``fields`` contains the descriptions of all fields by name.
     """
     first_name, _ = join.fields[0]
-    first = columns[first_name]
-    are_adjacent = all(columns[name].low == first.low + offset for name, offset in join.fields)
-    if are_adjacent:
-        # The fields have the same order in the frame, so they are one number there.
-        chunk.take(first.low, find_width(shape, join), out=number)
+    first = fields[first_name]
+    are_adjacent_in_frame = all(fields[name].low == first.low + place for name, place in join.fields)
+    if are_adjacent_in_frame:
+        # The frame contains the joined number as it is.
+        chunk.write_bits(first.low, find_width(shape, join), out)
         return
-    chunk.take(first.low, first.width, out=number)
-    for name, offset in join.fields[1:]:
-        column = columns[name]
-        part = chunk.take(column.low, column.width).astype(np.uint64, copy=False)
-        number |= shift_left(part, offset)
+    chunk.write_bits(first.low, first.width, out)
+    for name, place in join.fields[1:]:
+        field = fields[name]
+        bits = chunk.take(field.low, field.width).astype(np.uint64, copy=False)
+        out |= shift_left(bits, place)
 
 
-def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
-    """Write the unused bits into ``out``: 1 where they differ from the manual.
+def _write_unused_bits(chunk: Chunk, shape: Shape, out: Any) -> None:
+    """Write a number for each frame into ``out`` in which each unused bit is 1 if it differs from the manual.
 
-    Groups of bits are moved from ``low`` in the frame to ``place`` in ``out``, in as few bytes as possible.
+    The unused bits are side by side in this number. Groups of them are moved from bit ``low`` of the frame to bit
+    ``place`` of the number. The numbers have as few bytes as possible.
     """
-    bits_type = np.dtype(choose_smallest_type(count_unused_bits(shape))).type
-    number = bits_type(0)
+    number_type = np.dtype(choose_smallest_type(count_unused_bits(shape))).type
+    number = number_type(0)
     for group in group_unused_bits(shape):
         width = group.mask.bit_length()
         is_in_one_byte = group.low % 8 + width <= 8
         if is_in_one_byte:
-            differing = chunk.small(group.low, group.mask)
+            bits = chunk.take_from_byte(group.low, group.mask)
         else:
-            differing = chunk.take(group.low, width) & np.uint64(group.mask)
+            bits = chunk.take(group.low, width) & np.uint64(group.mask)
         if group.value:
-            differing = differing ^ differing.dtype.type(group.value)
-        differing = differing.astype(bits_type, copy=False)
+            bits = bits ^ bits.dtype.type(group.value)
+        differing_bits = bits.astype(number_type, copy=False)
         if group.place:
-            differing = differing << bits_type(group.place)
-        number = number | differing
+            differing_bits = differing_bits << number_type(group.place)
+        number = number | differing_bits
     out[:] = number
 
 
-def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
-    """Write the values of a field to its columns."""
-    match column.kind:
+def _write_field(chunk: Chunk, field: Column, columns: Mapping[str, Any]) -> None:
+    """Write the values of a field into its column, or into one column for each group of its decimal digits."""
+    match field.kind:
         case "flag" | "not_flag":
-            is_active_high = column.kind == "flag"
-            chunk.flag(column.low, column.width, active=is_active_high, out=out[column.name])
+            is_active_high = field.kind == "flag"
+            chunk.write_flag(field.low, field.width, is_active_high, out=columns[field.name])
         case "choice":
-            out[column.name][:] = chunk.take(column.low, column.width)
+            columns[field.name][:] = chunk.take(field.low, field.width)
         case "digits":
-            bits = chunk.take(column.low, column.width).astype(np.uint64, copy=False)
-            for name, divisor, modulus in column.runs:
-                shifted_digits = bits // np.uint64(divisor)
-                out[name][:] = shifted_digits % np.uint64(modulus)
+            bits = chunk.take(field.low, field.width).astype(np.uint64, copy=False)
+            for name, divisor, modulus in field.runs:
+                bits_without_lower_groups = bits // np.uint64(divisor)
+                columns[name][:] = bits_without_lower_groups % np.uint64(modulus)
         case "text":
-            out[column.name][:] = _read_text(chunk, column)
+            columns[field.name][:] = _read_text(chunk, field)
         case "number":
-            number = out[column.name].view(np.uint64)
-            chunk.take(column.low, column.width, out=number)
-            if column.zero_means:
-                number[number == 0] = column.zero_means
+            number = columns[field.name].view(np.uint64)
+            chunk.write_bits(field.low, field.width, out=number)
+            if field.zero_means:
+                number[number == 0] = field.zero_means
         case "signed":
-            number = out[column.name].view(np.uint64)
-            chunk.take(column.low, column.width, out=number)
-            if column.width:
+            number = columns[field.name].view(np.uint64)
+            chunk.write_bits(field.low, field.width, out=number)
+            if field.width:
                 # In two's complement, (n ^ sign_bit) - sign_bit extends the sign to 64 bits.
-                sign_bit = np.uint64(1 << (column.width - 1))
+                sign_bit = np.uint64(1 << (field.width - 1))
                 number ^= sign_bit
                 number -= sign_bit
         case _:
-            assert_never(column.kind)
+            assert_never(field.kind)
 
 
-def _read_text(chunk: Chunk, column: Column) -> Any:
-    """Return the strings of a field as bytes. The first character is the most significant."""
-    length = column.width // 8
-    rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
+def _read_text(chunk: Chunk, field: Column) -> Any:
+    """Return the text of a field in each frame as an array of byte strings. The first character is the highest byte."""
+    length = field.width // 8
+    rows = np.empty((len(chunk.words[0]), length), np.uint8)
     for index in range(length):
         following_characters = length - 1 - index
-        rows[:, index] = chunk.take(column.low + 8 * following_characters, width=8)
+        rows[:, index] = chunk.take(field.low + 8 * following_characters, width=8)
     return rows.view(f"S{length}")[:, 0]
 
 
-def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
-    """Write the verdict on the position of each frame, as the index in ``VERDICTS``, as if it had no error.
+def _write_verdicts(shape: Shape, columns: Mapping[str, Any]) -> None:
+    """Write the verdict on the position of each frame, as an index in ``VERDICTS``, into the column ``verdict``.
 
-    It is NOT_USABLE if any of the conditions for this is met. Otherwise it is USABLE_WITH_WARNING if any of those is
-    met, unless the default is UNKNOWN. Otherwise it is the default. The computation has no branches, so the time does
-    not depend on the frames.
+    The verdict is NOT_USABLE if one of the causes for it is active, for example an error flag. Otherwise, it is
+    USABLE_WITH_WARNING if one of the causes for that is active, unless the default verdict is UNKNOWN. Otherwise, it is
+    the default verdict. CRC errors and other frame errors are not considered here. The computation has no branches, so
+    its time does not depend on the frames.
     """
     default = VERDICTS.index(shape.default_verdict)
-    verdicts = out["verdict"]
+    verdicts = columns["verdict"]
     verdicts[:] = default
     if not shape.verdict_causes:
         return
-    active_by_verdict = _find_active_conditions(shape, out)
-    warnings = active_by_verdict.get(Verdict.USABLE_WITH_WARNING)
+    activity_by_verdict = _find_active_causes(shape, columns)
+    warnings = activity_by_verdict.get(Verdict.USABLE_WITH_WARNING)
     # A warning cannot improve an unknown verdict.
     if warnings and shape.default_verdict is not Verdict.UNKNOWN:
-        # Subtracting this from the default yields the verdict of a warning.
-        decrease = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
+        # The difference is subtracted where there is a warning. It can be negative, modulo 256.
+        difference = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
         has_warning = reduce(np.logical_or, warnings)
-        verdicts -= has_warning.view(np.uint8) * decrease
-    errors = active_by_verdict.get(Verdict.NOT_USABLE)
+        verdicts -= has_warning.view(np.uint8) * difference
+    errors = activity_by_verdict.get(Verdict.NOT_USABLE)
     if errors:
         # NOT_USABLE has the index 0.
         is_usable = np.logical_not(reduce(np.logical_or, errors))
         verdicts *= is_usable.view(np.uint8)
 
 
-def _find_active_conditions(shape: Shape, out: Mapping[str, Any]) -> dict[Verdict, list[Any]]:
-    """Return the conditions of each verdict: one array each, True for the frames that meet it.
+def _find_active_causes(shape: Shape, columns: Mapping[str, Any]) -> dict[Verdict, list[Any]]:
+    """Return for each verdict a list of arrays, one for each of its causes: True for the frames in which it is active.
 
-    ``out`` contains the decoded columns. The conditions on unused bits are left out if none of these bits differs from
-    the manual.
+    A cause is an active flag, unused bits that differ from the manual, or fields with certain values. ``columns`` are
+    the decoded fields. If no unused bit differs from the manual in any frame, causes by unused bits are omitted.
     """
     # Each bit of this column is 1 where an unused bit differs from the manual.
-    unused: Any = out.get("unused")
+    unused: Any = columns.get("unused")
     any_unused_differs = bool(shape.unused) and unused.any()
-    active_by_verdict: dict[Verdict, list[Any]] = {}
-    for condition in shape.verdict_causes:
-        if condition.when:
-            is_active = all_match(out, condition.when)
-        elif condition.flag:
-            is_active = out[condition.flag]
-            for name in condition.unless:
+    activity_by_verdict: dict[Verdict, list[Any]] = {}
+    for cause in shape.verdict_causes:
+        if cause.when:
+            is_active = all_match(columns, cause.when)
+        elif cause.flag:
+            is_active = columns[cause.flag]
+            for name in cause.unless:
                 # For two bools, "greater" means True and False: the flag is active, and the other one is not.
-                is_active = np.greater(is_active, out[name])
+                is_active = np.greater(is_active, columns[name])
         elif any_unused_differs:
-            # NumPy requires that the mask fits the type of the column. Bits above that do not occur.
+            # NumPy requires that the mask fits the type of the column, which has all unused bits.
             column_bits = 8 * unused.itemsize
-            possible_mask = condition.mask & ((1 << column_bits) - 1)
-            is_active = (unused & unused.dtype.type(possible_mask)) != 0
+            mask_in_column = cause.mask & ((1 << column_bits) - 1)
+            is_active = (unused & unused.dtype.type(mask_in_column)) != 0
         else:
             continue
-        active_by_verdict.setdefault(condition.verdict, []).append(is_active)
-    return active_by_verdict
-
-
-#: Verdicts in the order of their numbers in a column. The worst is 0.
-VERDICTS: Final[list[Verdict | None]] = [*Verdict]
+        activity_by_verdict.setdefault(cause.verdict, []).append(is_active)
+    return activity_by_verdict

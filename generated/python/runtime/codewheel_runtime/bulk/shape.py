@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from enum import IntEnum
 from functools import lru_cache
-from typing import Any, Literal, NamedTuple
+from typing import Any, Final, Literal, NamedTuple
 
 from ..codec import BitField, assert_never
 from ..errors import ErrorKind
@@ -18,10 +18,11 @@ class Column(NamedTuple):
     """Field of ``width`` bits that starts at bit ``low`` of the number that a frame forms.
 
     ``kind`` is the type of value that the bits encode. ``not_flag`` is an active-low flag. If ``zero_means`` is not 0,
-    bits that are all 0 represent this number. With ``power_of_two``, only such numbers can be encoded. ``runs``
+    bits that are all 0 represent this number. With ``power_of_two``, only powers of two can be encoded. ``runs``
     contains the name, divisor and modulus of each group of decimal digits: its number is ``bits // divisor % modulus``.
     ``field`` is the name of the field in messages, if it differs from ``name``. ``values`` lists the only allowed
-    values of the field, if they are limited. ``scale`` has the first members of its ``Scale``.
+    values of the field, if they are limited. ``scale`` contains the first members of the ``Scale`` that gives the
+    quantity that the number stands for.
     """
 
     name: str
@@ -37,11 +38,12 @@ class Column(NamedTuple):
 
 
 class Check(NamedTuple):
-    """Condition on the ``width`` bits that start at ``low``.
+    """Condition on the ``width`` bits that start at ``low``, and the error of a frame that does not meet it.
 
-    They must be one of ``values``, or at most ``limit``, or the parity of the bits in ``parity_of``, inverted if
-    ``odd``. ``mask`` selects the bits of each place in ``parity_of`` that count. 0 stands for all. If ``lowest`` is not
-    0, the bits are a signed number from ``lowest`` to ``limit``.
+    The bits must be one of ``values``, or at most ``limit``, or the parity of the bits in ``parity_of``, inverted if
+    ``odd``. Each item of ``parity_of`` is the lowest bit and the width of a covered field. ``mask`` selects which bits
+    of each covered field count. A mask of 0 selects all. If ``lowest`` is not 0, the bits are a signed number from
+    ``lowest`` to ``limit``.
     """
 
     low: int
@@ -55,22 +57,27 @@ class Check(NamedTuple):
     lowest: int = 0
 
     def parity(self, number: int) -> int:
-        """Return the parity bit for a frame, or 0 if the encoder does not send it."""
-        # A mask of 0 selects all bits.
-        ones = (((number >> low) & ((1 << width) - 1) & (self.mask or -1)).bit_count() for low, width in self.parity_of)
-        return ((sum(ones) & 1) ^ self.odd) & self.width
+        """Return the parity bit for a frame, given as a number, or 0 if the encoder does not send a parity bit."""
+        # A mask of 0 selects all bits, which are the bits of -1.
+        counted_bits = self.mask or -1
+        ones = (((number >> low) & ((1 << width) - 1) & counted_bits).bit_count() for low, width in self.parity_of)
+        is_odd = sum(ones) & 1
+        return (is_odd ^ self.odd) & self.width
 
     def is_within(self, bits: int) -> bool:
         """Return whether the bits are at most ``limit``, and if they are signed, at least ``lowest``.
 
         Without a limit, this is True.
         """
-        # Modulo 2**width, the numbers from ``lowest`` to ``limit`` become the numbers from 0 on.
-        return self.limit is None or (bits - self.lowest) & ((1 << self.width) - 1) <= self.limit - self.lowest
+        if self.limit is None:
+            return True
+        # Modulo 2**width, the lowest number becomes 0, so one comparison checks both limits.
+        mask = (1 << self.width) - 1
+        return (bits - self.lowest) & mask <= self.limit - self.lowest
 
 
 class Fold(NamedTuple):
-    """Step of a CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << back)``."""
+    """Step of a CRC that folds the high bits of a number: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << back)``."""
 
     shift: int
     mask: int
@@ -78,10 +85,11 @@ class Fold(NamedTuple):
 
 
 class CrcOf(NamedTuple):
-    """CRC of ``width`` bits at ``low``.
+    """CRC of ``width`` bits, whose lowest bit is ``low``.
 
-    ``differs`` returns the bits in which the CRC of a frame differs from the computed CRC. ``steps`` fold a number
-    whose last bits are inverted by ``xorout``. ``is_xor`` is True for a CRC that is the XOR of all bytes.
+    ``differs`` returns the bits in which the CRC in a frame differs from the CRC computed from the frame. If the CRC
+    can be computed by folding, ``steps`` are the steps, and ``xorout`` is the mask of the CRC bits that are sent
+    inverted. ``is_xor`` is True for a CRC that is the XOR of all bytes.
     """
 
     low: int
@@ -95,27 +103,38 @@ class CrcOf(NamedTuple):
 def compare_bytes(
     function: Callable[[bytes], int], length: int, width: int, order: Literal["little", "big"]
 ) -> Callable[[int], int]:
-    """Return a function that finds the wrong bits of the CRC of a frame, which is its last ``width`` bytes.
+    """Return a function that finds the bits in which the CRC in a frame of bytes differs from the computed CRC.
 
-    Here ``width`` is a number of bytes. ``function`` computes the CRC of the ``length - width`` bytes before.
+    The returned function takes the frame as a number. The frame has ``length`` bytes, and its last ``width`` bytes are
+    the CRC. ``function`` computes the CRC of the bytes before it.
     """
 
-    def differs(number: int) -> int:
-        """Return the bits in which the CRC of a frame differs from the computed CRC."""
+    def find_difference(number: int) -> int:
+        """Return the XOR of the CRC in a frame and the computed CRC."""
         data = number.to_bytes(length, order)
-        return function(data[:-width]) ^ int.from_bytes(data[-width:], order)
+        computed_crc = function(data[:-width])
+        sent_crc = int.from_bytes(data[-width:], order)
+        return computed_crc ^ sent_crc
 
-    return differs
+    return find_difference
 
 
 def compare_bits(function: Callable[[int, int], int], covered: int, width: int, gap: int = 0) -> Callable[[int], int]:
-    """Return a function that finds the wrong bits of the CRC in the last ``width`` bits of a number.
+    """Return a function that finds the bits in which the CRC in a frame of bits differs from the computed CRC.
 
-    The CRC covers ``covered`` bits, and ``gap`` bits are between them and the CRC. ``function`` computes the CRC of a
-    number with a number of bits.
+    The returned function takes the frame as a number, whose last ``width`` bits are the CRC. The CRC covers ``covered``
+    bits, and ``gap`` bits are between them and the CRC. ``function`` computes the CRC of a number with this number of
+    bits.
     """
-    ones = (1 << covered) - 1
-    return lambda number: function((number >> (width + gap)) & ones, covered) ^ (number & ((1 << width) - 1))
+    covered_mask = (1 << covered) - 1
+    crc_mask = (1 << width) - 1
+
+    def find_difference(number: int) -> int:
+        """Return the XOR of the CRC in a frame and the computed CRC."""
+        covered_bits = (number >> (width + gap)) & covered_mask
+        return function(covered_bits, covered) ^ (number & crc_mask)
+
+    return find_difference
 
 
 class DigitCoding(NamedTuple):
@@ -138,7 +157,10 @@ class Join(NamedTuple):
 
 
 class Unused(NamedTuple):
-    """Bits without meaning. Bits that differ from ``value`` are 1 in ``unused``, starting at bit ``place``."""
+    """Bits without a meaning in the manual, which gives them the value ``value``.
+
+    In the column ``unused``, each bit that differs from the manual is 1. These bits start at bit ``place`` there.
+    """
 
     low: int
     width: int
@@ -147,9 +169,10 @@ class Unused(NamedTuple):
 
 
 class VerdictCause(NamedTuple):
-    """Condition for a ``verdict``: a flag is active and certain others are not, or unused bits in ``mask`` differ.
+    """Cause of a ``verdict``: an active flag, or unused bits in ``mask`` that differ from the manual.
 
-    With ``when``, all these columns must have the values next to them, 1 for an active flag.
+    The flag counts only if no flag in ``unless`` is active. With ``when``, the cause is instead that all these columns
+    have the values next to them, 1 for an active flag.
     """
 
     verdict: Verdict
@@ -160,9 +183,10 @@ class VerdictCause(NamedTuple):
 
 
 class ReportCause(NamedTuple):
-    """Condition for a ``report``: a flag is active, unused bits in ``mask`` differ, or ``when`` as in ``VerdictCause``.
+    """Cause of a ``report``: an active flag, unused bits in ``mask`` that differ from the manual, or ``when``.
 
-    ``chosen_verdict`` is the verdict of the report if your choice changes it.
+    ``when`` lists columns with the value that each must have. ``chosen_verdict`` replaces the verdict of the report if
+    your answer to an open question of the manual changes it, otherwise it is None.
     """
 
     report: str
@@ -172,7 +196,10 @@ class ReportCause(NamedTuple):
     chosen_verdict: Verdict | None = None
 
     def of(self, reports: Mapping[str, Report]) -> Report:
-        """Return the report of this cause from all reports by name. Your choice can replace its verdict."""
+        """Return the report of this cause from all reports by name.
+
+        Your answer to an open question can change its verdict.
+        """
         report = reports[self.report]
         return report if self.chosen_verdict is None else report._replace(makes_position=self.chosen_verdict)
 
@@ -180,18 +207,21 @@ class ReportCause(NamedTuple):
         """Return whether the report applies to a decoded frame."""
         if self.when:
             return all(getattr(frame, name) == value for name, value in self.when)
-        return bool(getattr(frame, self.flag) if self.flag else frame.unused & self.mask)
+        if self.flag:
+            return bool(getattr(frame, self.flag))
+        return bool(frame.unused & self.mask)
 
 
 class Shape(NamedTuple):
     """Description of a frame or register. ``length`` is its length in bytes, or 0 for a ``bits``-bit number.
 
-    ``digit_codings`` are the numbers whose digits are sent separately. ``gray`` are lowest bit and width of the
-    number that is sent in Gray code, and ``excess`` is added to it before. ``fixed`` contains the bits that are 1
-    in every such frame. ``position`` is the column of the position, if there is one, and ``default_verdict`` the
-    verdict if no condition applies. ``fields`` are all fields in the order of the manual. ``kept_mask`` selects the
-    bits of a register that belong to no field, if they are kept. ``limited`` is the name of a value with limits,
-    and its attribute. ``frame`` is the name of the frame if other frames have another range of the position.
+    ``digit_codings`` are the numbers whose digits are sent separately. ``gray`` is the lowest bit and the width of the
+    number that is sent in Gray code, and ``excess`` is the number that is sent for position 0. ``fixed`` contains the
+    bits that are 1 in every such frame. ``position`` is the name of the column with the position, or empty if there is
+    none, and ``default_verdict`` is the verdict if none of ``verdict_causes`` is active. ``fields`` are all fields in
+    the order of the manual. ``kept_mask`` selects the bits of a register that belong to no field, if they are kept.
+    ``limited`` is the name of a value with limits, and its attribute. ``frame`` is the name of the frame if other
+    frames have another range of the position.
     """
 
     bits: int
@@ -220,12 +250,12 @@ class Shape(NamedTuple):
 def list_column_types(shape: Shape) -> dict[str, str]:
     """Return the columns that ``decode_many`` writes, with their NumPy types: ``{"position": "i8", "error": "?"}``.
 
-    Plain parts of a joined number are not among them, because they are extracted on access. Nor is ``fault``.
+    The column ``fault`` is omitted, and so are the plain parts of a joined number, which the table extracts on access.
     """
-    late_names = {name for join in shape.joins for name, _, _ in find_deferred_fields(shape, join)}
+    deferred_names = {name for join in shape.joins for name, _, _ in find_deferred_fields(shape, join)}
     types: dict[str, str] = {}
     for column in shape.columns:
-        if column.name not in late_names:
+        if column.name not in deferred_names:
             types |= _choose_types(column)
     for join in shape.joins:
         types[join.name] = "u8" if find_width(shape, join) == 64 else "i8"
@@ -265,15 +295,15 @@ def choose_smallest_type(width: int) -> str:
 
 
 def count_unused_bits(shape: Shape) -> int:
-    """Return the width of the number that all unused bits form."""
+    """Return the number of bits in the column ``unused``, which contains all unused bits of a frame side by side."""
     return max(unused.place + unused.width for unused in shape.unused)
 
 
 class UnusedGroup(NamedTuple):
-    """Unused bits that are shifted together.
+    """Unused bits of a frame that are shifted together into the column ``unused``.
 
-    ``low`` is their lowest bit in the frame, and ``place`` their lowest bit in ``unused``. Bit 0 of ``mask``, and of
-    ``value``, which is that in the manual, is the bit ``low`` of the frame.
+    ``low`` is their lowest bit in the frame, and ``place`` their lowest bit in the column. ``mask`` selects the bits of
+    the group after they are shifted down to bit 0, and ``value`` contains their values in the manual.
     """
 
     low: int
@@ -284,39 +314,40 @@ class UnusedGroup(NamedTuple):
 
 @lru_cache(maxsize=256)
 def group_unused_bits(shape: Shape) -> tuple[UnusedGroup, ...]:
-    """Return the groups of unused bits.
+    """Return the groups of unused bits that can be shifted together into the column ``unused``.
 
-    Bits with the same shift from the frame to ``unused`` form a group if they begin in the same byte of the frame.
+    Bits form a group if they have the same distance from the frame to the column, and begin in the same byte of the
+    frame.
     """
-    # The key is the shift and the index of the byte.
-    by_shift: dict[tuple[int, int], list[Unused]] = {}
+    bits_by_group: dict[tuple[int, int], list[Unused]] = {}
     for unused in shape.unused:
-        by_shift.setdefault((unused.low - unused.place, unused.low // 8), []).append(unused)
+        distance = unused.low - unused.place
+        byte_index = unused.low // 8
+        bits_by_group.setdefault((distance, byte_index), []).append(unused)
     groups: list[UnusedGroup] = []
-    for group in by_shift.values():
-        # The bits with the lowest place in the frame.
-        first = min(group)
+    for group in bits_by_group.values():
+        lowest = min(group, key=lambda unused: unused.low)
         mask = value = 0
         for unused in group:
-            offset = unused.low - first.low
+            offset = unused.low - lowest.low
             unused_mask = ((1 << unused.width) - 1) << offset
             mask |= unused_mask
             value |= unused_mask & (unused.value << offset)
-        groups.append(UnusedGroup(low=first.low, mask=mask, value=value, place=first.place))
+        groups.append(UnusedGroup(low=lowest.low, mask=mask, value=value, place=lowest.place))
     return tuple(groups)
 
 
 def find_width(shape: Shape, join: Join) -> int:
-    """Return the width of a joined number."""
-    by_name = {column.name: column for column in shape.columns}
-    return sum(by_name[name].width for name, _ in join.fields)
+    """Return the number of bits of a joined number, which is the sum of the widths of its fields."""
+    width_by_name = {column.name: column.width for column in shape.columns}
+    return sum(width_by_name[name] for name, _ in join.fields)
 
 
 def find_deferred_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
     """Return the fields that are plain bits of a joined number: name, lowest bit in this number, and width.
 
-    They are extracted from it on access. Only the first joined number of a shape has such fields, and only if it has
-    fewer than 64 bits.
+    The table extracts these fields from the joined number on access, instead of when frames are decoded. Only the first
+    joined number of a frame has such fields, and only if it has fewer than 64 bits.
     """
     by_name = {column.name: column for column in shape.columns}
     if find_width(shape, join) > 63 or join is not shape.joins[0]:
@@ -330,10 +361,11 @@ def find_deferred_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]
 
 
 def find_position_columns(shape: Shape) -> frozenset[str]:
-    """Return the columns whose values have no meaning if the position is not usable.
+    """Return the names of the columns whose values have no meaning if the position is not usable.
 
-    These are the position and its parts. If a frame has a verdict but not the whole position, it contains only a part
-    of the position, so the result is all its numbers. Other frames have no such columns.
+    These are the position and the parts that it is joined from. A frame with a verdict but without the whole position
+    contains only a part of it, so all numbers of such a frame are returned. For frames without a verdict, the result is
+    empty.
     """
     if shape.position:
         parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)
@@ -344,19 +376,23 @@ def find_position_columns(shape: Shape) -> frozenset[str]:
 
 
 def find_scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
-    """Return the name of each column of quantities, with the column of its number and the scale.
+    """Return the names of the columns of quantities, each with the column of its number and the scale.
 
-    An example is ``{"temperature (°C)": ("temperature", Scale(…))}``. No field can have such a name.
+    An example is ``{"temperature (°C)": ("temperature", Scale(…))}``. Such a name cannot be the name of a field.
     """
-    scaled = ((column.name, Scale(*column.scale)) for column in shape.columns if column.scale is not None)
-    return {f"{name} ({scale.unit})": (name, scale) for name, scale in scaled}
+    scales: dict[str, tuple[str, Scale]] = {}
+    for column in shape.columns:
+        if column.scale is not None:
+            scale = Scale(*column.scale)
+            scales[f"{column.name} ({scale.unit})"] = (column.name, scale)
+    return scales
 
 
 class QuickChecks(NamedTuple):
     """Quick checks of a frame. Only frames that fail them are examined for their errors.
 
-    ``fixed`` contains a mask and the required bits of each 64-bit limb, lowest first. ``bytes`` contains the index of a
-    byte and its allowed values. ``remaining`` contains all other checks.
+    ``fixed`` contains a mask and the required bits of each 64-bit word, lowest word first. ``bytes`` contains the index
+    of a byte and its allowed values. ``remaining`` contains all other checks.
     """
 
     fixed: tuple[tuple[int, int], ...]
@@ -366,56 +402,70 @@ class QuickChecks(NamedTuple):
 
 @lru_cache(maxsize=256)
 def find_quick_checks(shape: Shape) -> QuickChecks:
-    """Return the checks of a shape, combined into allowed values of bytes and a single check of all constant bits.
+    """Return the checks of a frame in the form in which they take the least time for many frames.
 
-    If the four lowest bits of a frame must be 1010, the result is ``fixed=((0xF, 0xA),)``.
+    Checks are combined into a single comparison of all constant bits, and into the allowed values of single bytes. If
+    the four lowest bits of a frame must be 1010, the result is ``fixed=((0xF, 0xA),)``.
     """
-    # The constant bits of the frame, and their values at the same places.
-    mask = values = 0
+    fixed_mask = fixed_bits = 0
     remaining: list[Check] = []
-    by_byte: dict[int, list[Check]] = {}
+    checks_by_byte: dict[int, list[Check]] = {}
     for check in shape.checks:
-        # A check of no bits that always holds is left out.
-        if not check.width and not check.parity_of and holds(0, check):
+        is_always_met = not check.width and not check.parity_of and holds(0, check)
+        if is_always_met:
             continue
-        if check.parity_of and (
-            shape.gray is not None or shape.digit_codings
-        ):  # It is the parity of the bits before the conversion.
+        covers_unconverted_bits = bool(check.parity_of) and (shape.gray is not None or bool(shape.digit_codings))
+        byte_indices = _find_bytes_of(check)
+        possible_values = [value for value in check.values if not value >> check.width]
+        if covers_unconverted_bits:
             remaining.append(check)
-            continue
-        byte_indices = _split_into_bytes(check)
-        fitting_values = [value for value in check.values if not value >> check.width]
-        if len(byte_indices) == 1:
-            by_byte.setdefault(byte_indices.pop(), []).append(check)
-        elif len(fitting_values) == 1:
-            mask |= ((1 << check.width) - 1) << check.low
-            values |= fitting_values[0] << check.low
+        elif len(byte_indices) == 1:
+            checks_by_byte.setdefault(byte_indices.pop(), []).append(check)
+        elif len(possible_values) == 1:
+            fixed_mask |= ((1 << check.width) - 1) << check.low
+            fixed_bits |= possible_values[0] << check.low
         else:
             remaining.append(check)
     byte_values: list[tuple[int, tuple[int, ...]]] = []
-    for index, checks in by_byte.items():
+    for index, checks in checks_by_byte.items():
         allowed = [byte for byte in range(256) if _are_all_met(byte << (8 * index), checks)]
-        # Bits that are the same in all allowed values.
-        constant_bits = 255
-        for byte in allowed:
-            constant_bits &= ~(byte ^ allowed[0])
-        # If the other bits can have any value, the constant bits are the whole condition: n other bits have 2**n
-        # values.
-        if allowed and len(allowed) == 1 << (8 - constant_bits.bit_count()):
-            mask |= constant_bits << (8 * index)
-            values |= (allowed[0] & constant_bits) << (8 * index)
-        # A few allowed values are compared one by one.
-        elif len(allowed) <= 8:
+        constant_mask = _find_constant_bits(allowed)
+        free_bits = 8 - constant_mask.bit_count()
+        # If the other bits can have any value, the constant bits are the whole condition.
+        if allowed and len(allowed) == 1 << free_bits:
+            fixed_mask |= constant_mask << (8 * index)
+            fixed_bits |= (allowed[0] & constant_mask) << (8 * index)
+        elif len(allowed) <= _MOST_COMPARED_VALUES:
             byte_values.append((index, tuple(allowed)))
         else:
             remaining += checks
-    limbs = range(0, shape.bits, 64)
-    fixed = tuple(((mask >> low) & ((1 << 64) - 1), (values >> low) & ((1 << 64) - 1)) for low in limbs)
+    fixed = _split_into_words(fixed_mask, fixed_bits, shape.bits)
     return QuickChecks(fixed=fixed, bytes=tuple(byte_values), remaining=tuple(remaining))
 
 
-def _split_into_bytes(check: Check) -> set[int]:
-    """Return the indices of the bytes in which the bits of a check, and of its parity, begin and end."""
+#: Number of allowed values of a byte up to which the byte is compared with each of them.
+_MOST_COMPARED_VALUES: Final = 8
+
+
+def _find_constant_bits(values: list[int]) -> int:
+    """Return a mask of the bits of a byte that are the same in all of these values."""
+    constant_mask = 0xFF
+    for value in values:
+        constant_mask &= ~(value ^ values[0])
+    return constant_mask
+
+
+def _split_into_words(mask: int, required_bits: int, bits: int) -> tuple[tuple[int, int], ...]:
+    """Return the 64-bit words of a mask and of the required bits of a frame of ``bits`` bits, the lowest word first."""
+    word_mask = (1 << 64) - 1
+    return tuple(
+        ((mask >> lowest_bit) & word_mask, (required_bits >> lowest_bit) & word_mask)
+        for lowest_bit in range(0, bits, 64)
+    )
+
+
+def _find_bytes_of(check: Check) -> set[int]:
+    """Return the indices of the bytes in which the checked bits, and the fields that a parity covers, begin and end."""
     byte_indices: set[int] = set()
     # A field without bits counts as one bit.
     for low, width in ((check.low, check.width), *check.parity_of):
@@ -424,12 +474,12 @@ def _split_into_bytes(check: Check) -> set[int]:
 
 
 def _are_all_met(number: int, checks: list[Check]) -> bool:
-    """Return whether all conditions hold for one frame."""
+    """Return whether a frame, given as a number, meets all conditions."""
     return all(holds(number, check) for check in checks)
 
 
 def holds(number: int, check: Check) -> bool:
-    """Return whether the condition holds for one frame."""
+    """Return whether a frame, given as a number, meets a condition."""
     bits = (number >> check.low) & ((1 << check.width) - 1)
     if check.parity_of:
         return bits == check.parity(number)

@@ -48,11 +48,11 @@ class _EdgeLines(NamedTuple):
 
 
 def refine_timing(timing: BitTiming, has_edge: Any, data_edges: Any) -> BitTiming:
-    """Refine the timing of cycles with few samples per period to a fraction of a sample.
+    """Return the timing of cycles with few samples per clock period, accurate to a fraction of a sample.
 
-    The edges lie on a straight line through all edges of a cycle, and the delay is the mean delay of all bits.
-    ``has_edge`` is False for times after the last edge, and ``data_edges`` are the edges of the data line. Cycles whose
-    edges are not on a line, because the clock is uneven, keep their timing.
+    The edges are moved to a straight line through all edges of a cycle, and the delay becomes the mean delay of all
+    bits. ``has_edge`` is False for times after the last edge of a cycle, and ``data_edges`` are the edges of the data
+    line. Cycles whose edges are not on a line, because the clock is uneven, keep their timing.
     """
     lines = _fit_lines(timing.edges, has_edge)
     expected_changes = lines.times + timing.delay[:, None]
@@ -65,8 +65,12 @@ def refine_timing(timing: BitTiming, has_edge: Any, data_edges: Any) -> BitTimin
 
 
 def _fit_lines(times: Any, has_edge: Any) -> _EdgeLines:
-    """Return the lines through the edges of each cycle, by least squares."""
-    # Times after the last edge do not count.
+    """Return the straight lines through the clock edges of each cycle, by least squares.
+
+    ``times`` has a row for each cycle and a column for each edge. ``has_edge`` is False for times after the last edge,
+    which are ignored.
+    """
+    # Times after the last edge have the weight 0.
     weights = has_edge.astype(np.float64)
     edge_counts = np.maximum(weights.sum(axis=1, keepdims=True), 1)
     numbers = np.arange(times.shape[1], dtype=np.float64)[None, :]
@@ -83,9 +87,10 @@ def _fit_lines(times: Any, has_edge: Any) -> _EdgeLines:
 
 
 def _average_distance(expected_changes: Any, longest_distance: Any, data_edges: Any) -> Any:
-    """Return how much later than expected the data line changes, as the mean over the bits of each cycle.
+    """Return how much later than expected the data line changes in each cycle, as the mean over its bits.
 
-    Bits without a change within ``longest_distance`` of the expected time do not count. Without any change, this is 0.
+    ``expected_changes`` has a row for each cycle and a column for each bit. Bits without a change within
+    ``longest_distance`` of the expected time are ignored. If no bit has such a change, the result is 0.
     """
     edges_and_end = np.append(data_edges, np.inf)
     # Index of the first edge that is not too early. It can still be too late.

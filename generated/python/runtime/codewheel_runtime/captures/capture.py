@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Decodes the captures of logic analysers into tables with time."""
+"""Decodes the captures of logic analyzers into tables with time."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from ..files.inputs import FrameBatch, Source
 from ..files.layouts import find_layout, find_shape, list_layouts
 from ..files.sinks import SINKS, TargetKind
 from ..files.stream import (
-    Derived,
     Output,
+    SpeedColumns,
     Summary,
     count_units,
     decode_parts,
@@ -78,7 +78,10 @@ class Probes(NamedTuple):
     threshold: float | None = None
 
     def check(self) -> None:
-        """Raise UsageError unless the rates and the rest are above 0 and the threshold is finite, if they are given."""
+        """Raise UsageError unless the rates and ``rest`` are above 0 and the threshold is finite.
+
+        None is always accepted.
+        """
         for name in ("rate", "rest", "baud"):
             number = getattr(self, name)
             if number is not None and not (_is_finite(number) and number > 0):
@@ -87,7 +90,7 @@ class Probes(NamedTuple):
             raise UsageError(f"threshold must be a number, got {self.threshold!r}")
 
     def names(self, is_serial: bool) -> SignalNames:
-        """Return the choice of the channels. A serial line has no clock.
+        """Return the chosen channels of the clock and the data line, or of one serial line.
 
         Raises UsageError if a channel is neither a name nor a number.
         """
@@ -108,7 +111,7 @@ class Capture(NamedTuple):
 
     Attributes:
         table: Columns of the frames, with ``time`` in seconds, or ``sample`` if the sample rate is unknown. The time
-            of a frame is that of the first falling edge of the clock, or of the start bit of its first byte.
+            of a frame is the time of the first falling edge of the clock, or of the start bit of its first byte.
         lost: Cycles or bytes that contain no frame, with the reason.
         accesses: Accesses to registers over BiSS.
         others: Number of frames of other kinds, by name.
@@ -138,11 +141,11 @@ class ChannelCapture(NamedTuple):
 
 
 class CaptureSummary(NamedTuple):
-    """Counts of a capture.
+    """Counts of the frames, lost cycles and register accesses in a capture.
 
     Attributes:
         frames: Counts of the frames.
-        lost: Number of lost cycles by reason. Only the part of the reason in front of a colon counts.
+        lost: Number of lost cycles by reason. Only the part of the reason before a colon counts.
         first_lost: The first lost cycles, at most 1000.
         accesses: The first accesses to registers, at most 1000.
         access_count: Number of accesses.
@@ -159,9 +162,10 @@ class CaptureSummary(NamedTuple):
     @property
     def error_rate(self) -> float:
         """Fraction of the cycles that contain no valid frame, from 0 to 1."""
-        lost = sum(self.lost.values())
-        cycles = self.frames.frames + lost
-        return (lost + sum(self.frames.faults.values())) / cycles if cycles else 0.0
+        lost_count = sum(self.lost.values())
+        cycle_count = self.frames.frames + lost_count
+        invalid_count = lost_count + sum(self.frames.faults.values())
+        return invalid_count / cycle_count if cycle_count else 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """Return the counts as plain values for JSON."""
@@ -181,7 +185,7 @@ class CaptureSummary(NamedTuple):
 
 
 class _Log:
-    """Lost cycles, accesses and other frames found during decoding."""
+    """Log of the lost cycles, accesses and other frames that are found while a capture is decoded."""
 
     def __init__(self, limit: int | None) -> None:
         # At most this number of lost cycles and of accesses is kept, or all of them if it is None.
@@ -194,19 +198,19 @@ class _Log:
         self.others: dict[str, int] = {}
         self._finder = Accesses()
 
-    def add(self, stretch: CapturedFrames) -> None:
-        """Count the lost cycles, accesses and other frames of a stretch."""
-        for cycle in stretch.lost:
+    def add(self, part: CapturedFrames) -> None:
+        """Count the lost cycles, accesses and frames of other kinds in a part of the capture."""
+        for cycle in part.lost:
             # After the colon, a reason quotes the received bytes, which differ each time.
             reason, _, _ = cycle.reason.partition(":")
             self.reasons[reason] = self.reasons.get(reason, 0) + 1
         # Number of lost cycles that can still be kept, or None for all of them.
-        free = None if self._limit is None else max(self._limit - len(self.lost), 0)
-        self.lost += stretch.lost[:free]
-        for name, count in stretch.others.items():
+        free_places = None if self._limit is None else max(self._limit - len(self.lost), 0)
+        self.lost += part.lost[:free_places]
+        for name, count in part.others.items():
             self.others[name] = self.others.get(name, 0) + count
-        if stretch.control is not None:
-            self._add_accesses(self._finder.feed(stretch.control))
+        if part.control is not None:
+            self._add_accesses(self._finder.feed(part.control))
 
     def finish(self) -> None:
         """Add the access that the end of the capture cuts off."""
@@ -224,13 +228,13 @@ class _CaptureFrames(NamedTuple):
     """Frames of a capture.
 
     Attributes:
-        stretches: The frames, one stretch of the capture after another.
+        parts: The frames, one part of the capture after another.
         shape: Their description.
         time_column: Name of the column of times: ``time`` in seconds, or ``sample`` if the sample rate is unknown.
         total: Size of the file, if known.
     """
 
-    stretches: Generator[CapturedFrames, None, None]
+    parts: Generator[CapturedFrames, None, None]
     shape: Shape
     time_column: str
     total: int | None
@@ -243,26 +247,33 @@ def _open_capture(
     probes: Probes,
     layout: str,
     answers: Mapping[str, Any],
-    exchanged: bool = False,
+    swap_lines: bool = False,
 ) -> Generator[_CaptureFrames, None, None]:
-    """Open a capture, and yield its frames. With ``exchanged``, the clock and the data line are exchanged.
+    """Open a capture, and yield its frames. With ``swap_lines``, the clock and the data line are exchanged.
 
-    For the other arguments, see ``read_capture``. ``probes`` contains the connection and timing
-    arguments.
+    Args:
+        encoder: The encoder, or a layout of BiSS frames.
+        source: Files, or an array of samples.
+        probes: Arguments about the connection and the timing.
+        layout: Kind of the replies on a serial line, or empty for the most frequent one with a position.
+        answers: Answers to the questions that the manual leaves open, by name.
+        swap_lines: Use the clock as the data line and the data line as the clock.
 
     Raises:
         UsageError: Captures are not supported for this encoder, or an argument is invalid.
         InputError: The source is not a capture, or has no such signals.
     """
-    if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
-        how = "let the analyser's own SPI decoder export the words, and decode them as a file of frames"
-        raise UsageError(f"{encoder.code} has the interface SPI, whose captures are not read here: {how}")
+    interface = encoder.interface if isinstance(encoder, Encoder) else Interface.BISS
+    if interface is Interface.SPI:
+        how = "let the analyzer's own SPI decoder export the words, and decode them as a file of frames"
+        raise UsageError(f"{encoder.code} has the interface SPI, whose captures are not supported: {how}")
     if isinstance(encoder, Encoder) and encoder.exchanges():
-        how = "let the analyser's own serial decoder export the bytes, and decode the replies as a file of frames"
+        how = "let the analyzer's own serial decoder export the bytes, and decode the replies as a file of frames"
         raise UsageError(f"the replies of {encoder.code} have no data ID, so they are not found in captures: {how}")
     probes.check()
-    is_serial = isinstance(encoder, Encoder) and encoder.interface is Interface.RS485
-    if isinstance(encoder, Encoder) and is_serial and not hasattr(source, "dtype"):
+    is_serial = interface is Interface.RS485
+    is_array = hasattr(source, "dtype")
+    if isinstance(encoder, Encoder) and is_serial and not is_array:
         paths = _list_paths(source)
         columns = _find_exported_columns(paths)
         if columns is not None:
@@ -270,7 +281,7 @@ def _open_capture(
                 line = read_exported_bytes(file, paths[0], columns)
                 yield _find_replies(encoder, line, paths[0], probes, layout, answers)
             return
-    names = probes.names(is_serial)._replace(exchanged=exchanged)
+    names = probes.names(is_serial)._replace(exchanged=swap_lines)
     with _open_signals(source, names, probes) as (signals, name):
         yield _find_frames(encoder, signals, name, probes, layout, answers)
 
@@ -286,22 +297,23 @@ def _find_exported_columns(paths: Sequence[str]) -> tuple[int, int] | None:
 def _find_replies(
     encoder: Encoder, line: Any, name: str, probes: Probes, layout: str, answers: Mapping[str, Any]
 ) -> _CaptureFrames:
-    """Return the replies among the bytes on a serial line.
+    """Return the replies of an encoder among the bytes on a serial line.
 
-    The first stretch is read at once, because it shows the kind of the replies, and so their shape. ``name`` is the
-    name of the file, for errors. For the other arguments, see ``read_capture``.
+    The first part is read at once, because it shows the kind of the replies, and therefore their shape. ``line`` yields
+    the bytes, and ``name`` is the name of the file, for errors. ``layout`` is the kind of the replies, or empty for the
+    most frequent one with a position. ``answers`` are answers to open questions by name.
 
     Raises:
         InputError: No byte was sent. Or ``layout`` is empty, and there is no valid reply with a position.
     """
     kinds = _find_frame_kinds(encoder, layout, answers)
-    stretches = find_replies(line, name, _find_baud_rate(encoder, probes), kinds)
-    first_stretch = next(stretches)
-    if not first_stretch.kind:
+    parts = find_replies(line, name, _find_baud_rate(encoder, probes), kinds)
+    first_part = next(parts)
+    if not first_part.kind:
         raise InputError(name, "", f"no valid reply of {encoder.code}: check the channel, the baud rate and the code")
     return _CaptureFrames(
-        stretches=_prepend(first_stretch, stretches),
-        shape=kinds.replies[first_stretch.kind],
+        parts=_prepend(first_part, parts),
+        shape=kinds.replies[first_part.kind],
         time_column="time",
         total=None,
     )
@@ -317,8 +329,8 @@ def _find_frames(
 ) -> _CaptureFrames:
     """Return the frames in the signals of a capture, with the column ``time``, or ``sample`` without a sample rate.
 
-    ``name`` is the name of the file, for errors. ``probes`` has the connection and timing arguments. For
-    the other arguments, see ``read_capture``.
+    ``name`` is the name of the file, for errors. ``layout`` is the kind of the frames, or empty. ``answers`` are
+    answers to open questions by name.
 
     Raises:
         UsageError: A frame has more than 64 bits.
@@ -333,22 +345,23 @@ def _find_frames(
     shape = find_shape(encoder, layout, answers) if isinstance(encoder, Encoder) else encoder.shape
     if shape.bits > 64:
         raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
-    stretches = find_clocked_frames(signals, name, interface_name, shape.bits, probes.rest)
-    return _CaptureFrames(stretches, shape, time_column, signals.total)
+    parts = find_clocked_frames(signals, name, interface_name, shape.bits, probes.rest)
+    return _CaptureFrames(parts, shape, time_column, total=signals.total)
 
 
 def _prepend(
     first: CapturedFrames, following: Generator[CapturedFrames, None, None]
 ) -> Generator[CapturedFrames, None, None]:
-    """Yield the first frames again, then those that follow."""
+    """Yield the first part, then those that follow."""
     yield first
     yield from following
 
 
 def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
-    """Return all kinds of frames on a serial line.
+    """Return all kinds of frames on a serial line: replies from the encoder and requests from the master.
 
     A kind whose description needs answers to open questions is left out, unless it is the one that ``layout`` requests.
+    ``layout`` is empty if no kind is requested.
     """
     wanted = find_layout(encoder, layout).name if layout else ""
     shapes: dict[str, dict[str, Shape]] = {"encoder": {}, "master": {}}
@@ -362,7 +375,7 @@ def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any])
 
 
 def _find_baud_rate(encoder: Encoder, probes: Probes) -> float:
-    """Return the bits per second: the chosen number, or the manual's."""
+    """Return the bits per second: the baud rate in ``probes``, or the one in the manual."""
     if probes.baud:
         return probes.baud
     package, _, family = type(encoder).__module__.rpartition(".")
@@ -389,11 +402,11 @@ class Captures(NamedTuple):
         layout: str = "",
         answers: Mapping[str, Enum | str] = _NO_ANSWERS,
     ) -> Capture:
-        """Decode a capture of a logic analyser. Needs NumPy.
+        """Decode a capture of a logic analyzer. Needs NumPy.
 
         Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, the bytes that Saleae's serial
-        analyser exports, VCD, NumPy files (``.npy``, ``.npz``), and tables of 0 and 1 or of voltages. They are
-        recognised by their contents. Times of time stamps are in seconds from the first stamp.
+        analyzer exports, VCD, NumPy files (``.npy``, ``.npz``), and tables of 0 and 1 or of voltages. They are
+        recognized by their contents. Times of time stamps are in seconds from the first stamp.
 
         Args:
             encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).
@@ -447,7 +460,7 @@ class Captures(NamedTuple):
         force: bool = False,
         progress: Callable[[int, int | None, int], None] | None = None,
     ) -> CaptureSummary:
-        """Decode a capture of a logic analyser into a file of columns, in bounded memory.
+        """Decode a capture of a logic analyzer into a file of columns, in bounded memory.
 
         Args:
             encoder, source, clock, data, rate, rest, baud, threshold, layout, answers: See ``read_capture``.
@@ -461,13 +474,13 @@ class Captures(NamedTuple):
         Raises:
             InputError, UsageError, OSError: See ``read_capture``.
         """
-        chosen = self._find_encoder(encoder)
+        chosen_encoder = self._find_encoder(encoder)
         output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
         sources = _list_paths(source)
         probes = Probes(clock, data, rate, rest, baud, threshold)
-        opening = _open_capture(chosen, source, probes, layout, answers)
-        report = partial(_report_exchanged_lines, chosen, source, probes, layout, answers)
-        return _decode_capture(opening, chosen, sources, output, limit, progress, report)
+        opening = _open_capture(chosen_encoder, source, probes, layout, answers)
+        report = partial(_report_exchanged_lines, chosen_encoder, source, probes, layout, answers)
+        return _decode_capture(opening, chosen_encoder, sources, output, limit, progress, report)
 
     def _find_encoder(self, encoder: Encoder | BissLayout | str) -> Encoder | BissLayout:
         """Return the encoder for a label. Other arguments are returned unchanged."""
@@ -487,17 +500,17 @@ class _Channels(Protocol):
 
 
 def read_channel_capture(layout: _Channels, source: Captured, probes: Probes) -> ChannelCapture:
-    """Decode a capture of frames with several data channels. See ``ChannelLayout.read_capture``."""
+    """Decode a capture of BiSS frames with several data channels. ``source`` is its files, or an array of samples."""
     probes.check()
     names = probes.names(is_serial=False)
     log = _Log(None)
     frames: list[Any] = []
     times: list[Any] = []
     with _open_signals(source, names, probes) as (signals, name):
-        for stretch in find_clocked_frames(signals, name, "biss", layout.bits, probes.rest):
-            log.add(stretch)
-            frames.append(stretch.frames)
-            times.append(_round_times(stretch.times))
+        for part in find_clocked_frames(signals, name, "biss", layout.bits, probes.rest):
+            log.add(part)
+            frames.append(part.frames)
+            times.append(_round_times(part.times))
     log.finish()
     table = layout.decode_many(np.concatenate(frames))
     return ChannelCapture(table, np.concatenate(times), tuple(log.lost), tuple(log.accesses))
@@ -517,49 +530,54 @@ def _open_signals(source: Captured, names: SignalNames, probes: Probes) -> Gener
 def _read_capture(
     encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
 ) -> Capture:
-    """Decode a capture into one table. Raises InputError also if no frame is valid because the lines are exchanged."""
+    """Decode a capture into one table.
+
+    Raises InputError if the source is not a capture, and if no frame is valid because the clock and the data line are
+    exchanged.
+    """
     log = _Log(None)
     frames: list[Any] = []
     times: list[Any] = []
-    with _open_capture(encoder, source, probes, layout, answers) as opened:
+    with _open_capture(encoder, source, probes, layout, answers) as capture_frames:
         # If no frame is found, or none is valid, the lines may be exchanged. If so, that error is raised instead.
         try:
-            for stretch in opened.stretches:
-                log.add(stretch)
-                frames.append(stretch.frames)
-                times.append(_round_times(stretch.times))
+            for part in capture_frames.parts:
+                log.add(part)
+                frames.append(part.frames)
+                times.append(_round_times(part.times))
         except InputError:
             _report_exchanged_lines(encoder, source, probes, layout, answers)
             raise
     log.finish()
-    table = decode_many(np.concatenate(frames), opened.shape, encoder)
+    table = decode_many(np.concatenate(frames), capture_frames.shape, encoder)
     if not table.ok.any():
         _report_exchanged_lines(encoder, source, probes, layout, answers)
-    table = table.with_columns(**{opened.time_column: np.concatenate(times)})
+    table = table.with_columns(**{capture_frames.time_column: np.concatenate(times)})
     return Capture(table, tuple(log.lost), tuple(log.accesses), log.others)
 
 
 def _report_exchanged_lines(
     encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
 ) -> None:
-    """Raise InputError if a capture has valid frames with the clock and the data line exchanged.
+    """Raise InputError if a capture has valid frames with the clock and the data line exchanged, otherwise do nothing.
 
-    Otherwise, return normally. The caller has found no valid frames without the exchange. With it, more than nine in
-    ten of the first cycles must be valid.
+    The caller has found no valid frames. With the lines exchanged, more than nine in ten of the first cycles must be
+    valid.
     """
     if isinstance(encoder, Encoder) and encoder.interface not in (Interface.BISS, Interface.SSI):
         return
     frame_count = valid_count = lost_count = 0
-    with suppress(InputError), _open_capture(encoder, source, probes, layout, answers, exchanged=True) as opened:
-        for stretch in opened.stretches:
-            valid_count += int(decode_many(stretch.frames, opened.shape, encoder).ok.sum())
-            frame_count += len(stretch.frames)
-            lost_count += len(stretch.lost)
+    with suppress(InputError), _open_capture(encoder, source, probes, layout, answers, swap_lines=True) as swapped:
+        for part in swapped.parts:
+            valid_count += int(decode_many(part.frames, swapped.shape, encoder).ok.sum())
+            frame_count += len(part.frames)
+            lost_count += len(part.lost)
             if frame_count > _MOST_LISTED:
                 break
     invalid_count = frame_count - valid_count + lost_count
+    are_most_valid = valid_count > 9 * invalid_count
     # One frame can be valid by chance.
-    if valid_count > 1 and valid_count > 9 * invalid_count:
+    if valid_count > 1 and are_most_valid:
         name = "the array" if hasattr(source, "dtype") else _list_paths(source)[0]
         reason = "the clock and the data line are exchanged: no frame is valid"
         raise InputError(name, "", f"{reason}, but {valid_count} are if you exchange the two channels")
@@ -574,28 +592,30 @@ def _decode_capture(
     progress: Callable[[int, int | None, int], None] | None,
     report_exchanged_lines: Callable[[], None],
 ) -> CaptureSummary:
-    """Decode a capture into a file. If no frame is valid, ``report_exchanged_lines`` can raise InputError.
+    """Decode a capture into a file of columns, in bounded memory, and return the counts.
 
-    ``opening`` opens the capture, and ``sources`` are its files. For ``limit`` and ``progress``, see ``decode_file``.
-    Raises UsageError if the frames have a field with the name of the column of times.
+    ``opening`` opens the capture, and ``sources`` are its files. ``limit`` is the maximum number of frames, and
+    ``progress`` is called from time to time with the amount read, the total if known, and the number of frames. If no
+    frame is valid, ``report_exchanged_lines`` can raise InputError. Raises UsageError if the frames have a field with
+    the name of the column of times.
     """
     log = _Log(_MOST_LISTED)
-    with opening as opened, open_for_writing(output.target, sources, output.force) as file:
-        time_column = opened.time_column
+    with opening as capture_frames, open_for_writing(output.target, sources, output.force) as file:
+        time_column = capture_frames.time_column
         time_columns = {time_column: np.zeros(0)}
         # A table without frames, which shows the columns of the result.
-        empty = decode_many([], opened.shape, encoder)
-        if time_column in empty:
+        empty_table = decode_many([], capture_frames.shape, encoder)
+        if time_column in empty_table:
             raise UsageError(f"the frames have a field '{time_column}', but this is the column of times")
-        empty = empty.with_columns(**time_columns)
-        derived = Derived(time_column, sources[0]) if output.si else None
-        if derived is not None:
-            empty = derived.check(empty)
-        read = Source(_convert_stretches(opened, log), opened.total, (time_column,), time_columns)
-        plan = make_plan(empty, read, output.columns, sources[0], output.raw)
+        empty_table = empty_table.with_columns(**time_columns)
+        add_columns = SpeedColumns(time_column, sources[0]) if output.si else None
+        if add_columns is not None:
+            empty_table = add_columns.check(empty_table)
+        frame_source = Source(_make_batches(capture_frames, log), capture_frames.total, (time_column,), time_columns)
+        plan = make_plan(empty_table, frame_source, output.columns, sources[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
             try:
-                frames = decode_parts(read, opened.shape, encoder, sink, limit, progress, derived)
+                frames = decode_parts(frame_source, capture_frames.shape, encoder, sink, limit, progress, add_columns)
             except InputError:
                 report_exchanged_lines()
                 raise
@@ -622,11 +642,11 @@ def _list_paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
     return [os.fspath(path) for path in source]
 
 
-def _convert_stretches(opened: _CaptureFrames, log: _Log) -> Generator[FrameBatch, None, None]:
-    """Yield the frames with the column of their times, and add each stretch to the log."""
-    for stretch in opened.stretches:
-        log.add(stretch)
-        yield FrameBatch(stretch.frames, stretch.done, {opened.time_column: _round_times(stretch.times)})
+def _make_batches(capture_frames: _CaptureFrames, log: _Log) -> Generator[FrameBatch, None, None]:
+    """Yield the frames with their times, and add each part of the capture to the log."""
+    for part in capture_frames.parts:
+        log.add(part)
+        yield FrameBatch(part.frames, part.done, {capture_frames.time_column: _round_times(part.times)})
 
 
 def _round_times(seconds: Any) -> Any:

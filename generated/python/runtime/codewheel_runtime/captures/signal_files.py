@@ -1,7 +1,7 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Reads the captures of logic analysers: sigrok sessions, CSV, Saleae's binary files, VCD and NumPy files.
+"""Reads the captures of logic analyzers: sigrok sessions, CSV, Saleae's binary files, VCD and NumPy files.
 
-Files are recognised by their contents and read in chunks, so memory use does not depend on their size.
+Files are recognized by their contents and read in chunks, so memory use does not depend on their size.
 """
 
 from __future__ import annotations
@@ -54,13 +54,13 @@ def open_signals(
             file.seek(0)
         is_saleae = [head.startswith(_SALEAE_HEADER) for head in heads]
         # A serial line has no clock, so it is the only signal.
-        wanted = 1 if names.clock is None else 2
+        signal_count = 1 if names.clock is None else 2
         if any(is_saleae):
-            if not all(is_saleae) or len(files) != wanted:
-                lines = (
-                    "the file of the data line" if wanted == 1 else "two files, that of the clock and of the data line"
-                )
-                raise UsageError(f"each binary file of Saleae has one signal: give {lines}")
+            if not all(is_saleae) or len(files) != signal_count:
+                expected_files = "the file of the data line"
+                if signal_count == 2:
+                    expected_files = "two files, one for the clock and one for the data line"
+                raise UsageError(f"each binary file of Saleae has one signal: give {expected_files}")
             if len({*paths}) < len(paths):
                 raise UsageError("the clock and the data line are the same file: give one file for each")
             signals = _read_saleae(files[::-1], paths[::-1]) if names.exchanged else _read_saleae(files, paths)
@@ -77,10 +77,11 @@ def open_signals(
 def _open_single_file(
     stack: ExitStack, file: BinaryIO, path: str, names: SignalNames, rate: float | None, threshold: float | None
 ) -> Signals:
-    """Return the signals of a file, whose format its first bytes show.
+    """Return the signals of a capture in one file. Its first bytes show the format.
 
     The formats are a ZIP file (sigrok or NumPy), a NumPy file, a VCD file, and a table of text. ``stack`` closes an
-    archive. For the other arguments, see ``open_signals``.
+    archive. ``names`` are the channels of the signals, ``rate`` is the chosen sample rate in Hz, and ``threshold`` the
+    voltage above which the level is 1 in a table of voltages.
     """
     head = file.read(HEADER)
     file.seek(0)
@@ -118,7 +119,10 @@ _ERRORS_OF_DAMAGED_ZIP: Final = (
 def _read_archive(
     stack: ExitStack, file: BinaryIO, path: str, names: SignalNames, rate: float | None, threshold: float | None
 ) -> Signals:
-    """Return the signals of a ZIP file, which ``stack`` closes: a session of sigrok, or arrays of NumPy."""
+    """Return the signals of a ZIP file, which can be a session of sigrok, or arrays of NumPy.
+
+    ``stack`` closes the file.
+    """
     try:
         archive = stack.enter_context(zipfile.ZipFile(file))
         file_names = archive.namelist()
@@ -173,10 +177,11 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
 
 
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
-    """Return a name that ``SignalNames`` understands for a chosen channel.
+    """Return the choice of a channel in a session in the form that ``SignalNames`` expects.
 
     A number is the number of a probe, as in the session. It becomes the place among the probes in use, from 1: with the
-    probes 2 and 5, ``"5"`` becomes ``"2"``. Any other name, or None, is returned unchanged.
+    probes 2 and 5, ``"5"`` becomes ``"2"``. Any other name, or None, is returned unchanged. ``probes`` contains the
+    names of the probes in use by number, and ``numbers`` these numbers in order.
 
     Raises:
         InputError: No probe in use has this number.
@@ -191,9 +196,10 @@ def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], 
 
 
 def _list_sample_files(archive: zipfile.ZipFile, stem: str, path: str) -> list[zipfile.ZipInfo]:
-    """Return the files of samples in order: ``logic-1`` (the stem), or ``logic-1-1``, ``logic-1-2`` and so on.
+    """Return the files of samples in a session in order.
 
-    Raises InputError if one is missing before others.
+    They are called ``logic-1`` (the stem), or ``logic-1-1``, ``logic-1-2`` and so on. Raises InputError if a file
+    between others is missing.
     """
     named = {info.filename: info for info in archive.infolist()}
     if stem in named:
@@ -215,19 +221,21 @@ def _unpack_samples(
     A sample has ``size`` bytes, and can begin in one file and end in the next. An incomplete sample at the end of the
     session is ignored.
     """
-    done = 0
+    bytes_read = 0
     remainder = b""
     try:
         for info in entries:
             with archive.open(info) as file:
                 while block := file.read(SAMPLES * size):
-                    done += len(block)
+                    bytes_read += len(block)
                     data = remainder + block
                     sample_count = len(data) // size
                     remainder = data[sample_count * size :]
-                    yield np.frombuffer(data, f"<u{size}", count=sample_count), done, None
+                    yield np.frombuffer(data, f"<u{size}", count=sample_count), bytes_read, None
     except _ERRORS_OF_DAMAGED_ZIP as error:
-        raise InputError(path, f"offset {done}", f"the samples are damaged: {error or 'they end early'}") from None
+        raise InputError(
+            path, f"offset {bytes_read}", f"the samples are damaged: {error or 'they end early'}"
+        ) from None
 
 
 def _parse_small_number(text: str) -> int:
@@ -241,7 +249,7 @@ def _parse_small_number(text: str) -> int:
 
 
 class _ArrayForm(NamedTuple):
-    """Form of an array of samples: its NumPy type, the number of channels, and that of samples.
+    """Form of an array of samples: its NumPy type, and the numbers of channels and samples.
 
     If ``channels`` is None, each number is a sample whose bits are the channels.
     """
@@ -252,7 +260,7 @@ class _ArrayForm(NamedTuple):
 
 
 def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
-    """Read the header of a NumPy file, and leave the file at its first sample.
+    """Return the form of the array in a NumPy file, and leave the file at its first sample.
 
     Raises InputError if the file does not have whole numbers, one row per sample.
     """
@@ -265,11 +273,11 @@ def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
     except Exception:  # The parser of the header raises many types.
         raise InputError(path, "", "this is not a valid NumPy file") from None
     has_rows = len(shape) == 2
-    are_whole_numbers = dtype.kind in "uib" and dtype.itemsize <= 8
+    are_integers = dtype.kind in "uib" and dtype.itemsize <= 8
     if is_fortran and has_rows:
         reason = "the samples of a channel follow each other: save numpy.ascontiguousarray(samples)"
         raise InputError(path, "", reason)
-    if not are_whole_numbers or len(shape) not in (1, 2):
+    if not are_integers or len(shape) not in (1, 2):
         raise InputError(path, "", f"expected whole numbers, one row per sample, got {dtype} {shape}")
     if has_rows and not 0 < shape[1] <= 1024:
         raise InputError(path, "", f"expected 1 to 1024 channels, got {shape[1]}")
@@ -292,30 +300,29 @@ def _read_array_file(file: BinaryIO, path: str, names: SignalNames, rate: float 
 def _read_array_parts(
     file: BinaryIO, path: str, form: _ArrayForm, places: Sequence[int]
 ) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples of some rows as unsigned numbers, the amount read, and None, because samples have no times.
+    """Yield the samples of some rows as unsigned numbers, the number of bytes read so far, and None instead of times.
 
-    ``places`` are the columns of the signals. Without channels, there are no columns, and all bits are kept.
-
-    Raises InputError at the end if samples are missing there.
+    ``places`` are the columns of the signals. If the array has no columns, each number is a sample, and all its bits
+    are kept. Raises InputError at the end if samples are missing there.
     """
     dtype = form.kind
     channels = form.channels
     row_width = 1 if channels is None else channels
     row_bytes = row_width * dtype.itemsize
-    done = 0
+    bytes_read = 0
     while data := file.read(max(SAMPLES // row_width, 1) * row_bytes):
-        done += len(data)
+        bytes_read += len(data)
         row_count = len(data) // row_bytes
         samples = np.frombuffer(data, dtype, count=row_count * row_width)
         if channels is not None:
-            yield pack_bits(samples.reshape(-1, row_width)[:, places]), done, None
+            yield pack_bits(samples.reshape(-1, row_width)[:, places]), bytes_read, None
             continue
         byte_order = dtype.byteorder if dtype.itemsize > 1 else ""
         # Signed numbers are read as unsigned ones of the same bits, and then in the byte order of this machine.
         samples = samples.view(f"{byte_order}u{dtype.itemsize}")
-        yield samples.astype(f"u{dtype.itemsize}", copy=False), done, None
-    if done < form.sample_count * row_bytes:
-        reason = f"this NumPy file ends early: it has {done // row_bytes} of {form.sample_count} samples"
+        yield samples.astype(f"u{dtype.itemsize}", copy=False), bytes_read, None
+    if bytes_read < form.sample_count * row_bytes:
+        reason = f"this NumPy file ends early: it has {bytes_read // row_bytes} of {form.sample_count} samples"
         raise InputError(path, "", reason)
 
 
@@ -328,7 +335,10 @@ class _Arrays(NamedTuple):
 
 
 def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
-    """Return the arrays of an ``.npz`` file. Raises InputError if one is damaged or does not have numbers."""
+    """Return the arrays of an ``.npz`` file: channels, times and sample rate.
+
+    Raises InputError if an array is damaged or does not contain numbers.
+    """
     channels: dict[str, Any] = {}
     times: Any = None
     rate: float | None = None
@@ -355,7 +365,7 @@ def _read_array_archive(
     """Return the signals of an ``.npz`` file: one array of samples, or an array for each channel.
 
     The names of the arrays are the names of the channels. A channel has levels, 0 and 1, or voltages. A single number
-    can give the sample rate, see ``_NAMES_OF_RATES``, and an array the times in seconds, see ``_NAMES_OF_TIMES``.
+    named ``rate`` or similar gives the sample rate in Hz, and an array named ``time`` or similar the times in seconds.
     """
     total = sum(info.file_size for info in archive.infolist())
     if total > _MOST_UNPACKED:
@@ -387,7 +397,7 @@ def _read_array_archive(
 
 
 def _convert_to_levels(cells: Any, threshold: float | None, path: str) -> Any:
-    """Return the levels of samples, a column for each channel.
+    """Return the levels of samples, with a column for each channel. ``cells`` are levels or voltages.
 
     All numbers are voltages if one of them is neither 0 nor 1, or if there is a ``threshold``. Raises InputError if a
     voltage is not finite.
@@ -414,6 +424,10 @@ _NAMES_OF_TIMES: Final = ("time", "times", "t", "seconds")
 
 
 # Saleae's binary files
+
+
+#: Number of edges that are read at once. Each takes eight bytes.
+_EDGES_AT_ONCE: Final = SAMPLES // 8
 
 
 class _Saleae:
@@ -467,7 +481,7 @@ class _Saleae:
         return int(level), int(count)
 
     def edges(self) -> Generator[tuple[int, Any, int], None, None]:
-        """Yield the level before some edges, their times, and the amount read so far.
+        """Yield the level before some edges, their times, and the number of bytes read so far.
 
         The first part has no edges, but shows the level at the beginning.
         """
@@ -475,23 +489,18 @@ class _Saleae:
         level, _ = self._ready
         yield level, np.zeros(0), self._file.tell()
         for chunk_index in range(self.chunks):
-            first_level, count = self._ready if not chunk_index else self._read_chunk()
+            first_level, count = self._ready if chunk_index == 0 else self._read_chunk()
             if self._start < last_time:
                 raise InputError(self._path, "", "the parts of this Saleae file are not in ascending order")
             if first_level != level:
-                # The signal changed in the gap before this chunk.
+                # The signal changed in the gap before this chunk, which is reported as an edge at its start.
+                level_before = level
                 level = first_level
                 last_time = self._start
-                # One edge at the start of the chunk, after the opposite level.
-                level_before = level ^ 1
                 yield level_before, np.array([self._start]), self._file.tell()
             while count:
-                # The time of each edge is a number of eight bytes.
-                read_count = min(count, SAMPLES // 8)
-                edge_times = np.frombuffer(self._read_exactly(8 * read_count), "<f8")
-                are_finite = np.isfinite(edge_times).all()
-                if not are_finite or edge_times[0] < last_time or (np.diff(edge_times) < 0).any():
-                    raise InputError(self._path, "", "the times of this Saleae file are not in ascending order")
+                read_count = min(count, _EDGES_AT_ONCE)
+                edge_times = self._read_edge_times(read_count, last_time)
                 yield level, edge_times, self._file.tell()
                 count -= read_count
                 last_time = float(edge_times[-1])
@@ -499,6 +508,15 @@ class _Saleae:
                 level ^= read_count & 1
         if self._file.read(1):
             raise InputError(self._path, "", "this Saleae file is damaged: more bytes follow its last edge")
+
+    def _read_edge_times(self, count: int, last_time: float) -> Any:
+        """Return the next ``count`` edge times. Raises InputError unless they ascend from ``last_time``."""
+        # The time of each edge is a number of eight bytes.
+        edge_times = np.frombuffer(self._read_exactly(8 * count), "<f8")
+        are_finite = np.isfinite(edge_times).all()
+        if not are_finite or edge_times[0] < last_time or (np.diff(edge_times) < 0).any():
+            raise InputError(self._path, "", "the times of this Saleae file are not in ascending order")
+        return edge_times
 
 
 def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:

@@ -21,7 +21,7 @@ _BLOCK: Final = 1 << 20
 
 
 def measure_size(file: BinaryIO) -> int:
-    """Return the size of a file in bytes."""
+    """Return the size of a file in bytes. The file stays at its present position."""
     offset = file.tell()
     size = file.seek(0, io.SEEK_END)
     # Reading continues where it was.
@@ -32,24 +32,28 @@ def measure_size(file: BinaryIO) -> int:
 # Tables
 
 
-def _read_blocks(file: BinaryIO, path: str, kind: str) -> Generator[tuple[bytes, int], None, None]:
-    """Yield blocks of whole lines, and the amount read. If the last line lacks a line end, one is added.
+def _read_blocks(file: BinaryIO, path: str, file_format: str) -> Generator[tuple[bytes, int], None, None]:
+    """Yield blocks of whole lines, each with the number of bytes read so far.
 
-    ``kind`` is the format, for the error about a line that is longer than a block.
+    A missing line end is added to the last line.
+
+    ``file_format`` is the format of the file, for the error about a line that is longer than a block.
     """
     remainder = b""
-    done = 0
+    bytes_read = 0
     while data := file.read(_BLOCK):
-        done += len(data)
+        bytes_read += len(data)
         data = remainder + data
         end = data.rfind(b"\n") + 1
         if not end and len(data) > _BLOCK:
-            raise InputError(path, f"offset {done - len(data)}", f"a line is too long: this is not a {kind} file")
+            raise InputError(
+                path, f"offset {bytes_read - len(data)}", f"a line is too long: this is not a {file_format} file"
+            )
         remainder = data[end:]
         if end:
-            yield data[:end], done
+            yield data[:end], bytes_read
     if remainder.strip():
-        yield remainder + b"\n", done
+        yield remainder + b"\n", bytes_read
 
 
 #: Part of the range of a voltage by which it must pass the threshold.
@@ -59,10 +63,10 @@ _HYSTERESIS: Final = 0.1
 def read_table_signals(
     file: BinaryIO, path: str, head: bytes, names: SignalNames, rate: float | None, threshold: float | None = None
 ) -> Signals:
-    """Return the signals of a table: columns of 0 and 1, with one row per sample or a time in the first column.
+    """Return the signals of a table: columns of 0 and 1, with one row per sample, or with a time in the first column.
 
-    Columns can also have voltages. Voltages above ``threshold`` are 1. By default, it is in the middle of their range.
-    ``head`` are the first bytes of the file, and ``rate`` the sample rate in Hz, if it is chosen.
+    Columns can also have voltages. Voltages above ``threshold`` are the level 1. By default, it is in the middle of
+    their range. ``head`` are the first bytes of the file, and ``rate`` is the chosen sample rate in Hz, or None.
     """
     form = find_table_form(path, head)
     places = names.places(form.channels, path)
@@ -83,9 +87,10 @@ def read_table_signals(
 def _read_table_parts(
     file: BinaryIO, path: str, form: TableForm, columns: list[int], threshold: float | None
 ) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the levels of some rows, the amount read, and their times, or None if the table has no times.
+    """Yield the levels of some rows, the number of bytes read so far, and the times of these rows.
 
-    ``columns`` are the indices of the columns of the signals. ``path`` is for errors.
+    The times are None if the table has no times. ``columns`` are the indices of the columns of the signals. ``path`` is
+    for errors.
 
     Raises:
         InputError: The times are not in ascending order, or a cell is wrong.
@@ -93,13 +98,13 @@ def _read_table_parts(
     last_time = -np.inf
     reader = _RowReader(form, columns, path)
     reader.find_voltages(file, threshold)
-    for block, first_line, done in reader.blocks_of_rows(file):
+    for block, first_line, bytes_read in reader.blocks_of_rows(file):
         times, levels = reader.read(block, first_line)
         if times is not None:
             if not (last_time <= times[0] and (np.diff(times) >= 0).all()):
                 raise InputError(path, f"from line {first_line}", "the times are not in ascending order")
             last_time = float(times[-1])
-        yield levels, done, times
+        yield levels, bytes_read, times
 
 
 class _RowReader:
@@ -117,10 +122,10 @@ class _RowReader:
         self._voltages: Voltages | None = None
 
     def find_voltages(self, file: BinaryIO, threshold: float | None) -> None:
-        """Read the whole file for the range of its voltages, then go back to its beginning.
+        """Read the whole file to find the range of the voltages in each column, then go back to its beginning.
 
-        It stops after the first block if that has no voltages: all cells are whole numbers, or some are not finite.
-        With ``threshold``, the columns always have voltages.
+        Reading stops after the first block if that contains no voltages: all its cells are whole numbers, or some are
+        not finite. With a ``threshold``, the columns always contain voltages.
         """
         # The lowest and the highest voltage of each column, block by block.
         ranges: list[Any] = []
@@ -136,9 +141,9 @@ class _RowReader:
             self._voltages = Voltages(np.min(ranges, axis=0), np.max(ranges, axis=0), threshold)
 
     def blocks_of_rows(self, file: BinaryIO) -> Generator[tuple[bytes, int, int], None, None]:
-        """Yield blocks of rows without the headers, the number of their first line, and the amount read."""
+        """Yield blocks of rows without the headers, the number of their first line, and the bytes read so far."""
         line = 1
-        for data, done in _read_blocks(file, self._path, "CSV"):
+        for data, bytes_read in _read_blocks(file, self._path, "CSV"):
             block = data
             first_line = line
             # The headers are in the first block.
@@ -150,10 +155,13 @@ class _RowReader:
             if self._form.has_decimal_commas:
                 block = block.replace(b",", b".")
             if block.strip():
-                yield block, first_line, done
+                yield block, first_line, bytes_read
 
     def _read_numbers(self, block: bytes, line: int, columns: list[int]) -> Any:
-        """Return the numbers in these columns, with a row for each line. Raises InputError for other cells."""
+        """Return the numbers in these columns of a block, with a row for each line.
+
+        ``line`` is the number of the first line. Raises InputError if a cell is not a number.
+        """
         try:
             text = io.BytesIO(block)
             delimiter = self._form.delimiter
@@ -170,13 +178,9 @@ class _RowReader:
         Raises InputError if a cell is wrong. ``line`` is the number of the first row, for that error.
         """
         # A unit of 0 means that times are not used.
-        has_time = bool(self._form.unit)
-        if not has_time:
-            if self._voltages is None:
-                levels = _read_regular_rows(block, self._form.delimiter, self._columns)
-                if levels is not None:
-                    return None, levels
-            return None, self._levels(self._read_numbers(block, line, self._columns), line)
+        has_times = bool(self._form.unit)
+        if not has_times:
+            return None, self._read_levels(block, line)
         stamps: Any = None
         if self._form.is_stamped:
             stamps, block = self._split_off_stamps(block, line)
@@ -184,27 +188,35 @@ class _RowReader:
         if not np.isfinite(table[:, 0]).all():
             raise InputError(self._path, f"from line {line}", "expected times in the first column")
         times = np.ascontiguousarray(table[:, 0]) if stamps is None else stamps
-        return times, self._levels(table[:, 1:], line)
+        return times, self._convert_to_levels(table[:, 1:], line)
 
-    def _levels(self, cells: Any, line: int) -> Any:
-        """Return the levels of some rows, each as one number whose lowest bit is the first column.
+    def _read_levels(self, block: bytes, line: int) -> Any:
+        """Return the levels of rows without times. ``line`` is the number of the first row, for errors."""
+        if self._voltages is None:
+            levels = _read_regular_rows(block, self._form.delimiter, self._columns)
+            if levels is not None:
+                return levels
+        return self._convert_to_levels(self._read_numbers(block, line, self._columns), line)
 
-        A table of voltages can have empty cells, which are read as NaN. They are neither 0 nor 1, so they raise the
-        error.
+    def _convert_to_levels(self, cells: Any, line: int) -> Any:
+        """Return the levels of some rows of numbers, each row as one number whose lowest bit is the first column.
+
+        Empty cells of voltages are NaN, which is neither 0 nor 1, and raises the error.
 
         Raises:
             InputError: The cells are neither 0 and 1 nor voltages.
         """
         if self._voltages is not None and np.isfinite(cells).all():
             return pack_bits(self._voltages.levels(cells))
-        if not ((cells == 0) | (cells == 1)).all():
+        are_levels = (cells == 0) | (cells == 1)
+        if not are_levels.all():
             raise InputError(self._path, f"from line {line}", "expected columns of 0 and 1, or of voltages")
         return pack_bits(cells)
 
     def _split_off_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
-        """Return the time stamps as seconds from the first one of the file, and the rows with 0 in their place.
+        """Return the times of rows in seconds from the first time stamp, and the rows with 0 instead of time stamps.
 
-        Raises InputError if a row does not begin with a time stamp.
+        The first time stamp is that of the whole file. Raises InputError if a row does not begin with a time stamp.
         """
         delimiter = (self._form.delimiter or " ").encode()
         stamp_texts: list[str] = []
@@ -231,7 +243,7 @@ class _RowReader:
 
 
 class Voltages:
-    """Converter from voltages to levels. Noise near the threshold is ignored: a voltage must pass it by a margin.
+    """Converter from voltages to levels. A voltage must pass the threshold by a margin to change the level.
 
     ``_last`` contains the level of each column in the last row that was converted, or None before the first.
     """
@@ -243,26 +255,26 @@ class Voltages:
 
     def levels(self, cells: Any) -> Any:
         """Return the level of each voltage, 0 or 1. Successive calls must have successive rows."""
-        count = len(cells)
         is_high = cells > self._threshold + self._margin
         is_low = cells < self._threshold - self._margin
         if self._last is None:
             self._last = cells[0] > self._threshold
-        # A voltage near the threshold has the level of the last one that is not. Rows are numbered from 1, and 0 stands
-        # for the row before the block.
-        rows = np.where(is_high | is_low, np.arange(1, count + 1)[:, None], 0)
-        last_clear = np.maximum.accumulate(rows, axis=0)
+        # A voltage near the threshold has the level of the last row above that is clearly high or low. Rows are
+        # numbered from 1 here, and 0 is the last row of the previous call.
+        row_numbers = np.arange(1, len(cells) + 1)[:, None]
+        clear_rows = np.where(is_high | is_low, row_numbers, 0)
+        last_clear_row = np.maximum.accumulate(clear_rows, axis=0)
         clear_levels = np.concatenate([self._last[None, :], is_high])
-        levels = np.take_along_axis(clear_levels, last_clear, axis=0)
+        levels = np.take_along_axis(clear_levels, last_clear_row, axis=0)
         self._last = levels[-1]
         return levels.astype(np.uint8)
 
 
 def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) -> Any:
-    """Return the levels of rows in which every cell is at the same place, each row as one number, or None.
+    """Return the levels of rows that have the form of the first row, each row as one number, or None for other rows.
 
-    Such rows are read much faster than by parsing numbers. It works if all rows have the length of the first row, the
-    same separators, and a single 0 or 1 in each of ``columns``.
+    In such rows every cell is at the same place, so they are read much faster than by parsing numbers. All rows must
+    have the same length and separators, and a single 0 or 1 in each of ``columns``.
     """
     first_row = block[: block.index(b"\n") + 1]
     row_bytes = len(first_row)
@@ -284,7 +296,7 @@ def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) 
         if not (rows[:, offset] == first_row[offset]).all():
             return None
     characters = rows[:, [cell_offsets[column] for column in columns]]
-    # Characters below 0 wrap around, so all others than 0 and 1 become more than 1.
+    # Characters below "0" wrap around, so all characters other than 0 and 1 become more than 1.
     levels = characters - np.uint8(ord("0"))
     return pack_bits(levels) if (levels <= 1).all() else None
 
@@ -314,15 +326,15 @@ def read_vcd_signals(file: BinaryIO, path: str, names: SignalNames) -> Signals:
             codes.append(code.encode())
             signal_names.append(name)
     places = names.places(signal_names, path)
-    edges = _changes(file, path, [codes[place] for place in places])
+    edges = _read_changes(file, path, [codes[place] for place in places])
     return Signals(edges, seconds=time_unit, is_sampled=False, total=size)
 
 
-def _changes(file: BinaryIO, path: str, codes: Sequence[bytes]) -> Generator[Edges, None, None]:
-    """Yield the edges of the signals with these codes."""
+def _read_changes(file: BinaryIO, path: str, codes: Sequence[bytes]) -> Generator[Edges, None, None]:
+    """Yield the edges of the signals with these codes in a value change dump, block by block."""
     changes = _ValueChanges(path, codes)
-    for block, done in _read_blocks(file, path, "VCD"):
-        yield changes.edges_in(block, done)
+    for block, bytes_read in _read_blocks(file, path, "VCD"):
+        yield changes.edges_in(block, bytes_read)
 
 
 #: Time before the first time stamp of a value change dump.
@@ -337,56 +349,57 @@ class _ValueChanges:
     def __init__(self, path: str, codes: Sequence[bytes]) -> None:
         self._path = path
         # The signal and its new level, by the token of a change, such as ``1!`` for the code ``!``.
-        self._changes: dict[bytes, tuple[int, int]] = {}
+        self._change_by_token: dict[bytes, tuple[int, int]] = {}
         for signal, code in enumerate(codes):
-            self._changes |= {b"0" + code: (signal, 0), b"1" + code: (signal, 1)}
+            self._change_by_token |= {b"0" + code: (signal, 0), b"1" + code: (signal, 1)}
         self._levels: list[int | None] = [None for _ in codes]
         self._begin = self._now = _NO_TIME
 
-    def edges_in(self, block: bytes, done: int) -> Edges:
+    def edges_in(self, block: bytes, bytes_read: int) -> Edges:
         """Return the edges in a block of whole lines. The first level of a signal is not an edge.
 
-        Changes to other levels than 0 and 1, such as ``x`` and ``z``, are ignored.
+        ``bytes_read`` is the size of the file up to the end of the block. Changes to levels other than 0 and 1, such as
+        ``x`` and ``z``, are ignored.
         """
-        changes = self._changes
+        change_by_token = self._change_by_token
         levels = self._levels
         first_levels = [level or 0 for level in levels]
-        times: list[list[int]] = [[] for _ in levels]
+        times_by_signal: list[list[int]] = [[] for _ in levels]
         self._begin = self._now
         tokens = iter(block.split())
         for token in tokens:
-            if token in changes:
-                signal, level = changes[token]
+            if token in change_by_token:
+                signal, level = change_by_token[token]
                 last_level = levels[signal]
                 if last_level is None:
                     # The level was not known before, so it also holds for the time before.
                     first_levels[signal] = level
                 elif last_level != level:
-                    times[signal].append(self._now)
+                    times_by_signal[signal].append(self._now)
                 levels[signal] = level
             elif token[:1] in b"bBrR":
                 # The value of a vector or a real number. Its code is the next token of the same line.
                 next(tokens, None)
             elif token[:1] == b"#":
                 self._advance(token)
-        edge_times = tuple(np.array(signal_times, np.float64) for signal_times in times)
-        return Edges(tuple(first_levels), edge_times, float(self._begin), float(self._now), done)
+        edge_times = tuple(np.array(signal_times, np.float64) for signal_times in times_by_signal)
+        return Edges(tuple(first_levels), edge_times, float(self._begin), float(self._now), bytes_read)
 
     def _advance(self, token: bytes) -> None:
-        """Set the time to the one in ``token``, such as ``#1200``.
+        """Set the present time to the time in ``token``, such as ``#1200``.
 
-        Raises InputError if it is not a time, or earlier than the last one.
+        Raises InputError if it is not a time, or earlier than the present time.
         """
         digits = token[1:]
         if not digits.isdigit() or len(digits) > _MAX_TIME_DIGITS:
-            raise InputError(self._path, "", f"the time {_shown(token)} is not a number of at most 18 digits")
+            raise InputError(self._path, "", f"the time {_format_token(token)} is not a number of at most 18 digits")
         if int(digits) < self._now:
-            raise InputError(self._path, "", f"the time {_shown(token)} is out of order")
+            raise InputError(self._path, "", f"the time {_format_token(token)} is out of order")
         self._now = int(digits)
         if self._begin == _NO_TIME:
             self._begin = self._now
 
 
-def _shown(token: bytes) -> str:
-    """Return a token for a message."""
+def _format_token(token: bytes) -> str:
+    """Return a token of a value change dump as text for a message."""
     return short(token.decode("ascii", "replace"))

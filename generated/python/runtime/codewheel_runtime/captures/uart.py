@@ -34,11 +34,14 @@ _PRINTED_BYTES: Final = 12
 
 
 class _Bytes(NamedTuple):
-    """Bytes of a stretch, the time of each start bit, and True for each byte with a stop bit."""
+    """Bytes of a part of the capture, the time of each start bit, and True for each byte with a stop bit.
+
+    ``done`` is the amount of the file that has been read.
+    """
 
     values: Any
     times: Any
-    has_stop_bit: Any
+    has_stop_bits: Any
     done: int
 
 
@@ -52,6 +55,8 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
     # Without a sample rate, times are in samples.
     time_unit = signals.seconds or 1.0
     bit_time = 1 / baud / time_unit
+    # The stop bit lasts at least half a bit. Then the next byte may follow at once.
+    shortest_byte_time = (_BITS_PER_BYTE - 0.5) * bit_time
     # An edge between two samples is seen at the second one, half a sample late on average.
     early = 0.5 if signals.is_sampled else 0.0
     # Times of the edges that are not used yet, and the level before them.
@@ -59,47 +64,52 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, 
     # Time from which a byte can begin.
     earliest_start = -np.inf
     end, done, is_first_part = 0.0, 0, True
-    for part in _split_parts(signals):
+    for part in _add_end_mark(signals):
         if part is not None:
             # The serial line is the only signal, so its index is 0.
             if is_first_part:
                 level, is_first_part = part.levels[0], False
             edges = np.concatenate([edges, part.times[0]])
             end, done = part.end, part.done
-        # An edge with an even index starts from the first level. If that is 1, these edges fall, otherwise the edges
-        # with an odd index fall.
+        # The level before an edge with an even index is the first level. If that is 1, these edges fall. Otherwise, the
+        # edges with an odd index fall.
         falls = edges[1 - level :: 2]
-        # Falling edges whose byte is complete. At the end of the capture (None), all are used.
-        complete_count = len(falls)
         if part is not None:
+            # At the end of the capture, all edges are used. Before it, only those whose byte is complete.
             complete_count = int(np.searchsorted(falls, end - _BITS_PER_BYTE * bit_time, "right"))
-        falls = falls[:complete_count]
-        if not len(falls):
+            falls = falls[:complete_count]
+        starts = _choose_start_bits(falls, earliest_start, shortest_byte_time)
+        if not len(starts):
             continue
-        # The stop bit lasts at least half a bit, and the next byte may follow at once. For each falling edge, this is
-        # the index of the first one that can begin the next byte.
-        next_places = np.searchsorted(falls, falls + (_BITS_PER_BYTE - 0.5) * bit_time, "left").tolist()
-        start_places: list[int] = []
-        index = int(np.searchsorted(falls, earliest_start, "left"))
-        while index < complete_count:
-            start_places.append(index)
-            index = next_places[index]
-        if not start_places:
-            continue
-        starts = falls[start_places]
-        earliest_start = float(starts[-1]) + (_BITS_PER_BYTE - 0.5) * bit_time
+        earliest_start = float(starts[-1]) + shortest_byte_time
         # The middle of eight data bits and the stop bit: a row for each byte, and a column for each bit.
         times = starts[:, None] + (bit_time * (1.5 + np.arange(9)) - early)[None, :]
         # An odd number of edges before a time inverts the first level.
-        levels = (np.searchsorted(edges, times.ravel(), "right").reshape(times.shape) & 1) ^ level
+        edge_counts = np.searchsorted(edges, times.ravel(), "right").reshape(times.shape)
+        levels = (edge_counts & 1) ^ level
         values = (levels[:, :8] << np.arange(8)).sum(axis=1).astype(np.uint8)
-        has_stop_bit = levels[:, 8] == 1
-        yield _Bytes(values, starts * time_unit, has_stop_bit, done)
+        has_stop_bits = levels[:, 8] == 1
+        yield _Bytes(values, starts * time_unit, has_stop_bits, done)
         used_count = int(np.searchsorted(edges, earliest_start, "left"))
         edges, level = edges[used_count:], level ^ (used_count & 1)
 
 
-#: Headers of the tables that Saleae's serial analyser exports, with the columns of the times and of the bytes.
+def _choose_start_bits(falls: Any, earliest_start: float, shortest_byte_time: float) -> Any:
+    """Return the falling edges that begin a byte: the first one, then the first one after each byte.
+
+    A byte cannot begin before ``earliest_start``, or less than ``shortest_byte_time`` after the previous byte.
+    """
+    # For each falling edge, the index of the first one that can begin the next byte.
+    next_indices = np.searchsorted(falls, falls + shortest_byte_time, "left").tolist()
+    start_indices: list[int] = []
+    index = int(np.searchsorted(falls, earliest_start, "left"))
+    while index < len(falls):
+        start_indices.append(index)
+        index = next_indices[index]
+    return falls[start_indices] if start_indices else np.zeros(0)
+
+
+#: Headers of the tables that Saleae's serial analyzer exports, with the columns of the times and of the bytes.
 _SALEAE_EXPORT_HEADERS: Final = (
     (("name", "type", "start_time", "duration", "data"), 2, 4),
     (("time [s]", "value"), 0, 1),
@@ -110,9 +120,10 @@ _ROWS_AT_ONCE: Final = 1 << 16
 
 
 def find_exported_columns(head: bytes) -> tuple[int, int] | None:
-    """Return the indices of the columns of times and of bytes if a file is an export of serial bytes, or None.
+    """Return the indices of the columns of times and of bytes if a file is an export of serial bytes, otherwise None.
 
-    ``head`` are the first bytes of the file. Its first line must begin with one of ``_SALEAE_EXPORT_HEADERS``.
+    ``head`` are the first bytes of the file. Its first line must begin with a header that Saleae's serial analyzer
+    writes.
     """
     first_line = head.decode("utf-8-sig", "replace").partition("\n")[0]
     cells = [cell.strip().strip('"').lower() for cell in first_line.split(",")]
@@ -123,7 +134,7 @@ def find_exported_columns(head: bytes) -> tuple[int, int] | None:
 
 
 def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> Generator[_Bytes, None, None]:
-    """Yield the bytes of a table with one byte a row, as Saleae's serial analyser exports them.
+    """Yield the bytes of a table with one byte a row, as Saleae's serial analyzer exports them.
 
     Raises:
         InputError: A cell is not a byte, a time is not a number, or a row ends before these cells.
@@ -138,7 +149,7 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
     while numbered_rows := [(line_number, row) for line_number, row in islice(rows, _ROWS_AT_ONCE) if row]:
         values = np.zeros(len(numbered_rows), np.uint8)
         times = np.zeros(len(numbered_rows))
-        has_stop_bit = np.ones(len(numbered_rows), bool)
+        has_stop_bits = np.ones(len(numbered_rows), bool)
         for index, (line, row) in enumerate(numbered_rows):
             if len(row) <= max(time_column, byte_column):
                 raise InputError(path, f"line {line}", "the row ends early")
@@ -149,31 +160,36 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
                 reason = f"{short(row[time_column])} is not a time in seconds: export without time stamps of ISO 8601"
                 raise InputError(path, f"line {line}", reason) from None
             # A byte without a stop bit has a cell that names a framing error.
-            has_stop_bit[index] = not any("framing" in cell.lower() for cell in row)
-        yield _Bytes(values, times, has_stop_bit, line)
+            has_stop_bits[index] = not any("framing" in cell.lower() for cell in row)
+        yield _Bytes(values, times, has_stop_bits, line)
 
 
 def _read_byte(cell: str, path: str, line: int) -> int:
-    """Return the byte in a cell: hexadecimal such as ``0x1A``, or decimal. Raises InputError for other cells."""
+    """Return the byte in a cell: hexadecimal such as ``0x1A``, or decimal.
+
+    Raises InputError for other cells. ``line`` is the number of the line, for the error.
+    """
     match = _BYTE_TEXT.fullmatch(cell.strip())
-    # 256 is not a byte. A valid cell replaces it.
-    number = 256
     if match is not None:
-        number = int(match[1], 16) if match[1] else int(match[2])
-    if number > 255:
-        reason = f"{short(cell)} is not a byte: export with hexadecimal numbers"
-        raise InputError(path, f"line {line}", reason)
-    return number
+        hex_digits, decimal_digits = match.groups()
+        number = int(hex_digits, 16) if hex_digits else int(decimal_digits)
+        if number <= 255:
+            return number
+    reason = f"{short(cell)} is not a byte: export with hexadecimal numbers"
+    raise InputError(path, f"line {line}", reason)
 
 
-def _split_parts(signals: Signals) -> Iterator[Any]:
-    """Yield the stretches of a capture, then None."""
+def _add_end_mark(signals: Signals) -> Iterator[Any]:
+    """Yield the edges of a capture part by part, then None, which marks its end."""
     yield from signals.edges
     yield None
 
 
 class Kinds(NamedTuple):
-    """Kinds of frames on a line: from the encoder and from the master, by name, and the requested kind or none."""
+    """Kinds of frames on a line: replies from the encoder and requests from the master, by name.
+
+    ``wanted`` is the kind of the replies that the user requests, or empty for the most frequent one with a position.
+    """
 
     replies: Mapping[str, Shape]
     requests: Mapping[str, Shape]
@@ -197,7 +213,7 @@ def find_replies(
     Raises:
         InputError: There is no byte on the line.
     """
-    finder = _Replies(kinds, _BITS_PER_BYTE / baud)
+    finder = _ReplyFinder(kinds, _BITS_PER_BYTE / baud)
     # Frames wait here until their kind is known.
     waiting_frames: list[CapturedFrames] = []
     is_silent = True
@@ -227,7 +243,7 @@ class _Places(NamedTuple):
     end: int
 
 
-class _Replies:
+class _ReplyFinder:
     """Finder of replies in bytes. It keeps the last bytes until more arrive.
 
     ``duration`` is the time that a byte takes on the line, with start and stop bit, in the unit of the times.
@@ -240,17 +256,17 @@ class _Replies:
         #: Three arrays of equal length: the bytes that are kept, the time of each, and True for each with a stop bit.
         self._values = np.zeros(0, np.uint8)
         self._times = np.zeros(0)
-        self._has_stop_bit = np.zeros(0, bool)
+        self._has_stop_bits = np.zeros(0, bool)
         #: Name of the kind of replies to return. It is empty until it is known.
         self.wanted = kinds.wanted
         #: Amount of the file that has been read.
         self._done = 0
 
     def feed(self, part: _Bytes) -> CapturedFrames:
-        """Return the replies that further bytes complete."""
+        """Return the replies that are complete with these further bytes."""
         self._values = np.concatenate([self._values, part.values])
         self._times = np.concatenate([self._times, part.times])
-        self._has_stop_bit = np.concatenate([self._has_stop_bit, part.has_stop_bit])
+        self._has_stop_bits = np.concatenate([self._has_stop_bits, part.has_stop_bits])
         self._done = part.done
         # A reply that begins in the last bytes may not be complete.
         return self._take_replies(max(len(self._values) - _BYTES_KEPT, 0))
@@ -259,18 +275,20 @@ class _Replies:
         """Return the replies among the last bytes."""
         return self._take_replies(len(self._values))
 
-    def with_kind(self, stretch: CapturedFrames) -> CapturedFrames:
-        """Return a stretch with the name of the kind of replies, which may not have been known when it was found.
+    def with_kind(self, part: CapturedFrames) -> CapturedFrames:
+        """Return a part of the capture with the name of the kind of replies, which may not have been known before.
 
-        A stretch with frames has it already. In other stretches, the empty array gets the length of this kind.
+        A part with frames has the name already. In other parts, the empty array gets the length of this kind.
         """
-        if not self.wanted or len(stretch.frames):
-            return stretch
+        if not self.wanted or len(part.frames):
+            return part
         length = self._kinds.replies[self.wanted].length
-        return stretch._replace(kind=self.wanted, frames=np.zeros((0, length), np.uint8))
+        return part._replace(kind=self.wanted, frames=np.zeros((0, length), np.uint8))
 
     def _find_valid_starts(self, shape: Shape) -> Any:
-        """Return an array that is True for each byte at which a valid frame begins. Its last item is False.
+        """Return an array that is True for each byte at which a valid frame begins.
+
+        Its last item, for the end, is False.
 
         A valid frame has no error and no pause between its bytes, and each byte has its stop bit.
         """
@@ -282,20 +300,20 @@ class _Replies:
         # A row for each place at which a frame can begin, with the bytes from there on.
         windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
         start_count = len(windows)
-        has_no_error = decode_many(np.ascontiguousarray(windows), shape, None).fault == 0
+        has_no_error = decode_many(np.ascontiguousarray(windows), shape, encoder=None).fault == 0
         # A frame has no pause if the number of pauses is the same before its first and before its last byte. It has all
         # stop bits if the number of damaged bytes is the same before its first byte and after its last one.
-        pauses_before = _count_before(np.diff(self._times) > self._pause)
+        pauses_before = _count_true_before(np.diff(self._times) > self._pause)
         has_no_pause = pauses_before[length - 1 :] == pauses_before[:start_count]
-        damaged_before = _count_before(~self._has_stop_bit)
-        has_stop_bits = damaged_before[length:] == damaged_before[:start_count]
-        is_valid[:start_count] = has_no_error & has_no_pause & has_stop_bits
+        damaged_before = _count_true_before(~self._has_stop_bits)
+        has_all_stop_bits = damaged_before[length:] == damaged_before[:start_count]
+        is_valid[:start_count] = has_no_error & has_no_pause & has_all_stop_bits
         return is_valid
 
     def _take_replies(self, until: int) -> CapturedFrames:
         """Return the replies that begin before the byte ``until``, and forget the bytes up to their end.
 
-        If no kind of reply is wanted yet, these replies choose it.
+        If the kind of the replies is not known yet, these replies determine it.
         """
         shapes = self._kinds.replies
         # If several kinds of reply begin at a byte, the longest one counts.
@@ -307,7 +325,7 @@ class _Replies:
         frames = self._collect_frames(places, request_lengths)
         self._values = self._values[places.end :]
         self._times = self._times[places.end :]
-        self._has_stop_bit = self._has_stop_bit[places.end :]
+        self._has_stop_bits = self._has_stop_bits[places.end :]
         return frames
 
     def _choose_kind(self, starts: Mapping[str, Sequence[int]]) -> str:
@@ -322,7 +340,7 @@ class _Replies:
         return most_frequent
 
     def _find_reply_kinds(self, names: Sequence[str]) -> list[int]:
-        """Return the index in ``names`` of the reply that begins at each byte, or -1.
+        """Return the index in ``names`` of the reply that begins at each byte, or -1 if none begins there.
 
         ``names`` begins with the longest reply. The list also contains an item for the end of the bytes, which is -1.
         """
@@ -334,7 +352,7 @@ class _Replies:
         return reply_kinds
 
     def _find_request_lengths(self) -> list[int]:
-        """Return the length of the longest valid request that begins at each byte, or 0.
+        """Return the length of the longest valid request that begins at each byte, or 0 if none begins there.
 
         The list also contains an item for the end of the bytes, which is 0.
         """
@@ -349,7 +367,7 @@ class _Replies:
     def _place_replies(
         self, until: int, names: Sequence[str], reply_kinds: list[int], request_lengths: list[int]
     ) -> _Places:
-        """Return the places of the replies that begin before the byte ``until``, one after another, and of the gaps.
+        """Return the places of the replies that begin before the byte ``until``, and of the gaps between them.
 
         ``reply_kinds`` contains the index in ``names`` of the reply that begins at each byte, or -1.
         ``request_lengths`` contains the length of the request that begins at each byte, or 0.
@@ -383,10 +401,10 @@ class _Replies:
         return _Places(starts=starts, gaps=gaps, end=end)
 
     def _collect_frames(self, places: _Places, request_lengths: list[int]) -> CapturedFrames:
-        """Return the replies of the wanted kind, and the gaps as lost bytes.
+        """Return the replies of the wanted kind as frames, and the gaps between replies as lost bytes.
 
         A gap that contains exactly one reply with a CRC error, after a request or not, is a frame with an error
-        instead.
+        instead. ``request_lengths`` contains the length of the request that begins at each byte, or 0.
         """
         lost: list[Lost] = []
         reply_starts = [*places.starts.get(self.wanted, [])]
@@ -420,28 +438,28 @@ class _Replies:
     def _is_damaged_reply(self, first: int, start: int, end: int) -> bool:
         """Return whether the bytes from ``start`` to ``end`` are a reply of the wanted kind with a CRC error.
 
-        All bytes from ``first`` on must have a stop bit, including the bytes of a request before the reply.
+        All bytes from ``first`` on, including a request before the reply, must have their stop bits.
         """
         shape = self._kinds.replies.get(self.wanted)
-        if shape is None or not self._has_stop_bit[first:end].all() or end - start != shape.length:
+        if shape is None or not self._has_stop_bits[first:end].all() or end - start != shape.length:
             return False
         # The bytes as one row.
         rows = self._values[start:end][None, :]
-        fault = decode_many(rows, shape, None).fault[0]
+        fault = decode_many(rows, shape, encoder=None).fault[0]
         return bool(fault == ErrorKind.CRC)
 
     def _explain_loss(self, first: int, end: int, request_lengths: list[int]) -> str:
-        """Return why the bytes from ``first`` to ``end`` belong to no reply, with the first of them as text."""
+        """Return why the bytes from ``first`` to ``end`` belong to no reply, with the first bytes as text."""
         lost_bytes = self._values[first:end].tobytes()
         ellipsis = " ..." if len(lost_bytes) > _PRINTED_BYTES else ""
         bytes_text = lost_bytes[:_PRINTED_BYTES].hex(" ").upper() + ellipsis
-        if not self._has_stop_bit[first:end].all():
+        if not self._has_stop_bits[first:end].all():
             return f"a byte without a stop bit: check the baud rate, and whether the line is inverted ({bytes_text})"
         if request_lengths[first] == end - first:
             return f"no reply to the request {bytes_text}"
         return f"{count_units(len(lost_bytes), 'byte')} without a valid reply: {bytes_text}"
 
 
-def _count_before(conditions: Any) -> Any:
-    """Return how many of the conditions before each index are true, from index 0 (none) to the end (all)."""
+def _count_true_before(conditions: Any) -> Any:
+    """Return how many of the conditions before each index are True: 0 for the first index, up to all for the end."""
     return np.concatenate([[0], np.cumsum(conditions)])

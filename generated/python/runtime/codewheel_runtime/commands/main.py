@@ -69,9 +69,9 @@ other nonzero exit code, no file is written and an existing file is unchanged.
 
 _BENCH_EPILOG: Final = """\
 captures: sigrok sessions (.sr) and CSV, Saleae CSV and binary files (the clock
-and the data line, in this order), the bytes that Saleae's serial analyser
+and the data line, in this order), the bytes that Saleae's serial analyzer
 exports, VCD, NumPy files (.npy, .npz), and tables of 0 and 1 or of voltages.
-They are recognised by their contents.
+They are recognized by their contents.
 
 channels: SSI and BiSS need a clock (MA, --clock) and a data line (SLO, --data).
 RS-485 needs one line (--data). A channel is chosen by its name or by its number
@@ -120,11 +120,11 @@ def main(package: str, arguments: Sequence[str] | None = None) -> int:
         The exit code.
     """
     try:
-        chosen = _make_parser(package).parse_args(arguments)
+        options = _make_parser(package).parse_args(arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
-        code: int = chosen.run(package, chosen) or DONE
+        code: int = options.run(package, options) or DONE
     except CommandFailed as failure:
         return _print_failure(package, failure, failure.code)
     except KeyboardInterrupt:
@@ -170,17 +170,17 @@ def _make_parser(package: str) -> argparse.ArgumentParser:
         parser.set_defaults(run=run)
         return parser
 
-    _add_decode(add_command)
-    _add_monitor(add_command)
-    capture_summary = "decode a capture of a logic analyser into a file of columns"
+    _add_decode_command(add_command)
+    _add_monitor_command(add_command)
+    capture_summary = "decode a capture of a logic analyzer into a file of columns"
     plot_summary = "plot position and speed over time, of a capture or of frames with a time"
     _add_capture_command(add_command, "capture", capture_summary)
     _add_capture_command(add_command, "plot", plot_summary)
     return top
 
 
-def _add_decode(add_command: Callable[..., Any]) -> None:
-    """Add the command ``decode``."""
+def _add_decode_command(add_command: Callable[..., Any]) -> None:
+    """Add the command ``decode``. ``add_command`` adds a command, and returns the parser for its arguments."""
     parser = add_command(
         "decode",
         _decode,
@@ -200,8 +200,8 @@ def _add_decode(add_command: Callable[..., Any]) -> None:
     add_encoder(parser)
 
 
-def _add_monitor(add_command: Callable[..., Any]) -> None:
-    """Add the command ``monitor``."""
+def _add_monitor_command(add_command: Callable[..., Any]) -> None:
+    """Add the command ``monitor``. ``add_command`` adds a command, and returns the parser for its arguments."""
     parser = add_command(
         "monitor",
         _monitor,
@@ -218,7 +218,11 @@ def _add_monitor(add_command: Callable[..., Any]) -> None:
 
 
 def _add_capture_command(add_command: Callable[..., Any], name: str, summary: str) -> None:
-    """Add the command ``capture`` or ``plot``, which have the same arguments."""
+    """Add the command ``capture`` or ``plot``, which have the same arguments.
+
+    ``add_command`` adds a command, and returns the parser for its arguments. ``summary`` is the help text of the
+    command.
+    """
     parser = add_command(name, partial(_run_bench_command, name), summary, epilog=_BENCH_EPILOG)
     parser.add_argument(
         "files",
@@ -231,50 +235,50 @@ def _add_capture_command(add_command: Callable[..., Any], name: str, summary: st
     add_encoder(parser)
 
 
-def _monitor(package: str, chosen: argparse.Namespace) -> None:
-    """Show an encoder live. This needs no other packages but pyserial."""
+def _monitor(package: str, options: argparse.Namespace) -> None:
+    """Show an encoder live. This needs no packages other than pyserial."""
     from .monitor import monitor
 
-    monitor(package, chosen)
+    monitor(package, options)
 
 
-def _run_bench_command(name: str, package: str, chosen: argparse.Namespace) -> int | None:
-    """Run the function of this name in ``bench``, which needs NumPy."""
+def _run_bench_command(name: str, package: str, options: argparse.Namespace) -> int | None:
+    """Run the command ``capture`` or ``plot``. Both need NumPy."""
     try:
         from . import bench
     except ImportError as error:
         raise missing_package_error(error) from None
     run: Callable[[str, argparse.Namespace], int | None] = getattr(bench, name)
-    return run(package, chosen)
+    return run(package, options)
 
 
-def _decode(package: str, chosen: argparse.Namespace) -> int | None:
+def _decode(package: str, options: argparse.Namespace) -> int | None:
     """Decode the frame in the arguments and print it, or decode a file. Return the exit code.
 
-    Without a file of this name, an argument is a frame, if it can be one.
+    An argument is a frame if it has the form of a frame and no file has this name.
 
     Raises:
-        CommandFailed: The frame is empty, or it can be bits or hexadecimal digits.
+        CommandFailed: The frame is empty, or its digits can be bits or hexadecimal digits.
     """
-    encoder = find_encoder(package, chosen)
-    if not any(argument.strip() for argument in chosen.file):
+    encoder = find_encoder(package, options)
+    if not any(argument.strip() for argument in options.file):
         raise CommandFailed("the frame is empty", USAGE)
-    if chosen.file != ["-"] and not os.path.exists(chosen.file[0]):
-        frame = _parse_frame(" ".join(chosen.file), encoder)
-        if frame is not None and chosen.si:
+    if options.file != ["-"] and not os.path.exists(options.file[0]):
+        frame = _parse_frame(" ".join(options.file), encoder)
+        if frame is not None and options.si:
             raise CommandFailed("--si needs a file with a column 'time': one frame has no speed", USAGE)
         if frame is not None:
-            return _show(encoder, frame, chosen)
-    if len(chosen.file) > 1:
-        arguments_text = " ".join(chosen.file)
+            return _print_frame(encoder, frame, options)
+    if len(options.file) > 1:
+        arguments_text = " ".join(options.file)
         raise CommandFailed(f"expected one file or one frame, got {arguments_text[:60]!r}", USAGE)
-    chosen.file = chosen.file[0]
-    _decode_file(package, encoder, chosen)
+    options.file = options.file[0]
+    _decode_file(package, encoder, options)
     return DONE
 
 
 def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
-    """Return the frame that the arguments contain, or None if they do not have the form of one.
+    """Return the frame that the arguments contain, or None if they do not have the form of a frame.
 
     Over RS-485, ``"1A 2B"`` is bytes. A frame of bits is a number in hexadecimal, such as ``1A2B`` or ``0x1A2B``, or
     text of 0 and 1 such as ``0b0110``, which also shows its length. If the encoder only sends frames that are too long
@@ -284,36 +288,39 @@ def _parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
         CommandFailed: Several digits are all 0 or 1 and have no prefix, so they can be bits or hexadecimal digits.
     """
     # Separators between bytes or digits are ignored.
-    packed = re.sub("[ _,:]", "", text)
+    digits = re.sub("[ _,:]", "", text)
     if encoder.interface is Interface.RS485:
-        packed = packed.removeprefix("0x")
-        return bytes.fromhex(packed) if re.fullmatch("([0-9a-fA-F]{2})+", packed) else None
-    if re.fullmatch("0b[01]+", packed):
-        return packed
-    if re.fullmatch("[01]{2,}", packed):
+        digits = digits.removeprefix("0x")
+        return bytes.fromhex(digits) if re.fullmatch("([0-9a-fA-F]{2})+", digits) else None
+    if re.fullmatch("0b[01]+", digits):
+        return digits
+    if re.fullmatch("[01]{2,}", digits):
         raise CommandFailed(f"{text[:60]!r} could be bits or hexadecimal digits. Prefix it with 0b or 0x", USAGE)
     # Frames of more than 64 bits are decoded from bytes, so their shapes have a length in bytes.
     are_long_frames = all(find_any_shape(frame_class, encoder).length for frame_class in find_kinds(encoder))
-    if are_long_frames and re.fullmatch("([0-9a-fA-F]{2})+", packed):
-        return bytes.fromhex(packed)
-    return int(packed, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", packed) else None
+    if are_long_frames and re.fullmatch("([0-9a-fA-F]{2})+", digits):
+        return bytes.fromhex(digits)
+    return int(digits, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", digits) else None
 
 
-def _list_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
-    """Return the other frames that a frame can be, in words, or an empty string. ``result`` can be its error."""
+def _name_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
+    """Return a sentence that names the other kinds of frames that a frame can be, or an empty string.
+
+    ``result`` is the decoded frame, or its error.
+    """
     # The return type of ``try_decode`` is a union of the classes of frames that it decodes, and of FrameError.
-    hint = get_type_hints(type(encoder).try_decode)["return"]
-    decoded_kinds = [
-        frame_class for frame_class in get_args(hint) or (hint,) if not issubclass(frame_class, FrameError)
-    ]
-    # An encoder with several classes identifies its frames by a field.
+    return_type = get_type_hints(type(encoder).try_decode)["return"]
+    result_classes = get_args(return_type) or (return_type,)
+    decoded_kinds = [frame_class for frame_class in result_classes if not issubclass(frame_class, FrameError)]
     if len(decoded_kinds) != 1:
+        # An encoder with several classes identifies its frames by a field.
         return ""
     (decoded_kind,) = decoded_kinds
+    decoded_bits = find_any_shape(decoded_kind, encoder).bits
     names: list[str] = []
     for frame_class in find_kinds(encoder):
         # A number in hexadecimal does not show its leading zeros, so a short frame would be valid as a long one.
-        has_same_length = find_any_shape(frame_class, encoder).bits == find_any_shape(decoded_kind, encoder).bits
+        has_same_length = find_any_shape(frame_class, encoder).bits == decoded_bits
         may_fit = has_same_length or isinstance(result, LengthError)
         if frame_class is not decoded_kind and may_fit and _is_valid_as(frame_class, encoder, frame):
             names.append(frame_class.__name__)
@@ -324,7 +331,7 @@ def _list_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) 
 
 
 def _is_valid_as(frame_class: Any, encoder: Encoder, frame: int | bytes | str) -> bool:
-    """Return whether a frame is a valid frame of the class ``frame_class``."""
+    """Return whether a frame is valid if it is decoded as a frame of the class ``frame_class``."""
     try:
         cached_decoder(frame_class._make_decoder, encoder, raise_error)(frame)
     except (FrameError, TypeError):
@@ -332,16 +339,16 @@ def _is_valid_as(frame_class: Any, encoder: Encoder, frame: int | bytes | str) -
     return True
 
 
-def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace) -> int:
-    """Print one frame, and return the exit code. This needs no other packages.
+def _print_frame(encoder: Encoder, frame: int | bytes | str, options: argparse.Namespace) -> int:
+    """Decode one frame and print it. Return the exit code. This needs no other packages.
 
     Raises:
         CommandFailed: The frame has an error, unless the output is JSON, which contains the error.
     """
-    result = _add_answers(encoder, frame, dict(chosen.choose))
+    result = _decode_with_answers(encoder, frame, dict(options.choose))
     values: dict[str, Any] = result.to_dict()
-    other_frames = _list_other_frames(encoder, frame, result)
-    if chosen.json:
+    other_frames = _name_other_frames(encoder, frame, result)
+    if options.json:
         print(json.dumps(values, ensure_ascii=False))
     elif isinstance(result, FrameError):
         more = other_frames or result.hint
@@ -350,7 +357,7 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
     else:
         width = max(map(len, values))
         for name, value in values.items():
-            print(f"{name:<{width}}  {_convert_to_plain(value)}")
+            print(f"{name:<{width}}  {_format_value(value)}")
         for report in result.reports:
             remedy_line = f"\n  {report.remedy}" if report.remedy else ""
             print(f"\n{report.name}: {report.meaning}{remedy_line}")
@@ -361,8 +368,11 @@ def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace
     return NOT_USABLE if values.get("verdict") == Verdict.NOT_USABLE.value else DONE
 
 
-def _convert_to_plain(value: Any) -> str:
-    """Return a value as it is printed: ``-`` for None, the items of a list or ``none``, and bools in lower case."""
+def _format_value(value: Any) -> str:
+    """Return a value as text for the terminal.
+
+    None is ``-``, a list is its items or ``none``, and a bool is in lower case.
+    """
     if value is None:
         return "-"
     if isinstance(value, list):
@@ -370,37 +380,38 @@ def _convert_to_plain(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _add_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, str]) -> Any:
-    """Return the decoded frame or its error. ``answers`` are answers to open questions, by name.
+def _decode_with_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, str]) -> Any:
+    """Return the decoded frame or its error. ``answers`` are the user's answers to open questions, by name.
 
     Raises:
         CommandFailed: An answer does not apply or is missing.
     """
     open_answers: dict[str, Any] = {}
-    hints = get_type_hints(encoder.try_decode)
+    parameter_types = get_type_hints(encoder.try_decode)
     for name, answer in answers.items():
         # The parameter for an answer has the type ``Kind | None``, where ``Kind`` is the enumeration of the answers.
-        kinds = [answer_class for answer_class in get_args(hints.get(name)) if answer_class is not type(None)]
-        if not kinds:
+        union_members = get_args(parameter_types.get(name))
+        answer_classes = [member for member in union_members if member is not type(None)]
+        if not answer_classes:
             raise CommandFailed(f"--choose {name} does not apply to the frames of {encoder.code}", USAGE)
         try:
-            open_answers[name] = find_answer(name, answer, kinds[0])
+            open_answers[name] = find_answer(name, answer, answer_classes[0])
         except ValueError as error:
             raise CommandFailed(error, USAGE) from None
     decode: Any = encoder.try_decode
     try:
         return decode(frame, **open_answers)
     except (TypeError, NotImplementedError) as error:
-        raise CommandFailed(f"{error}{_list_answers(hints, str(error))}", USAGE) from None
+        raise CommandFailed(f"{error}{_suggest_answers(parameter_types, str(error))}", USAGE) from None
 
 
-def _list_answers(hints: dict[str, Any], message: str) -> str:
-    """Return the options with the answers that the message of an error expects, or an empty string if it expects none.
+def _suggest_answers(parameter_types: dict[str, Any], message: str) -> str:
+    """Return the options for the answers that an error message expects, or an empty string if it expects none.
 
-    An example is ``; add --choose zero_bit=as_printed or --choose zero_bit=left_out``. ``hints`` are the types of the
-    parameters of ``try_decode``.
+    An example is ``; add --choose zero_bit=as_printed or --choose zero_bit=left_out``. ``parameter_types`` are the
+    types of the parameters of ``try_decode``.
     """
-    for name, hint in hints.items():
+    for name, hint in parameter_types.items():
         for answer_class in get_args(hint):
             if isinstance(answer_class, EnumMeta) and f"expected {answer_class.__name__}." in message:
                 answers = [answer.lower() for answer in answer_class.__members__]
@@ -408,41 +419,44 @@ def _list_answers(hints: dict[str, Any], message: str) -> str:
     return ""
 
 
-def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> None:
+def _decode_file(package: str, encoder: Encoder, options: argparse.Namespace) -> None:
     """Decode a file into a file of columns."""
     try:
         from ..files.stream import Files
     except ImportError as error:
         raise missing_package_error(error) from None
-    with show_progress(package, chosen.file) as progress:
+    with show_progress(package, options.file) as progress:
         summary = Files(package).decode_file(
             encoder,
-            chosen.file,
-            chosen.output,
-            layout=chosen.layout,
-            to=chosen.write,
-            kind=chosen.read,
-            words=chosen.words,
-            column=chosen.column,
-            digits=chosen.digits,
-            cut=chosen.cut,
-            si=chosen.si,
-            columns=chosen.columns,
-            limit=chosen.limit,
-            raw=chosen.raw,
-            force=chosen.force,
-            answers=dict(chosen.choose),
+            options.file,
+            options.output,
+            layout=options.layout,
+            to=options.write,
+            kind=options.read,
+            words=options.words,
+            column=options.column,
+            digits=options.digits,
+            cut=options.cut,
+            si=options.si,
+            columns=options.columns,
+            limit=options.limit,
+            raw=options.raw,
+            force=options.force,
+            answers=dict(options.choose),
             progress=progress,
         )
-    _report(summary, chosen)
+    _print_summary(summary, options)
 
 
-def _report(summary: Summary, chosen: argparse.Namespace) -> None:
-    """Print the summary, to standard error if the table goes to standard output. Raises Failed for too many errors."""
-    out = sys.stderr if chosen.output == "-" else sys.stdout
-    summary_text = json.dumps(summary.to_dict()) if chosen.json else str(summary)
+def _print_summary(summary: Summary, options: argparse.Namespace) -> None:
+    """Print the summary, to standard error if the table goes to standard output.
+
+    Raises CommandFailed if more than ``--max-errors`` percent of the frames have an error.
+    """
+    out = sys.stderr if options.output == "-" else sys.stdout
+    summary_text = json.dumps(summary.to_dict()) if options.json else str(summary)
     print(summary_text, file=out)
-    if 100 * summary.error_rate > chosen.max_errors:
+    if 100 * summary.error_rate > options.max_errors:
         raise CommandFailed(
-            f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {chosen.max_errors:g}"
+            f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {options.max_errors:g}"
         )

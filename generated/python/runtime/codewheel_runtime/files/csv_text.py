@@ -16,18 +16,33 @@ from ..bulk.words import DigitKind, listed, short
 from ..errors import InputError
 from . import inputs
 from .fast_csv import Block, JoinedBlocks, ends_with_row, has_a_row_per_line, make_block_reader, split_into_blocks
-from .inputs import FIRST, FrameBatch, Share, Source, StorageFormat, check_form, find_usual_column, select_columns
+from .inputs import (
+    FIRST,
+    FrameBatch,
+    Source,
+    StorageFormat,
+    ValidFraction,
+    check_form,
+    find_usual_column,
+    select_columns,
+)
 
 #: Limit for the length of a line. A longer one means that the file is not CSV.
 _LONGEST_LINE: Final = 1 << 20
 
 
 def read_csv_rows(
-    file: BinaryIO, name: str, size: int | None, stored: StorageFormat, shape: Shape, share: Share
+    file: BinaryIO,
+    name: str,
+    size: int | None,
+    storage: StorageFormat,
+    shape: Shape,
+    find_valid_fraction: ValidFraction,
 ) -> Source:
     """Read the first rows of a CSV file, and return a source that reads the frames and the other columns later.
 
-    ``name`` and ``size`` in bytes describe the file. ``share`` returns the fraction of valid frames.
+    ``name`` and ``size`` in bytes describe the file. ``find_valid_fraction`` returns the fraction of valid frames, for
+    the check of the first frames.
 
     Raises:
         InputError: The text is UTF-16, there is no such column, or the first row cannot be read.
@@ -43,47 +58,56 @@ def read_csv_rows(
     first_row = next(rows, None)
     if first_row is None:
         return Source(_yield_no_parts(), size)
-    place, is_header = _find_frame_column(first_row, name, stored, shape)
+    frame_column, is_header = _find_frame_column(first_row, name, storage, shape)
     header = [cell.strip() for cell in first_row] if is_header else [""] * len(first_row)
     names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
     # The index and the name of each column except the column of frames.
-    other_columns = [(index, column_name) for index, column_name in enumerate(names) if index != place]
+    other_columns = [(index, column_name) for index, column_name in enumerate(names) if index != frame_column]
     other_names = tuple(column_name for _, column_name in other_columns)
-    empty_columns = select_columns(other_names, stored, lambda _: [], name)
-    columns = [(index, column_name) for index, column_name in other_columns if column_name in empty_columns]
-    # Number of lines before the first row of frames: comments, empty lines and the header. ``start`` is their length in
-    # bytes. The line that was read last is the first row, which can be the header.
-    skipped = lines.number if is_header else lines.number - 1
-    start = 0
-    for _ in range(skipped):
-        # ``find`` returns -1 if no line follows, and -1 becomes 0 here.
-        start = head.find(b"\n", start) + 1 or len(head)
-    if b"\r" in head[:start].replace(b"\r\n", b""):
-        # A line ends with a single CR, which only the reader of rows counts. The slow reader reads from the beginning,
-        # so it skips the header itself.
-        skipped, start = 0, 0
-    slow_reader = _SlowReader(lines, delimiter, place, columns, is_header and not start)
+    empty_columns = select_columns(other_names, storage, lambda _: [], name)
+    kept_columns = [(index, column_name) for index, column_name in other_columns if column_name in empty_columns]
+    # Comments, empty lines and the header come before the first row of frames. The line that was read last is the first
+    # row, which can be the header.
+    skipped_lines = lines.number if is_header else lines.number - 1
+    skipped_bytes = _find_line(head, skipped_lines)
+    has_single_cr = b"\r" in head[:skipped_bytes].replace(b"\r\n", b"")
+    if has_single_cr:
+        # Only the slow reader counts lines that end with a single CR. It reads from the beginning, and skips the header
+        # itself.
+        skipped_lines = skipped_bytes = 0
+    skips_header = is_header and not skipped_bytes
+    slow_reader = _SlowReader(lines, delimiter, frame_column, kept_columns, skips_header)
     read_fast = None
-    # The fast reader does not skip a header.
-    if start or not is_header:
-        read_fast = make_block_reader(names, place, columns, delimiter, shape, stored.digits)
-    csv_file = _CsvFile(name, stored, shape, share)
-    parts = _read_parts(slow_reader, read_fast, chain([head[start:]], blocks), skipped, start, csv_file)
+    # The fast reader cannot skip a header.
+    if not skips_header:
+        read_fast = make_block_reader(names, frame_column, kept_columns, delimiter, shape, storage.digits)
+    csv_file = _CsvFile(name, storage, shape, find_valid_fraction)
+    remaining_blocks = chain([head[skipped_bytes:]], blocks)
+    parts = _read_parts(slow_reader, read_fast, remaining_blocks, skipped_lines, skipped_bytes, csv_file)
     return Source(parts, size, other_names, empty_columns)
 
 
+def _find_line(data: bytes, line_count: int) -> int:
+    """Return the offset of the byte after the first ``line_count`` lines, or the length of the data if it has fewer."""
+    offset = 0
+    for _ in range(line_count):
+        line_end = data.find(b"\n", offset)
+        offset = len(data) if line_end < 0 else line_end + 1
+    return offset
+
+
 def _open_text(blocks: Iterable[bytes]) -> io.TextIOWrapper:
-    """Return blocks as one text file."""
+    """Return blocks of bytes as one text file."""
     return io.TextIOWrapper(io.BufferedReader(JoinedBlocks(blocks)), "utf-8-sig", "replace", newline="")
 
 
 def _yield_no_parts() -> Generator[FrameBatch, None, None]:
-    """Yield no frames."""
+    """Yield no frames, for a file without rows."""
     yield from ()
 
 
 class _Batch(NamedTuple):
-    """Cells of some frames, their line numbers, and the cells of other columns in the same rows by name."""
+    """Cells of the frames in some rows, their line numbers, and the cells of other columns in the same rows by name."""
 
     cells: list[str]
     line_numbers: list[int]
@@ -93,16 +117,16 @@ class _Batch(NamedTuple):
 class _SlowReader:
     """Reader of a CSV file row by row, for all contents.
 
-    ``place`` is the index of the column of frames, ``columns`` are the indices and names of the other columns to keep,
-    and ``count`` is the number of rows that are read at once.
+    ``frame_column`` is the index of the column of frames, and ``columns`` are the indices and names of the other
+    columns to keep. ``count`` is the number of rows that are read at once.
     """
 
     def __init__(
-        self, lines: _Lines, delimiter: str, place: int, columns: list[tuple[int, str]], skips_header: bool
+        self, lines: _Lines, delimiter: str, frame_column: int, columns: list[tuple[int, str]], skips_header: bool
     ) -> None:
         self.lines = lines
         self.delimiter = delimiter
-        self.place = place
+        self.frame_column = frame_column
         self.columns = columns
         self._skips_header = skips_header
         # Cells take memory, so more columns mean fewer rows at once.
@@ -111,18 +135,19 @@ class _SlowReader:
         self._last_cell = ""
         self._rows: Iterator[list[str]] = iter(())
 
-    def open(self, blocks: Iterable[bytes], lines: int, done: int) -> None:
-        """Read these blocks. ``lines`` and ``done`` are the numbers of lines and bytes before these blocks."""
-        self.lines = _Lines(_open_text(blocks), self.lines.name, lines, done)
+    def open(self, blocks: Iterable[bytes], lines_before: int, bytes_before: int) -> None:
+        """Begin to read these blocks. ``lines_before`` and ``bytes_before`` count the lines and bytes before them."""
+        self.lines = _Lines(_open_text(blocks), self.lines.name, lines_before, bytes_before)
         _, self._rows = _open_rows(self.lines, self.delimiter)
         if self._skips_header:
             next(self._rows, None)
             self._skips_header = False
 
     def read_batch(self) -> _Batch:
-        """Return the cells of the next rows. At the end of the blocks, there are none.
+        """Return the cells of the next rows. At the end of the blocks, there are no cells.
 
-        A cell that the row does not have is empty. So is the frame at the end of the file if it may be cut off.
+        A cell that is missing from its row is empty. The frame at the end of the file is also empty if it may be cut
+        off.
         """
         cells: list[str] = []
         line_numbers: list[int] = []
@@ -130,18 +155,17 @@ class _SlowReader:
         other_columns: dict[str, list[str]] = {name: [] for _, name in self.columns}
         appenders = [(index, other_columns[name].append) for index, name in self.columns]
         lines = self.lines
-        place = self.place
+        frame_column = self.frame_column
         for row in islice(self._rows, self.count):
-            cells.append(row[place] if len(row) > place else "")
+            cells.append(row[frame_column] if len(row) > frame_column else "")
             line_numbers.append(lines.number)
             for index, append in appenders:
                 append(row[index] if len(row) > index else "")
         if cells:
             # The cell before the last one can be in the previous batch.
             cell_before = cells[-2] if len(cells) > 1 else self._last_cell
-            is_shorter = len(cells[-1]) < len(cell_before)
-            if lines.is_cut and is_shorter:
-                # The last line is not terminated, so digits may be missing.
+            may_miss_digits = lines.is_cut and len(cells[-1]) < len(cell_before)
+            if may_miss_digits:
                 cells[-1] = ""
             self._last_cell = cells[-1]
         return _Batch(cells, line_numbers, other_columns)
@@ -152,48 +176,49 @@ class _SlowReader:
 
 
 class _CsvFile(NamedTuple):
-    """Name of the file for errors, storage format, description of the frames, and fraction of valid frames."""
+    """Name of the file for errors, form of its frames, their description, and how to find the valid fraction."""
 
     name: str
-    stored: StorageFormat
+    storage: StorageFormat
     shape: Shape
-    share: Share
+    find_valid_fraction: ValidFraction
 
 
 def _read_parts(
     slow_reader: _SlowReader,
     read_fast: Callable[[bytes], Block | None] | None,
     blocks: Iterator[bytes],
-    lines: int,
-    done: int,
+    lines_read: int,
+    bytes_read: int,
     csv_file: _CsvFile,
 ) -> Generator[FrameBatch, None, None]:
-    """Yield the frames of blocks. ``lines`` and ``done`` are the numbers of lines and bytes before the first block.
+    """Yield the frames of blocks, with the other columns of the same rows and the progress.
 
-    ``read_fast`` reads a block, or is None without pyarrow. It returns None for blocks with unusual content.
-    ``slow_reader`` reads these blocks, and the rest of the file with them if a row may continue in the next block.
+    ``lines_read`` and ``bytes_read`` are the numbers of lines and bytes before the first block. ``read_fast`` reads a
+    block, or is None if pyarrow is not installed. It returns None for blocks with unusual content. ``slow_reader``
+    reads these blocks. If a row may continue in the next block, it reads the rest of the file.
     """
-    cells = TextCells(csv_file.shape, csv_file.stored.digits)
+    cells = TextCells(csv_file.shape, csv_file.storage.digits)
     is_first = True
     for block in blocks:
         can_be_fast = read_fast is not None and has_a_row_per_line(block)
         has_whole_lines = block.endswith(b"\n")
         fast_block = read_fast(block) if read_fast is not None and can_be_fast and has_whole_lines else None
         if fast_block is not None:
-            lines += fast_block.lines
-            done += len(block)
+            lines_read += fast_block.lines
+            bytes_read += len(block)
             cells.seen += len(fast_block.frames)
             if is_first and len(fast_block.frames):
                 _check_first_cells(cells, fast_block.first, csv_file)
                 is_first = False
             # The next block can end with an incomplete row, which is compared with this cell.
             slow_reader.remember_last_cell(fast_block.last)
-            yield FrameBatch(fast_block.frames, done, fast_block.other_columns)
+            yield FrameBatch(fast_block.frames, bytes_read, fast_block.other_columns)
             continue
         # After a quote, a row can continue in the next block.
         ends_here = can_be_fast and ends_with_row(block, slow_reader.delimiter)
         blocks_to_read = [block] if ends_here else chain([block], blocks)
-        slow_reader.open(blocks_to_read, lines, done)
+        slow_reader.open(blocks_to_read, lines_read, bytes_read)
         while (batch := slow_reader.read_batch()).cells:
             frames = [cells.read(text, number) for text, number in zip(batch.cells, batch.line_numbers, strict=False)]
             if is_first:
@@ -201,38 +226,40 @@ def _read_parts(
                 is_first = False
             yield FrameBatch(frames, slow_reader.lines.read, batch.other_columns)
         # If the slow reader has read all blocks, this was the last one.
-        lines += block.count(b"\n")
-        done += len(block)
+        lines_read += block.count(b"\n")
+        bytes_read += len(block)
 
 
 def _check_first_cells(cells: TextCells, texts: list[str], csv_file: _CsvFile) -> None:
-    """Raise InputError if most of the first cells are not frames, or if they fit the other base much better.
+    """Raise InputError if most of the first cells are not frames, or if they fit another base much better.
 
-    The base is checked only for frames of bits, and only if ``--digits`` chose one: ``check_form`` compares the
-    fraction of valid frames, which ``share`` returns, in both bases. ``cells`` has read the cells already, and
-    ``texts`` are up to 1000 of them.
+    Another base is tried only for frames of bits, and only if ``--digits`` chose a base: ``check_form`` compares the
+    fraction of valid frames in both bases. ``cells`` has read the cells already, and ``texts`` are the first cells, at
+    most 1000.
     """
-    name, stored, shape, share = csv_file
+    name, storage, shape, find_valid_fraction = csv_file
+    has_bits = not shape.length
     if cells.are_mostly_unread:
         raise InputError(name, f"line {cells.place}", cells.error)
-    if stored.digits is not None and not shape.length:
-        other_base: DigitKind = "hex" if stored.digits == "decimal" else "decimal"
-        chosen_frames = _read_frames(texts, shape, stored.digits)
+    if storage.digits is not None and has_bits:
+        other_base: DigitKind = "hex" if storage.digits == "decimal" else "decimal"
+        chosen_frames = _read_frames(texts, shape, storage.digits)
         other_forms = [(f"--digits {other_base}", _read_frames(texts, shape, other_base))]
-        check_form(name, chosen_frames, other_forms, share)
+        check_form(name, chosen_frames, other_forms, find_valid_fraction)
 
 
 def _read_frames(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes]:
-    """Return the frames in cells, read in this base. Cells without a frame are skipped."""
+    """Return the frames in cells of text, read in this base. Cells without a frame are skipped."""
     cells = TextCells(shape, digits)
-    return [frame for text in texts if (frame := cells.read(text, 0)) is not None]
+    frames = [cells.read(text, place=0) for text in texts]
+    return [frame for frame in frames if frame is not None]
 
 
 class _Lines:
-    """Lines of a text, counted and limited in length. ``is_cut`` is True if the last one is not terminated.
+    """Iterator over the lines of a text that counts them and limits their length.
 
     ``number`` is the number of the last line, from 1. ``read`` is the amount read so far: the bytes before these lines,
-    and the characters of these.
+    and the characters of these lines. ``is_cut`` is True if the last line is not terminated.
     """
 
     def __init__(self, file: io.TextIOWrapper, name: str, number: int = 0, read: int = 0) -> None:
@@ -260,8 +287,8 @@ class _Lines:
 def _open_rows(lines: _Lines, delimiter: str = "") -> tuple[str, Iterator[list[str]]]:
     """Return the delimiter and the rows of a CSV file.
 
-    By default, the delimiter is the most frequent one of comma, semicolon and tab in the first line that is not empty
-    and no comment.
+    By default, the delimiter is the comma, semicolon or tab that is most frequent in the first line that is neither
+    empty nor a comment.
     """
     texts = iter(lines)
     first_line = next(texts, "")
@@ -274,7 +301,10 @@ def _open_rows(lines: _Lines, delimiter: str = "") -> tuple[str, Iterator[list[s
 
 
 def _split_rows(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[list[str]]:
-    """Yield rows, without empty ones and # comments. ``texts`` are the lines, and ``lines`` counts them for errors."""
+    """Yield the rows of CSV, without empty rows and comments with #.
+
+    ``texts`` are the lines, and ``lines`` counts them for errors.
+    """
     try:
         for row in csv.reader(texts, delimiter=delimiter):
             start = row[0].lstrip() if row else ""
@@ -290,44 +320,44 @@ def _split_rows(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator
 class _FrameColumn(NamedTuple):
     """Index of the column of frames, and whether the first row is a header."""
 
-    place: int
+    frame_column: int
     has_header: bool
 
 
-def _find_frame_column(first_row: list[str], name: str, stored: StorageFormat, shape: Shape) -> _FrameColumn:
-    """Return the column of frames.
+def _find_frame_column(first_row: list[str], file_name: str, storage: StorageFormat, shape: Shape) -> _FrameColumn:
+    """Return the index of the column of frames, and whether the first row is a header.
 
     The column is the requested one (by name, or by number from 1), the only column, or a column named ``frame`` or
-    ``word``. Names come from a header. Otherwise the first row is a header if its cell in the column is not a frame.
-    ``name`` is the name of the file, for errors, and ``stored.column`` is the requested column.
+    ``word``. Names come from a header. Otherwise the first row is a header if its cell in this column is not a frame.
+    ``file_name`` is for errors, and ``storage.column`` is the requested column.
 
     Raises:
         InputError: There is no such column, or none is requested and it is not clear which one to use.
     """
     names = [cell.strip() for cell in first_row]
-    chosen = stored.column
-    if chosen and chosen in names:
-        return _FrameColumn(names.index(chosen), has_header=True)
-    if chosen:
-        is_number = chosen.isascii() and chosen.isdigit() and len(chosen) < 9
+    requested = storage.column
+    if requested and requested in names:
+        return _FrameColumn(names.index(requested), has_header=True)
+    if requested:
+        is_number = requested.isascii() and requested.isdigit() and len(requested) < 9
         # -1 is the index of no column.
-        index = int(chosen) - 1 if is_number else -1
-        if not 0 <= index < len(names):
-            raise InputError(name, "line 1", f"no column {short(chosen)}; the columns are {listed(names)}")
+        column_index = int(requested) - 1 if is_number else -1
+        if not 0 <= column_index < len(names):
+            raise InputError(file_name, "line 1", f"no column {short(requested)}; the columns are {listed(names)}")
     elif len(names) == 1:
-        index = 0
+        column_index = 0
     else:
         usual_index = find_usual_column(names)
         if usual_index is None:
-            raise InputError(name, "line 1", f"choose the column with the frames; the columns are {listed(names)}")
+            raise InputError(file_name, "line 1", f"choose the column with the frames; the columns are {listed(names)}")
         return _FrameColumn(usual_index, has_header=True)
     # An empty cell is a missing frame, not a header.
-    first_cell = first_row[index]
-    return _FrameColumn(index, has_header=bool(first_cell.strip()) and not _is_frame(first_cell, shape))
+    first_cell = first_row[column_index]
+    return _FrameColumn(column_index, has_header=bool(first_cell.strip()) and not _is_frame(first_cell, shape))
 
 
 def _is_frame(text: str, shape: Shape) -> bool:
-    """Return whether the text can be a frame: a number in hexadecimal with at least one decimal digit."""
+    """Return whether a text can be a frame: a number in hexadecimal with at least one decimal digit."""
     try:
         read_text(text, shape, "hex")
     except ValueError:

@@ -17,8 +17,8 @@ from ..errors import UsageError
 class Layout(NamedTuple):
     """Kind of frame that an encoder sends or receives.
 
-    ``sender`` is ``encoder`` or ``master``. ``answers`` are the questions that the manual leaves open, each with the
-    enumeration of its answers. ``make`` is the function that returns the shape.
+    ``sender`` is ``encoder`` or ``master``. ``answers`` are the questions that the manual leaves open for these frames,
+    each with the enumeration of its answers. ``make`` is the function that returns the description of the frame.
     """
 
     name: str
@@ -27,7 +27,7 @@ class Layout(NamedTuple):
     make: Callable[..., Shape]
 
     def shape(self, encoder: Encoder, answers: Mapping[str, object]) -> Shape:
-        """Return the shape of these frames for an encoder and the answers to its questions."""
+        """Return the description of these frames for an encoder, with these answers to the open questions."""
         # Only some shapes depend on the encoder.
         variant = {"variant": encoder} if "variant" in signature(self.make).parameters else {}
         return self.make(**variant, **answers)
@@ -49,13 +49,13 @@ def list_layouts(encoder: Encoder) -> tuple[Layout, ...]:
 
 
 def _list_answers(make: Callable[..., Shape]) -> dict[str, type[Enum]]:
-    """Return the questions that a description needs answers to, with the enumeration of each."""
+    """Return the questions whose answers the function ``make`` needs, each with the enumeration of its answers."""
     hints = get_type_hints(make)
     return {name: hints[name] for name in signature(make).parameters if issubclass(hints[name], Enum)}
 
 
 def find_layout(encoder: Encoder, name: str = "") -> Layout:
-    """Return the kind of frame with this name, or without one, the only kind that the encoder sends.
+    """Return the kind of frame with this name, or without a name, the only kind that the encoder sends.
 
     Case and underscores are ignored, so the name can be the name in the manual or the name of the class.
 
@@ -64,19 +64,22 @@ def find_layout(encoder: Encoder, name: str = "") -> Layout:
     """
     layouts = list_layouts(encoder)
     if name:
-        wanted = name.replace("_", "").lower()
-        chosen = [candidate for candidate in layouts if candidate.name.replace("_", "") == wanted]
+        wanted_name = name.replace("_", "").lower()
+        matching_layouts = [candidate for candidate in layouts if candidate.name.replace("_", "") == wanted_name]
         problem = f"{encoder.code} has no frame '{name[:40]}'"
     else:
-        chosen = [candidate for candidate in layouts if candidate.sender == "encoder"]
+        matching_layouts = [candidate for candidate in layouts if candidate.sender == "encoder"]
         problem = f"{encoder.code} sends several kinds of frames; choose a layout"
-    if len(chosen) != 1:
-        raise UsageError(f"{problem}: {', '.join(candidate.name for candidate in layouts) or 'none is known'}")
-    return chosen[0]
+    if len(matching_layouts) != 1:
+        layout_names = ", ".join(candidate.name for candidate in layouts) or "none is known"
+        raise UsageError(f"{problem}: {layout_names}")
+    return matching_layouts[0]
 
 
 def find_shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:
-    """Return the shape of frames. ``answers`` are members of an enumeration or their names, by question.
+    """Return the description of the frames of a kind.
+
+    ``answers`` are members of an enumeration or their names, by question.
 
     Raises:
         UsageError: An answer is missing, wrong or not needed, or the layout does not exist.

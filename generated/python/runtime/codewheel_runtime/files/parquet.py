@@ -19,17 +19,18 @@ from .inputs import FrameBatch, Source, StorageFormat, find_column, select_colum
 _BUFFER_BYTES: Final = 1 << 20
 
 
-def read_parquet_batches(file: BinaryIO, name: str, stored: StorageFormat, shape: Shape) -> Source:
+def read_parquet_batches(file: BinaryIO, name: str, storage: StorageFormat, shape: Shape) -> Source:
     """Open a Parquet file, and return a source that reads the frames and the other columns later.
 
-    Raises InputError if the file is not Parquet, or has no such columns, and UsageError if two columns to keep have the
-    same name.
+    Raises:
+        InputError: The file is not Parquet, or has no column of frames.
+        UsageError: Two columns to keep have the same name.
     """
-    with _convert_to_readable(name):
+    with _convert_errors(name):
         # Without a buffer, a whole column is read at once.
         opened_file = load("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER_BYTES, pre_buffer=False)
         schema = opened_file.schema_arrow
-        column = find_column(list(schema.names), stored.column, name)
+        column = find_column(list(schema.names), storage.column, name)
         total = int(opened_file.metadata.num_rows)
     other_names = tuple(column_name for column_name in schema.names if column_name != column)
     pa: Any = load("pyarrow")
@@ -38,43 +39,43 @@ def read_parquet_batches(file: BinaryIO, name: str, stored: StorageFormat, shape
         return pa.array([], schema.field(column_name).type)
 
     # The keys are the names of the other columns that the user wants.
-    empty_columns = select_columns(other_names, stored, make_empty_column, name)
+    empty_columns = select_columns(other_names, storage, make_empty_column, name)
     kept_names = tuple(empty_columns)
-    parts = _read_batches(opened_file, column, kept_names, name, stored, shape)
+    parts = _read_batches(opened_file, column, kept_names, name, storage, shape)
     return Source(parts, total, other_names, empty_columns)
 
 
 def _read_batches(
-    file: Any, column: str, kept_names: tuple[str, ...], name: str, stored: StorageFormat, shape: Shape
+    file: Any, column: str, kept_names: tuple[str, ...], name: str, storage: StorageFormat, shape: Shape
 ) -> Generator[FrameBatch, None, None]:
-    """Yield the frames of a column, with the other columns of the same rows, and the number of rows read.
+    """Yield the frames of a column, with the other columns of the same rows, and the number of rows read so far.
 
     Raises:
         InputError: The column contains no frames, or the file is damaged.
     """
-    done = 0
-    with _convert_to_readable(name):
+    rows_read = 0
+    with _convert_errors(name):
         # More columns mean fewer rows at once.
         row_count = max(inputs.CHUNK // (1 + len(kept_names)), 1)
         batches = file.iter_batches(batch_size=row_count, columns=[column, *kept_names])
     while True:
-        with _convert_to_readable(name):
+        with _convert_errors(name):
             batch = next(batches, None)
             if batch is None:
                 return
         try:
-            frames = read_arrow(batch.column(column), shape, stored.digits, done)
+            frames = read_arrow(batch.column(column), shape, storage.digits, rows_read)
         except NoFrame as error:
-            raise InputError(name, f"row {done + error.row + 1} of column {short(column)}", str(error)) from None
+            raise InputError(name, f"row {rows_read + error.row + 1} of column {short(column)}", str(error)) from None
         except TypeError as error:
             raise InputError(name, f"column {short(column)}", str(error)) from None
-        done += len(batch)
-        yield FrameBatch(frames, done, {column_name: batch.column(column_name) for column_name in kept_names})
+        rows_read += len(batch)
+        yield FrameBatch(frames, rows_read, {column_name: batch.column(column_name) for column_name in kept_names})
 
 
 @contextmanager
-def _convert_to_readable(name: str) -> Generator[None, None, None]:
-    """Convert the errors that pyarrow raises for an unreadable file to InputError."""
+def _convert_errors(name: str) -> Generator[None, None, None]:
+    """Convert the errors that pyarrow raises for an unreadable file to InputError. ``name`` is the name of the file."""
     arrow_error: Any = load("pyarrow").lib.ArrowException
     try:
         yield

@@ -66,7 +66,7 @@ class Sink(Protocol):
     def __enter__(self) -> Sink: ...
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self, error_type: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None: ...
 
     def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
@@ -78,7 +78,7 @@ class Sink(Protocol):
         ...
 
 
-class Texts:
+class TextConverter:
     """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk contains only numbers.
 
     ``kind`` is the Arrow type, which the first chunk determines, and None before. ``lost`` is the number of cells that
@@ -91,9 +91,10 @@ class Texts:
         self.lost = 0
 
     def array(self, cells: Any) -> Any:
-        """Return the cells as an array, after fixing ``kind`` if they are the first, and count lost cells in ``lost``.
+        """Return the cells of a chunk as an Arrow array. Empty cells become null.
 
-        Empty cells become null, as do cells that should be numbers but are not.
+        The first chunk determines the type (``kind``). Cells of later chunks that do not fit the type become null, and
+        are counted in ``lost``.
         """
         if isinstance(cells, self._pa.Array):
             if self.kind is not None and self.kind != self._pa.string():
@@ -119,8 +120,13 @@ class Texts:
             return self._pa.array(numbers, self.kind)
 
     def _find_type(self, texts: Any) -> Any:
-        """Return the first type that fits all texts: integers, floats or texts. Without any text, it is texts."""
-        for arrow_type in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
+        """Return the Arrow type for these texts: integers if all are integers, floats if all are numbers, or text.
+
+        If all texts are null, the type is text.
+        """
+        has_text = texts.null_count < len(texts)
+        number_types = (self._pa.int64(), self._pa.float64()) if has_text else ()
+        for arrow_type in number_types:
             try:
                 texts.cast(arrow_type)
             except self._pa.ArrowInvalid:
@@ -129,7 +135,7 @@ class Texts:
         return self._pa.string()
 
     def _cast_cell(self, cell: Any) -> Any:
-        """Return a text as a number, or None if it is not one."""
+        """Return a cell of text as a number of the type ``kind``, or None if it is not a number."""
         try:
             return cell.cast(self.kind).as_py()
         except self._pa.ArrowInvalid:
@@ -148,15 +154,17 @@ class ArrowSink:
         self._plan = plan
         self._parquet = parquet
         self._writer = cast(Any, None)
-        self._texts = {name: Texts() for name, column in plan.source_columns.items() if isinstance(column, list)}
+        self._texts = {
+            name: TextConverter() for name, column in plan.source_columns.items() if isinstance(column, list)
+        }
 
     def __enter__(self) -> ArrowSink:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self, error_type: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if kind is None and self._writer is None:
+        if error_type is None and self._writer is None:
             # Nothing was written: the file contains the columns, but no rows.
             self.write(self._plan.empty, self._plan.source_columns)
         if self._writer is not None:
@@ -181,7 +189,8 @@ class ArrowSink:
         columns = {name: arrays[name] for name in self._plan.names}
         if self._writer is None:
             # The first cells of other columns determine their types.
-            self._writer = self._open_writer(self._pa.schema([(name, column.type) for name, column in columns.items()]))
+            column_types = [(name, column.type) for name, column in columns.items()]
+            self._writer = self._open_writer(self._pa.schema(column_types))
         self._writer.write(self._pa.RecordBatch.from_arrays([*columns.values()], schema=self._writer_schema))
 
     def _open_writer(self, schema: Any) -> Any:
@@ -190,6 +199,7 @@ class ArrowSink:
         if not self._parquet:
             return self._pa.ipc.new_file(self._file, schema)
         decoded = self._plan.decoded
+        integer_columns = [name for name in decoded if schema.field(name).type == "int64"]
         return load("pyarrow.parquet").ParquetWriter(
             self._file,
             schema,
@@ -197,7 +207,7 @@ class ArrowSink:
             compression_level=1,
             use_dictionary=[name for name in decoded if name in WORDS],
             # Successive positions differ little, so their differences take fewer bits and less time.
-            column_encoding={name: "DELTA_BINARY_PACKED" for name in decoded if schema.field(name).type == "int64"},
+            column_encoding=dict.fromkeys(integer_columns, "DELTA_BINARY_PACKED"),
         )
 
 
@@ -218,9 +228,9 @@ class CsvSink:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self, error_type: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if kind is None:
+        if error_type is None:
             self._out.flush()
         if self._own_file is not None:
             # The caller closes the file.
@@ -236,9 +246,10 @@ class CsvSink:
 
     def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
         """Append the frames of a table, and the other columns of the same rows."""
-        # The formatter writes no quotes, which an empty cell that is alone in its row needs. For a few rows, it does
-        # not pay to load pyarrow.
-        formatter = self._formatter if len(self._plan.names) > 1 and table.count > _FEW_ROWS else None
+        # The formatter cannot write quotes, which an empty cell needs if it is alone in its row. For a few rows,
+        # loading pyarrow would take longer than it saves.
+        has_several_columns = len(self._plan.names) > 1
+        formatter = self._formatter if has_several_columns and table.count > _FEW_ROWS else None
         # Cells as text take much memory, so only some rows are converted at once.
         for start in range(0, table.count, _ROWS_AT_ONCE):
             rows = slice(start, start + _ROWS_AT_ONCE)
@@ -256,7 +267,7 @@ class CsvSink:
         columns: list[list[Any]] = []
         for name in self._plan.names:
             if name in self._plan.source_columns:
-                columns.append(_convert_to_plain(other_columns[name]))
+                columns.append(_list_csv_cells(other_columns[name]))
             else:
                 hidden = None if self._plan.raw else table.hidden(name)
                 columns.append(_format_cells(name, table[name], hidden))
@@ -264,7 +275,7 @@ class CsvSink:
 
 
 def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
-    """Return the cells of a decoded column for CSV. ``hidden`` is True in rows whose cell is empty, or None."""
+    """Return the cells of a decoded column for CSV. ``hidden`` is True in rows whose cell must be empty, or None."""
     cells: list[Any] = column.tolist()
     # The kind of an array's type: O is objects, b bools, f floats, and S bytes.
     if column.dtype.kind == "O":
@@ -284,7 +295,7 @@ def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
 
 
 class _ArrowFormatter:
-    """Formats rows as CSV with pyarrow."""
+    """Formatter of rows as CSV with pyarrow."""
 
     def __init__(self, plan: Plan) -> None:
         self._pa: Any = load("pyarrow")
@@ -293,7 +304,7 @@ class _ArrowFormatter:
         self._options = self._csv.WriteOptions(include_header=False, quoting_style="none")
 
     def format_rows(self, table: Table, other_columns: Mapping[str, Any]) -> str | None:
-        """Return rows as text, or None if a cell needs quotes."""
+        """Return the rows of a table and the other columns of the same rows as CSV, or None if a cell needs quotes."""
         columns: list[Any] = []
         for name in self._plan.names:
             if name in self._plan.source_columns:
@@ -306,7 +317,7 @@ class _ArrowFormatter:
         try:
             self._csv.write_csv(self._pa.RecordBatch.from_arrays(columns, names), output, self._options)
         except self._pa.ArrowInvalid:
-            # Without quotes, pyarrow refuses cells that need them.
+            # pyarrow rejects cells that need quotes, because it must not write quotes here.
             return None
         return str(output.getvalue(), "utf-8")
 
@@ -323,35 +334,38 @@ class _ArrowFormatter:
         return self._format_texts(_format_cells(name, column, hidden))
 
     def _convert_source(self, column: Any) -> Any:
-        """Return a column of the source for CSV, as an Arrow array.
+        """Return a column of the source as an Arrow array for CSV.
 
-        Integers, bools and texts of Arrow stay as they are. Other columns become texts, as without pyarrow.
+        Integers, bools and texts in Arrow arrays stay unchanged. Other columns become texts, as they do without
+        pyarrow.
         """
         kinds = self._pa.types
         arrow_type = getattr(column, "type", None)
-        if arrow_type is not None and (
-            kinds.is_integer(arrow_type) or kinds.is_boolean(arrow_type) or kinds.is_string(arrow_type)
-        ):
+        unchanged_kinds = (kinds.is_integer, kinds.is_boolean, kinds.is_string)
+        if arrow_type is not None and any(is_kind(arrow_type) for is_kind in unchanged_kinds):
             return column
-        return self._format_texts(_convert_to_plain(column))
+        return self._format_texts(_list_csv_cells(column))
 
     def _format_texts(self, cells: list[Any]) -> Any:
         """Return cells as an Arrow array of texts."""
         return self._pa.array([str(cell) for cell in cells], self._pa.string())
 
 
-def _convert_to_plain(column: Any) -> list[Any]:
-    """Return the cells of a column of the source for CSV: a list, an Arrow array or a NumPy array."""
+def _list_csv_cells(column: Any) -> list[Any]:
+    """Return the cells of a column of the source for CSV. The column is a list, an Arrow array or a NumPy array."""
     # Arrow arrays have ``to_pylist``. Only cells of these columns can be None, bools or bytes, which become text here.
     # Lists contain texts. NumPy arrays, which have ``tolist``, contain numbers.
     if hasattr(column, "to_pylist"):
-        return [_convert_cell(cell) for cell in column.to_pylist()]
+        return [_format_csv_cell(cell) for cell in column.to_pylist()]
     cells: list[Any] = column.tolist() if hasattr(column, "tolist") else column
     return cells
 
 
-def _convert_cell(cell: Any) -> Any:
-    """Return a cell for CSV: an empty text for None, ``true`` or ``false``, bytes in hexadecimal, others unchanged."""
+def _format_csv_cell(cell: Any) -> Any:
+    """Return a cell of an Arrow array for CSV.
+
+    None becomes an empty text, a bool ``true`` or ``false``, and bytes hexadecimal text. Other cells stay unchanged.
+    """
     if cell is None:
         return ""
     if isinstance(cell, bool):

@@ -17,7 +17,7 @@ from ..errors import InputError, UsageError
 from ..packages import load
 from . import inputs
 from .csv_text import read_csv_rows
-from .inputs import FIRST, FileKind, FrameBatch, Share, Source, StorageFormat, check_form
+from .inputs import FIRST, FileKind, FrameBatch, Source, StorageFormat, ValidFraction, check_form
 from .parquet import read_parquet_batches
 
 np: Any = load("numpy")
@@ -39,22 +39,26 @@ def find_kind(path: str) -> FileKind:
 
 
 @contextmanager
-def open_source(path: str, stored: StorageFormat, shape: Shape, share: Share) -> Generator[Source, None, None]:
-    """Open a file of frames, or standard input for ``-``. ``share`` returns the fraction of valid frames.
+def open_source(
+    path: str, storage: StorageFormat, shape: Shape, find_valid_fraction: ValidFraction
+) -> Generator[Source, None, None]:
+    """Open a file of frames, or standard input for ``-``.
+
+    ``find_valid_fraction`` returns the fraction of valid frames, for the check of the first frames.
 
     Raises:
         UsageError: The frames do not fit into the words of the file, or the format cannot be read from standard input.
         InputError: The file does not have this format, or no column of frames.
         OSError: The file cannot be opened.
     """
-    kind = stored.kind or find_kind(path)
-    _check_words(kind, stored.words, shape)
+    kind = storage.kind or find_kind(path)
+    _check_words(kind, storage.words, shape)
     if path == "-":
         if kind == "parquet":
             raise UsageError("Parquet cannot be read from standard input; give a file")
         # A replaced standard input can lack ``buffer``. It is then binary itself.
         file = cast(BinaryIO, getattr(sys.stdin, "buffer", sys.stdin))
-        standard_input = _choose_source(file, "standard input", None, kind, stored, shape, share)
+        standard_input = _choose_source(file, "standard input", None, kind, storage, shape, find_valid_fraction)
         with _close_after(standard_input) as source:
             yield source
         return
@@ -63,12 +67,14 @@ def open_source(path: str, stored: StorageFormat, shape: Shape, share: Share) ->
         size = file.seek(0, io.SEEK_END) if file.seekable() else None
         if size is not None:
             file.seek(0)
-        with _close_after(_choose_source(file, fspath(path), size, kind, stored, shape, share)) as source:
+        with _close_after(
+            _choose_source(file, fspath(path), size, kind, storage, shape, find_valid_fraction)
+        ) as source:
             yield source
 
 
 def _check_words(kind: FileKind, words: WordKind, shape: Shape) -> None:
-    """Raise UsageError if the frames do not fit into the words of a file of this kind, or consist of bytes."""
+    """Raise UsageError if frames of bits do not fit into the words of a file, or if frames of bytes have words."""
     has_bytes = bool(shape.length)
     if has_bytes:
         if words != "packed" and kind == "binary":
@@ -82,7 +88,7 @@ def _check_words(kind: FileKind, words: WordKind, shape: Shape) -> None:
 
 @contextmanager
 def _close_after(source: Source) -> Generator[Source, None, None]:
-    """Close the generator of the parts before its file, even if the caller stops early."""
+    """Yield the source, then close the generator of its parts before the file, even if the caller stops early."""
     try:
         yield source
     finally:
@@ -90,22 +96,33 @@ def _close_after(source: Source) -> Generator[Source, None, None]:
 
 
 def _choose_source(
-    file: BinaryIO, name: str, size: int | None, kind: FileKind, stored: StorageFormat, shape: Shape, share: Share
+    file: BinaryIO,
+    name: str,
+    size: int | None,
+    kind: FileKind,
+    storage: StorageFormat,
+    shape: Shape,
+    find_valid_fraction: ValidFraction,
 ) -> Source:
     """Return the source of frames in a file of this kind.
 
-    ``name`` is the name of the file in errors, and ``size`` its size in bytes, if known. ``share`` returns the fraction
-    of valid frames.
+    ``name`` is the name of the file in errors, and ``size`` its size in bytes, if known. ``find_valid_fraction``
+    returns the fraction of valid frames.
     """
     if kind == "parquet":
-        return read_parquet_batches(file, name, stored, shape)
+        return read_parquet_batches(file, name, storage, shape)
     if kind == "csv":
-        return read_csv_rows(file, name, size, stored, shape, share)
-    return Source(_read_binary(file, name, size, stored, shape, share), size)
+        return read_csv_rows(file, name, size, storage, shape, find_valid_fraction)
+    return Source(_read_binary(file, name, size, storage, shape, find_valid_fraction), size)
 
 
 def _read_binary(
-    file: BinaryIO, name: str, size: int | None, stored: StorageFormat, shape: Shape, share: Share
+    file: BinaryIO,
+    name: str,
+    size: int | None,
+    storage: StorageFormat,
+    shape: Shape,
+    find_valid_fraction: ValidFraction,
 ) -> Generator[FrameBatch, None, None]:
     """Yield the frames of a binary file, and the number of bytes read.
 
@@ -115,7 +132,7 @@ def _read_binary(
         file: The open file, at its first frame.
         name: Name of the file, for errors.
         size: Size of the file in bytes, if known.
-        stored: Form of the frames. With ``stored.cut``, an incomplete frame at the end is ignored.
+        storage: Form of the frames. With ``storage.cut``, an incomplete frame at the end is ignored.
         shape: Description of the frames.
         share: Function that returns the fraction of valid frames, for the check of the first frames.
 
@@ -124,44 +141,54 @@ def _read_binary(
     """
     has_bytes = bool(shape.length)
     # Number of bytes that each frame occupies in the file.
-    length = shape.length if has_bytes else _find_word_length(stored.words, shape)
-    done = 0
-    while data := _read(file, length * inputs.CHUNK):
-        is_first_block = not done
+    frame_bytes = shape.length if has_bytes else _find_word_length(storage.words, shape)
+    bytes_read = 0
+    while data := _read(file, frame_bytes * inputs.CHUNK):
+        is_first_block = not bytes_read
         if is_first_block and data.startswith(_ARROW_MARK):
             raise InputError(name, "", "Arrow files cannot be decoded: save the table as Parquet")
         if is_first_block and not has_bytes:
-            _check_first_words(data, name, stored.words, shape, share)
+            _check_first_words(data, name, storage.words, shape, find_valid_fraction)
         # If the size is known, an incomplete frame is reported before any frame is decoded.
-        if is_first_block and size is not None and size % length and not stored.cut:
-            raise _incomplete_frame_error(name, size, length)
-        done += len(data)
-        # Only the last block can end within a frame.
-        excess = len(data) % length
-        if excess and not stored.cut:
-            raise _incomplete_frame_error(name, done, length)
-        rows = np.frombuffer(data, np.uint8, count=len(data) - excess).reshape(-1, length)
-        yield FrameBatch(rows if has_bytes else numbers(rows, stored.words), done)
+        if is_first_block and size is not None and size % frame_bytes and not storage.cut:
+            raise _incomplete_frame_error(name, size, frame_bytes)
+        bytes_read += len(data)
+        # Only the last block can end within a frame, which has these bytes.
+        extra_bytes = len(data) % frame_bytes
+        if extra_bytes and not storage.cut:
+            raise _incomplete_frame_error(name, bytes_read, frame_bytes)
+        rows = np.frombuffer(data, np.uint8, count=len(data) - extra_bytes).reshape(-1, frame_bytes)
+        yield FrameBatch(rows if has_bytes else numbers(rows, storage.words), bytes_read)
 
 
-def _check_first_words(data: bytes, name: str, words: WordKind, shape: Shape, share: Share) -> None:
-    """Raise InputError if far more of the first frames are valid in another form of words. See ``check_form``."""
+def _check_first_words(
+    data: bytes, name: str, words: WordKind, shape: Shape, find_valid_fraction: ValidFraction
+) -> None:
+    """Raise InputError if far more of the first frames are valid in another form of words.
+
+    ``data`` is the beginning of the file, and ``words`` the chosen form. ``find_valid_fraction`` returns the fraction
+    of valid frames.
+    """
     # This is enough for the first frames in every form, because no word has more than eight bytes.
     head = data[: 8 * FIRST]
-    other_forms = ((f"--words {form}", _find_first(head, form, shape)) for form in _list_other_forms(words, shape))
-    check_form(name, _find_first(head, words, shape), other_forms, share)
+    other_forms = (
+        (f"--words {form}", _read_first_frames(head, form, shape)) for form in _list_other_forms(words, shape)
+    )
+    check_form(name, _read_first_frames(head, words, shape), other_forms, find_valid_fraction)
 
 
-def _incomplete_frame_error(name: str, size: int, length: int) -> InputError:
-    """Return the error for a file that ends within a frame."""
-    whole_frames, excess = divmod(size, length)
-    rest_text = "1 more byte follows" if excess == 1 else f"{excess} more bytes follow"
-    problem = f"{whole_frames} complete frames of {length} bytes end here, and {rest_text}"
-    return InputError(name, f"offset {whole_frames * length}", f"{problem}; ignore the rest with --cut, or cut=True")
+def _incomplete_frame_error(name: str, size: int, frame_bytes: int) -> InputError:
+    """Return the error for a file of ``size`` bytes, or the part that was read, that ends within a frame."""
+    whole_frames, extra_bytes = divmod(size, frame_bytes)
+    extra_text = "1 more byte follows" if extra_bytes == 1 else f"{extra_bytes} more bytes follow"
+    problem = f"{whole_frames} complete frames of {frame_bytes} bytes end here, and {extra_text}"
+    return InputError(
+        name, f"offset {whole_frames * frame_bytes}", f"{problem}; ignore the rest with --cut, or cut=True"
+    )
 
 
 def _read(file: BinaryIO, size: int) -> bytes:
-    """Return ``size`` bytes, or the rest of a shorter file. A pipe delivers them in pieces."""
+    """Return ``size`` bytes, or the rest of the file if it is shorter. A pipe delivers them in pieces."""
     data = file.read(size)
     if len(data) == size or not data:
         return data
@@ -181,12 +208,15 @@ def _find_word_length(words: WordKind, shape: Shape) -> int:
 
 
 def _list_other_forms(words: WordKind, shape: Shape) -> Iterator[WordKind]:
-    """Yield all other forms that are wide enough for such a frame."""
-    return (form for form in get_args(WordKind) if form != words and 8 * _find_word_length(form, shape) >= shape.bits)
+    """Yield the forms other than ``words`` that are wide enough for these frames."""
+    for form in get_args(WordKind):
+        word_bits = 8 * _find_word_length(form, shape)
+        if form != words and word_bits >= shape.bits:
+            yield form
 
 
-def _find_first(head: bytes, words: WordKind, shape: Shape) -> Any:
-    """Return the first frames of a file as numbers, read in the form ``words``: at most 1000."""
+def _read_first_frames(head: bytes, words: WordKind, shape: Shape) -> Any:
+    """Return the first frames of a file as numbers, at most 1000. They are read in the form ``words``."""
     length = _find_word_length(words, shape)
     count = min(len(head) // length, FIRST)
     rows = np.frombuffer(head, np.uint8, count=count * length).reshape(-1, length)

@@ -18,7 +18,7 @@ def open_for_writing(target: str, sources: Iterable[str | os.PathLike[str]], for
     The context yields the file, or None for standard output (``-``).
 
     Raises:
-        UsageError: ``target`` exists and is not to be replaced, is a source, or is not a regular file.
+        UsageError: ``target`` exists and must not be replaced, is a source, or is not a regular file.
     """
     if target == "-":
         yield None

@@ -53,16 +53,16 @@ class Coded:
             position also contains ``position``, ``usable_position`` and ``verdict``, and a frame from an encoder also
             contains ``reports``.
         """
-        kind: Any = type(self)
+        frame_class: Any = type(self)
         values: dict[str, Any] = {}
-        for name in kind._fields:
+        for name in frame_class._fields:
             value = getattr(self, name)
             if isinstance(value, Encoder):
                 values["order_code"] = value.code
             else:
                 values[name] = value.name.lower() if isinstance(value, Enum) else value
         for name in ("position", "usable_position"):
-            if hasattr(kind, name):
+            if hasattr(frame_class, name):
                 values[name] = getattr(self, name)
         if isinstance(self, Sent):
             verdict = getattr(self, "verdict", None)
@@ -73,17 +73,20 @@ class Coded:
 
     @classmethod
     def _frame_name(cls, encoder: Encoder) -> str:
-        """Return the name of the frame if its range of positions differs from other frames, otherwise empty."""
+        """Return the name of the frame if other frames have a different range of positions, otherwise empty."""
         return find_any_shape(cls, encoder).frame
 
     def _arguments(self) -> tuple[Any, ...]:
-        """Return the encoder and the answers, which are the first fields, one for each argument of the description."""
-        kind = cast(Any, type(self))
-        values = cast("tuple[Any, ...]", self)
-        return values[: len(find_description(kind)[1])]
+        """Return the first fields of the frame: the encoder and the answers that its description needs."""
+        _, argument_types = find_description(cast(Any, type(self)))
+        fields = cast("tuple[Any, ...]", self)
+        return fields[: len(argument_types)]
 
     def _encoder(self) -> Encode:
-        """Return the function that encodes such frames. The function is made once for each class."""
+        """Return the function that encodes frames of this class.
+
+        The function is made on the first call for the class.
+        """
         try:
             return _ENCODERS[self.__class__]
         except KeyError:
@@ -97,7 +100,7 @@ class ForEncoder(Coded):
     __slots__ = ()
 
     def _encoder(self) -> Encode:
-        """Return the function that encodes such frames of the same encoder.
+        """Return the function that encodes frames of this class for the same encoder.
 
         The encoder keeps these functions in its attribute ``_encoders``, by the class of the frame.
         """
@@ -153,7 +156,7 @@ class Sent(Coded):
         if not report_causes:
             return ()
         reports_by_name: Mapping[str, Report] = module_of(type(self), "facts").REPORTS
-        return tuple(condition.of(reports_by_name) for condition in report_causes if condition.is_active(self))
+        return tuple(cause.of(reports_by_name) for cause in report_causes if cause.is_active(self))
 
 
 class Fixed(Coded):
@@ -355,27 +358,32 @@ _Limited = TypeVar("_Limited", bound=Limited)
 
 
 def keep_bytes(register: _Limited, data: bytes) -> _Limited:
-    """Return a decoded register with the bytes from which it was decoded."""
+    """Return a decoded register that keeps the bytes from which it was decoded, so that they are encoded unchanged."""
     register.__dict__["_bytes"] = data
     return register
 
 
-def decode_many(frames: object, kind: type, /, *, variant: Encoder | None, **answers: object) -> Table:
+def decode_many(frames: object, frame_class: type, /, *, variant: Encoder | None, **answers: object) -> Table:
     """Decode many frames of one class. ``variant`` is None for frames that are the same for every encoder.
 
     ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
     """
-    shape = shape_of(kind, *decoding_arguments(kind, variant=variant, **answers))
+    shape = shape_of(frame_class, *decoding_arguments(frame_class, variant=variant, **answers))
     from ..bulk import decode as bulk_decode
 
     return bulk_decode.decode_many(frames, shape, variant)
 
 
 def encode_many(
-    columns: Mapping[str, Any] | Table, kind: type, /, *, variant: Encoder | None, **answers: object
+    columns: Mapping[str, Any] | Table, frame_class: type, /, *, variant: Encoder | None, **answers: object
 ) -> Any:
-    """Encode many frames of one class, given as columns by name. See ``decode_many`` for the other arguments."""
-    shape = shape_of(kind, *decoding_arguments(kind, variant=variant, **answers))
+    """Encode many frames of one class, given as columns by name.
+
+    ``variant`` is None if all encoders have the same frames.
+
+    ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
+    """
+    shape = shape_of(frame_class, *decoding_arguments(frame_class, variant=variant, **answers))
     from ..bulk import encode as bulk_encode
 
     return bulk_encode.encode_many(columns, shape)

@@ -14,10 +14,10 @@ _Decode = TypeVar("_Decode", bound=Callable[..., Any])
 def cached_decoder(
     make_decoder: Callable[[Any, ErrorHandler], _Decode], encoder: Encoder | None, handle_error: ErrorHandler
 ) -> _Decode:
-    """Return ``make_decoder(encoder, handle_error)``: the function that decodes frames. It is created only once.
+    """Return the function that decodes the frames of an encoder, which ``make_decoder`` makes on the first call.
 
-    ``handle_error`` receives each error, and raises or returns it. ``encoder`` is None for frames that are the same
-    for every encoder.
+    ``handle_error`` receives each error, and raises or returns it. ``encoder`` is None for frames that are the same for
+    every encoder.
     """
     decoders: dict[object, _Decode] = _DECODERS if encoder is None else encoder._decoders
     try:

@@ -29,7 +29,9 @@ if TYPE_CHECKING:
 
 
 def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
-    """Return the number that the fields of a frame form. ``arguments`` are the encoder and the answers that it needs.
+    """Return a frame as a number, including parity bits and CRC. ``fields`` is the frame with its fields as attributes.
+
+    ``arguments`` are the encoder and the answers that the description of the frame needs.
 
     Raises:
         RangeError: A value does not fit its field.
@@ -48,7 +50,8 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
         number |= _encode_unused_bits(fields.unused, shape.unused)
     # The limits of a register apply to one value: its name in messages, and its attribute.
     if shape.limited is not None:
-        check_limits(shape.limited[0], getattr(fields, shape.limited[1]), fields.limits(*arguments))
+        name_in_messages, attribute = shape.limited
+        check_limits(name_in_messages, getattr(fields, attribute), fields.limits(*arguments))
     # The parity covers the Gray code, and the CRC covers both.
     number = _convert_from_binary(number, shape)
     for check in shape.parities:
@@ -59,14 +62,20 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
 
 
 def _convert_from_binary(number: int, shape: Shape) -> int:
-    """Convert a binary number to the codes that the frame sends: separate digits, and Gray code."""
+    """Return a frame whose binary numbers are converted to the codes that are sent: separate digits, and Gray code."""
     for coding in shape.digit_codings:
         number = to_digits(number, *coding)
-    return number if shape.gray is None else to_gray(number, *shape.gray, shape.excess)
+    if shape.gray is None:
+        return number
+    low, width = shape.gray
+    return to_gray(number, low, width, shape.excess)
 
 
 def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
-    """Return the error for the field at the place of a check whose bits are outside its limits."""
+    """Return the error for a field that is outside its limits.
+
+    ``check`` has these limits, and ``bits`` are its bits.
+    """
     place = (check.low, check.width)
     column = next(candidate for candidate in shape.columns if (candidate.low, candidate.width) == place)
     field = column.field or column.name
@@ -75,29 +84,33 @@ def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
     return RangeError(field, bits, f"at most {check.limit}")
 
 
-def _encode_unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
-    """Return the unused bits in a frame: as in the manual, inverted where ``differing`` is 1.
+def _encode_unused_bits(differing: Any, unused_fields: tuple[Unused, ...]) -> int:
+    """Return the unused bits of a frame at their places: as in the manual, inverted where a bit of ``differing`` is 1.
 
-    ``differing`` contains all unused bits side by side: ``place`` is a position in it, and ``low`` a position in the
+    ``differing`` contains all unused bits side by side: ``place`` is a bit in this number, and ``low`` a bit in the
     frame.
     """
-    mask = sum(((1 << unused.width) - 1) << unused.place for unused in places)
+    mask = sum(((1 << unused.width) - 1) << unused.place for unused in unused_fields)
     differing_bits = check_bits("unused", differing, mask)
     number = 0
-    for unused in places:
+    for unused in unused_fields:
         bits = ((differing_bits >> unused.place) ^ unused.value) & ((1 << unused.width) - 1)
         number |= bits << unused.low
     return number
 
 
 def _encode_field(fields: Any, column: Column) -> int:
-    """Return the bits of a field. Raises RangeError if its value does not fit."""
+    """Return the bits of a field, shifted down to bit 0. Raises RangeError if its value does not fit.
+
+    ``fields`` is the frame, with its fields as attributes.
+    """
     name = column.field or column.name
     width = column.width
     if column.kind == "digits":
         number = 0
-        for run, divisor, modulus in column.runs:
-            number += check_limits(run, getattr(fields, run), (0, modulus - 1)) * divisor
+        for digits_name, divisor, modulus in column.runs:
+            digits = check_limits(digits_name, getattr(fields, digits_name), (0, modulus - 1))
+            number += digits * divisor
         return number
     value = getattr(fields, column.name)
     match column.kind:
@@ -105,8 +118,9 @@ def _encode_field(fields: Any, column: Column) -> int:
             is_active = check_flag(name, value)
             if not width and is_active:
                 raise RangeError(name, is_active, NO_SUCH_FLAG)
-            # True is the bit 1. Without a bit, it is 0.
-            return (is_active == (column.kind == "flag")) & width
+            is_active_high = column.kind == "flag"
+            # True counts as 1. A flag without a bit has the width 0.
+            return (is_active == is_active_high) & width
         case "text":
             return text_number(name, value, width // 8)
         case "signed":
@@ -118,7 +132,10 @@ def _encode_field(fields: Any, column: Column) -> int:
 
 
 def _encode_number(name: str, value: Any, column: Column) -> int:
-    """Return the bits of an unsigned number. Raises RangeError if it does not fit, or is not a value of the field."""
+    """Return the bits of an unsigned number.
+
+    Raises RangeError if it does not fit, or is not an allowed value of the field.
+    """
     width = column.width
     if isinstance(column.values, type):
         return as_member(column.values, name, value)
@@ -126,16 +143,21 @@ def _encode_number(name: str, value: Any, column: Column) -> int:
         number = whole_number(name, value)
         if number not in column.values:
             allowed = ", ".join(f"{allowed_value:X}h" for allowed_value in column.values)
-            raise RangeError(name, number, allowed if len(column.values) == 1 else f"one of {allowed}")
+            if len(column.values) > 1:
+                allowed = f"one of {allowed}"
+            raise RangeError(name, number, allowed)
         return number
-    number = zero_for(name, value, column.zero_means, width) if column.zero_means else check_width(name, value, width)
+    if column.zero_means:
+        number = zero_for(name, value, column.zero_means, width)
+    else:
+        number = check_width(name, value, width)
     if column.power_of_two:
         check_power_of_two(name, value)
     return number
 
 
 def compute_crc(number: int, crc: CrcOf) -> int:
-    """Return the CRC of a number whose CRC bits are 0."""
+    """Return the CRC of a frame, given as a number in which the bits of the CRC are 0."""
     if not crc.steps:
         # The CRC bits are 0, so the difference from them is the CRC.
         return crc.differs(number)
