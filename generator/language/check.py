@@ -8,7 +8,7 @@ from .document import Document
 from .problems import MAX_FOUND, TOO_MANY, DocumentReport, Path, ProblemReport
 from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
-from .rules.order_code import is_whole
+from .rules.order_code import are_codes_complete
 from .rules.values import check_number_base
 from .schema_check import FileKind, SchemaResult, check_schema, place_to_remove, shape_of, without_places
 from .schema_files import family_of, with_stand_ins
@@ -42,7 +42,7 @@ def check_document(document: Document, report: ProblemReport) -> dict[str, Any] 
     problems_before = len(report)
     if checked.kind is FileKind.MASTER:
         check_master(checked.data, report.for_document(document))
-    check_number_base(WrittenSpec(checked.data), WrittenSpec(document.data), report.for_document(document))
+    check_number_base(WrittenSpec(checked.data), report.for_document(document))
     return checked.data if checked.complete and len(report) == problems_before else None
 
 
@@ -108,16 +108,15 @@ def _check_device(checked: SchemaResult, document: Document, report: ProblemRepo
     Raises:
         _TooManyProblems: It has too many problems.
     """
-    are_codes_whole = is_whole(checked.data, document.data)
+    are_codes_whole = are_codes_complete(checked.data, document.data)
     report.mark(document, checked.cut)
     removed_places = set(checked.cut)
     completed_data = _with_prose(checked.data, checked.kind)
     recording_report = _RecordingReport(report, document)
-    spec = WrittenSpec(completed_data)
-    as_read = WrittenSpec(document.data)
+    spec = WrittenSpec(completed_data, with_invalid_parts=WrittenSpec(document.data))
     for rule in RULES:
         recording_report.noted = []
-        rule(spec, as_read, recording_report)
+        rule(spec, recording_report)
         reported_paths = recording_report.noted
         has_fault_in_codes = any(path[0] in _NO_CODES for path in reported_paths)
         if rule in FOUNDATIONS and has_fault_in_codes:

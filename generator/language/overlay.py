@@ -183,7 +183,8 @@ class LayeredSpec:
             path = ("documents", key)
             mark = from_file(mark_at(overlay.marks, path), overlay.file)
             self._data, self._marks = with_value(self._data, self._marks, path, cited_document, mark)
-        check_source_format(WrittenSpec(overlay.data), WrittenSpec(self._data), self._report.for_document(overlay))
+        overlay_as_spec = WrittenSpec(overlay.data, with_invalid_parts=WrittenSpec(self._data))
+        check_source_format(overlay_as_spec, self._report.for_document(overlay))
 
     def _apply_change(
         self, layer: OverlayLayer, change_number: int, change_kind: str, change: Mapping[str, Any]

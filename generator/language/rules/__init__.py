@@ -1,8 +1,8 @@
 """The rules beyond the schema, for errors in specs whose single keys and values are all valid.
 
-A rule is a function of the spec without broken parts, the spec as read, and the report of the document.
-It adds problems under a stable name and never raises. To add a rule, write the function in the module of its subject,
-list it here, and add a broken spec in ``tests/check/broken``.
+A rule is a function of a spec that contains only valid parts, and of the report of the document. It adds problems under
+a stable name and never raises. To add a rule, write the function in the module of its subject, list it here, and add a
+broken spec in ``tests/check/broken``.
 """
 
 from __future__ import annotations

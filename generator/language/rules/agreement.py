@@ -54,9 +54,9 @@ class _Printed(Protocol):
     def names(self) -> Mapping[str, str]: ...
 
 
-def check_misspelt_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_misspelt_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no printed name differs by one letter from an entry of the contents, or an alarm's from its flag's."""
-    _compare_with_contents(spec, as_read, report)
+    _compare_with_contents(spec, report)
     for alarm in spec.alarms:
         owner = owner_of_alarm(spec, alarm)
         flag = by_name(owner.fields).get(alarm.part.field) if owner is not None else None
@@ -71,20 +71,20 @@ def check_misspelt_name(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                 report.add("misspelt-name", (*alarm.path, *name_path), message)
 
 
-def _compare_with_contents(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def _compare_with_contents(spec: WrittenSpec, report: DocumentReport) -> None:
     """Report the printed names that differ by one letter from an entry of the contents, and are not in an erratum.
 
     Only names in the manual's language are compared. Very long contents are not searched.
     """
     titles: dict[str, str] = {}  # Titles as printed, by their lower case.
-    for section in as_read.manual.contents.values():
+    for section in spec.with_invalid_parts.manual.contents.values():
         titles |= {title.casefold(): title for title in section.names_in("entries")}
     if len(titles) > _MOST_ENTRIES:
         return
     texts_of_errata = "\n".join(erratum.used for erratum in spec.errata).casefold()
     for path, name in leaves_of(spec.data, report):
         # A name in another language can differ by one letter too: temperature, temperatura.
-        is_name = path[-1] == "printed_name" or path[-2:] == ("names", as_read.manual.language)
+        is_name = path[-1] == "printed_name" or path[-2:] == ("names", spec.with_invalid_parts.manual.language)
         if not is_name or not isinstance(name, str):
             continue
         similar_titles = [title for title in titles if _misspells(name, title)]
@@ -122,7 +122,7 @@ def _printed_names(part: _Printed) -> Iterator[tuple[Path, str]]:
         yield ("names", language), name
 
 
-def check_printed_number(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_printed_number(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value whose printed name is a number, such as ``0Ah``, has that number."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -148,7 +148,7 @@ def _printed_number(printed_name: str, width: int | None) -> int | None:
     return int(with_suffix[1], 16) if with_suffix is not None else None
 
 
-def check_number_in_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_number_in_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the only hexadecimal number in the meaning of a field with a fixed number is this number.
 
     A meaning that speaks of a register or an address is not checked, because its number may be an address.
@@ -177,7 +177,7 @@ def _fixed_numbers(field: WrittenField) -> list[tuple[str, int]]:
     return [(key, value) for key, value in numbers_by_key if isinstance(value, int)]
 
 
-def check_polynomial_in_note(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_polynomial_in_note(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the polynomial of a CRC is among the polynomials in its note, if there are any.
 
     A note gives a polynomial with its top bit, which ``poly`` omits.
@@ -217,7 +217,7 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     return polynomials
 
 
-def check_unused_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_unused_bits(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register has no field at bits that its note calls unused.
 
     A constant, unused bits and a field whose ``equals`` is 0 have no content, so they may be there.
@@ -256,7 +256,7 @@ def _unused_bits_in(field_text: str) -> Iterator[int]:
             yield from range(int(low or high), int(high) + 1)
 
 
-def check_repeated_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_access(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register with fixed contents is not writable, and that registers have the access that errata state.
 
     A note or an erratum explains a writable register with fixed contents.
@@ -294,7 +294,7 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
             report.add("access-mismatch", erratum.place_of("used"), message)
 
 
-def check_zero_within_limits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_zero_within_limits(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the number for which zero stands is at most one more than the highest one of its register."""
     for register in spec.registers:
         for field in register.fields:
@@ -309,7 +309,7 @@ def check_zero_within_limits(spec: WrittenSpec, as_read: WrittenSpec, report: Do
                 report.add("limit-does-not-fit", register.place_of("max"), message)
 
 
-def check_repeated_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_requests(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text of a procedure with one step has the number of requests that the step sends."""
     for procedure in spec.procedures:
         times = procedure.steps[0].times if len(procedure.steps) == 1 else None
@@ -331,7 +331,7 @@ def _number_of(cell_text: str) -> int:
     return int(cell_text) if cell_text.isdigit() else _NUMBER_WORDS.index(cell_text.casefold()) + 2
 
 
-def check_repeated_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_tables(spec: WrittenSpec, report: DocumentReport) -> None:
     """Report two tables with common columns whose numbers agree in all cells but one.
 
     Rows belong together if a column whose cells are all different in each table contains the same cell in both.

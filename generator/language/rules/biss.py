@@ -41,7 +41,7 @@ _ACCESS_BITS = {"write": 0b01, "read": 0b10}
 _CRC_WIDTH_BY_XOROUT = {0x3F: 6, 0xFFFF: 16}
 
 
-def check_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers with names fixed by BiSS are at their fixed place, with its length.
 
     The register that selects banks has such a place under any name. Registers in a bank may have these names.
@@ -67,7 +67,7 @@ def check_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             report.add("biss-protocol", register.place_of("length"), message)
 
 
-def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no other register is at a place fixed by BiSS, unless an erratum explains it.
 
     A read-only register inside that place is accepted as a part of it under another name. The same applies to any
@@ -114,7 +114,7 @@ def _taken_place(register: WrittenRegister) -> str | None:
     return None
 
 
-def check_biss_byte_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_byte_order(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers fixed by BiSS have their most significant byte first, unless an erratum explains it."""
     for register in spec.registers:
         name = register.name
@@ -129,13 +129,13 @@ def check_biss_byte_order(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             report.add("biss-protocol", register.place_of("byte_order"), message)
 
 
-def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_frame(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that nE and nW are active low, in this order after the position, and that a frame has an inverted CRC.
 
     A frame without either is not checked. An erratum explains what the manual prints differently.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
-    crcs = by_part_name(as_read.crcs)
+    groups = by_name(spec.with_invalid_parts.field_groups)
+    crcs = by_part_name(spec.with_invalid_parts.crcs)
     for frame in layouts_of_interfaces(spec):
         layout = frame.layout
         if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
@@ -251,12 +251,12 @@ def _crc_faults(located_crc: LocatedPart[Crc]) -> Iterator[tuple[str, str]]:
             yield key, f"{problem}; write '{key}: false'"
 
 
-def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_biss_control(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the control frame has the widths, the directions and the CRC of BiSS.
 
     Every master relies on them, so a spec has these numbers even if an erratum records others that the manual prints.
     """
-    crcs = by_part_name(as_read.crcs)  # Including invalid parts, which ``spec`` lacks.
+    crcs = by_part_name(spec.with_invalid_parts.crcs)
     interface = spec.interfaces.biss
     control_data = interface.control_data if interface is not None else None
     for field in control_data.fields if control_data is not None else ():

@@ -30,12 +30,12 @@ _ERROR_WORDS = re.compile(r"(?<![A-Za-z])(?:nE|n?Err|(?i:errors?|faults?|failure
 _NO_ERROR = re.compile(r"(?i:\b(?:no|not|without|free)\b)")
 
 
-def check_missing_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_missing_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a flag in a frame with a position gives the verdict on the position while it is active.
 
     The flags that an interface itself defines have a known verdict.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     positions = {interface: position_names(spec, interface) for interface, _ in interfaces(spec)}
     for frame in layouts_of_interfaces(spec):
         has_position = not positions[frame.interface].isdisjoint(field_names(frame, groups))
@@ -52,7 +52,7 @@ def check_missing_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
                 report.add("makes-position-missing", field.path, f"{problem} {remedy}")
 
 
-def check_usable_errors(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_usable_errors(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a flag or value called an error does not leave the position usable, unless a note explains it."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -83,10 +83,10 @@ def names_error(field_name: str, printed_name: str) -> bool:
     return any(_ERROR_WORDS.search(text) and not _NO_ERROR.search(text) for text in texts)
 
 
-def check_flag_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_flag_sums(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the flags that another flag combines exist in some list of fields."""
     flags: list[str] = []
-    for field_list in field_lists(as_read):
+    for field_list in field_lists(spec.with_invalid_parts):
         flags += [field.name for field in field_list.fields if field.is_flag and field.name]
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -97,7 +97,7 @@ def check_flag_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
                     report.add("undefined-reference", (*field.place_of("sums_up"), index), problem, cause=name)
 
 
-def check_alarm_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_alarm_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alarm with the name of a flag in its group or register is about that flag.
 
     ``field`` is the flag of an alarm. Without it, it is the flag of the same name.
@@ -133,7 +133,7 @@ _PARITY_NAME = re.compile(r"(?:(?:even|odd)_)?(?:par|parity)(?:_bit)?")
 _KEYS_OF_PLAIN_NUMBER = frozenset(("name", "printed_name", "names", "bits", "at", "meaning", "source"))
 
 
-def check_plain_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_plain_bits(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bit of an encoder's frame that is called error or parity is described as such.
 
     A plain number has no effect on the verdict, and no decoder checks it. A note explains a bit that is neither.
@@ -179,15 +179,15 @@ _BINARY_WORD = re.compile(r"\bbinary\b", re.IGNORECASE)
 _UNKNOWN_POSITION = "POSITION"
 
 
-def check_output_code(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_output_code(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that ``output_code`` of SSI is the code in which its layouts send the position, up to the first error."""
     for kind, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi) or not interface.output_code:
             continue
-        position_layouts = _with_position(spec, as_read, kind)
+        position_layouts = _with_position(spec, kind)
         has_gray = any(_gray_of(frame) is not None for frame in position_layouts)
         for frame in position_layouts:
-            contradiction = _find_contradiction(interface.output_code, frame, spec, as_read, has_gray=has_gray)
+            contradiction = _find_contradiction(interface.output_code, frame, spec, has_gray=has_gray)
             if contradiction:
                 message = f"'output_code' is {interface.output_code}, but {quoted(frame.name)} {contradiction}"
                 report.add("output-code", interface.place_of("output_code"), message)
@@ -199,9 +199,7 @@ def _gray_of(fields: FieldList) -> WrittenGray | None:
     return fields.layout.gray if fields.layout is not None else None
 
 
-def _find_contradiction(
-    code: str, fields: FieldList, spec: WrittenSpec, as_read: WrittenSpec, *, has_gray: bool
-) -> str:
+def _find_contradiction(code: str, fields: FieldList, spec: WrittenSpec, *, has_gray: bool) -> str:
     """Return how a layout contradicts ``output_code``, such as ``has no 'gray', …``, or an empty string.
 
     ``gray`` of a layout means that it is in Gray code, always or if the parameter in ``when`` is not 0. ``has_gray`` is
@@ -210,10 +208,10 @@ def _find_contradiction(
     gray = _gray_of(fields)
     if gray is None:
         if code == "gray":
-            example = f"'gray: {{of: {_find_position(fields, spec, as_read)}}}'"
+            example = f"'gray: {{of: {_find_position(fields, spec)}}}'"
             return f"has no 'gray', so decoders read the position as binary; add {example} to it"
         if code == "by_order_code" and not has_gray:
-            example = f"'gray: {{of: {_find_position(fields, spec, as_read)}, when: PARAMETER}}'"
+            example = f"'gray: {{of: {_find_position(fields, spec)}, when: PARAMETER}}'"
             return f"has no 'gray', so decoders read the position as binary; add {example} to it"
         return ""
     if code == "binary":
@@ -226,7 +224,7 @@ def _find_contradiction(
     return ""
 
 
-def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_named_gray_code(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an interface whose order codes name Gray code has a layout in Gray code.
 
     A value of an order code belongs to the interface that it selects, or to the only interface. If it selects none of
@@ -240,7 +238,7 @@ def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                 continue
             # No layout has an empty interface name, so the result then contains no layouts.
             interface_name = value.interface or only_interface
-            position_layouts = _with_position(spec, as_read, interface_name)
+            position_layouts = _with_position(spec, interface_name)
             if position_layouts and all(_gray_of(frame) is None for frame in position_layouts):
                 message = (
                     f"the meaning of {quoted(label)} says Gray, but no layout of {interface_name} has 'gray', "
@@ -260,19 +258,19 @@ def _names_gray(code_value: WrittenCodeValue) -> bool:
     return says_gray and not says_binary
 
 
-def _with_position(spec: WrittenSpec, as_read: WrittenSpec, interface_name: str) -> list[FieldList]:
+def _with_position(spec: WrittenSpec, interface_name: str) -> list[FieldList]:
     """Return the layouts of the encoder that contain the position, or all of its layouts if none is known to do so."""
     sent_layouts = [
         frame for frame in layouts_of_interfaces(spec) if frame.interface == interface_name and frame.is_from_encoder
     ]
-    with_position = [frame for frame in sent_layouts if _find_position(frame, spec, as_read) != _UNKNOWN_POSITION]
+    with_position = [frame for frame in sent_layouts if _find_position(frame, spec) != _UNKNOWN_POSITION]
     return with_position or sent_layouts
 
 
-def _find_position(fields: FieldList, spec: WrittenSpec, as_read: WrittenSpec) -> str:
+def _find_position(fields: FieldList, spec: WrittenSpec) -> str:
     """Return the name of the joined number or field for the position in a layout, or ``POSITION`` if there is none."""
     known_names = position_names(spec, fields.interface)
-    for name in (*fields.joins, *field_names(fields, by_name(as_read.field_groups))):
+    for name in (*fields.joins, *field_names(fields, by_name(spec.with_invalid_parts.field_groups))):
         if name in known_names:
             return name
     return _UNKNOWN_POSITION

@@ -31,7 +31,7 @@ _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
 MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_differs'"
 
 
-def check_value_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_value_words(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the meaning of an order code value agrees with its settings: Gray or binary code, length and supply.
 
     A value with ``meaning_differs`` explains a difference.
@@ -41,7 +41,7 @@ def check_value_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             if not value.meaning_differs:
                 says = f"the meaning of {quoted(label)} says"
                 _check_code(value, says, spec, report)
-                _check_lengths(value, says, as_read, report)
+                _check_lengths(value, says, spec, report)
                 _check_supply(value, says, report)
 
 
@@ -57,14 +57,14 @@ def _check_code(code_value: WrittenCodeValue, says: str, spec: WrittenSpec, repo
             report.add("meaning-mismatch", (*code_value.path, "sets", name), message)
 
 
-def _check_lengths(code_value: WrittenCodeValue, says: str, as_read: WrittenSpec, report: DocumentReport) -> None:
+def _check_lengths(code_value: WrittenCodeValue, says: str, spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each length that a value sets is in its meaning, if this names any."""
     lengths = _lengths_named(code_value.meaning)
     if not lengths:
         return
+    parameters = spec.with_invalid_parts.parameters
     for name, number in code_value.sets.items():
-        # ``as_read`` also contains the parameters that ``spec`` lacks as invalid.
-        unit = as_read.parameters[name].unit if name in as_read.parameters else ""
+        unit = parameters[name].unit if name in parameters else ""
         if unit in _NANOMETRES_PER_UNIT and number * _NANOMETRES_PER_UNIT[unit] not in lengths:
             first_length, *_ = lengths.values()
             message = f"{says} {first_length}, but {quoted(name)} is {number} {unit}{MEANING_DIFFERS}"
@@ -145,7 +145,7 @@ def _to_millivolts(volts: str, per_cent: Fraction | int) -> int:
     return int(Fraction(volts) * per_cent * 10)  # 1000 mV per V, and 1 / 100 for the percentage.
 
 
-def check_named_interface(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_named_interface(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an order code value selects the interface that its meaning names, if it names only one.
 
     RS-485 also names the signals, so it is not compared, but next to SSI or BiSS it makes the meaning unclear.
@@ -164,7 +164,7 @@ def check_named_interface(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                 report.add("interface-mismatch", value.place_of("interface"), problem)
 
 
-def check_labels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_labels(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a label that is a number has the number of the expression in ``label_is`` of its part.
 
     Only labels whose value sets all parameters of the expression are checked.

@@ -87,7 +87,7 @@ class _Connector:
         return not {*self.part.interfaces}.isdisjoint(other_connector.part.interfaces)
 
 
-def check_repeated_signals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_signals(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two contacts of a connector have the same signal for the same order codes.
 
     Supplies, grounds and shields may be on several contacts.
@@ -120,7 +120,7 @@ def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
     return not contact_names.isdisjoint(earlier_names)
 
 
-def check_incomplete_pair(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_incomplete_pair(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that both lines of a differential pair are on a connector: ``MA +`` and ``MA -``, ``A`` and ``/A``.
 
     A note that names the missing line explains it. A second reading has no notes.
@@ -141,7 +141,7 @@ def check_incomplete_pair(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                     report.add("incomplete-pair", (*contact.path, "signal"), message)
 
 
-def check_connector_and_cable(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_connector_and_cable(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a connector and a cable for the same interface have the same signals, or a note on missing signals.
 
     A second reading has no notes.
@@ -238,7 +238,7 @@ def signal_names(signal: str) -> list[str]:
     return [name.casefold() for name in _Contact((), "", signal, "").names]
 
 
-def check_contact_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_contact_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that contacts are numbered consecutively from 1, unless a note explains why not.
 
     A cable whose wires all have numbers is likely a connector, unless its note says that they are numbered.

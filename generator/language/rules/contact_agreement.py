@@ -56,7 +56,7 @@ class _Pair(NamedTuple):
         return self.inverted if self.is_plain_first else self.plain
 
 
-def check_kinds_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_kinds_of_contacts(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that only wires of a cable have colours, and that a contact named after a shield carries no signal."""
     for connector in spec.connectors:
         for index, contact in enumerate(connector.part.contacts):
@@ -70,7 +70,7 @@ def check_kinds_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
                 report.add("contact-kind", (*path, "signal"), message)
 
 
-def check_numbered_cables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_numbered_cables(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that not all wires of a cable have numbers, unless a note says so. Its shield or case is not a wire.
 
     A cable without a shield or case is left to another rule.
@@ -90,7 +90,7 @@ def _is_case(contact_name: str) -> bool:
     return contact_name.casefold() in ("case", "housing", "shell") or _SHIELD_WORDS.fullmatch(contact_name) is not None
 
 
-def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_interfaces_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a connector with a line that only one interface has, such as ``MA +``, is for this interface."""
     for connector in spec.connectors:
         names = {name for contact in connector.part.contacts for name in signal_names(contact.signal)}
@@ -105,7 +105,7 @@ def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: D
                 report.add("contact-interface", (*connector.path, "interfaces"), message)
 
 
-def check_wires_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_wires_of_contacts(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a contact and a wire with the same line have the same line over every interface.
 
     A signal that occurs once in a connector and once in a cable belongs to a contact and a wire of one line. If another
@@ -175,7 +175,7 @@ def _compare_signals(
             report.add("contact-wire", (*connector.path, "contacts", index, "signal"), message)
 
 
-def check_order_of_pairs(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the two lines of each pair are next to each other, and in the same order as in the first pair.
 
     If all of three or more pairs are apart, or the only pair is, they are compared by their order alone. A note such as

@@ -22,7 +22,7 @@ _LEAST_FLAGS_OF_A_LEVEL = 4
 _FLAGS_OF_GROUP = 4
 
 
-def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_lone_levels(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no single flag has another active level than at least four others of its list, unless a text says so.
 
     Flags that combine others are not counted.
@@ -58,7 +58,7 @@ def _gives_level(flag: WrittenField) -> bool:
     return any(_LEVEL_IN_TEXT.search(text) for text in texts)
 
 
-def check_repeated_flags(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_flags(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that flags with the same name in groups or in layouts of an interface have the same level and verdict.
 
     Flags of groups are compared with flags of other groups. Verdicts are compared if both flags have a verdict.
@@ -92,7 +92,7 @@ def _yield_differences(flag: WrittenField, first_flag: WrittenField) -> Iterator
         yield "makes_position", flag.makes_position, first_flag.makes_position
 
 
-def check_cleared_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_cleared_alarms(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alarm that does not latch, and so clears itself, names no procedures that clear it."""
     for alarm in spec.alarms:
         if alarm.part.latch is False and alarm.part.cleared_by:
@@ -103,7 +103,7 @@ def check_cleared_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
             report.add("alarm-latch", (*alarm.path, "latch"), message)
 
 
-def check_implemented_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_implemented_alarms(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alarm is implemented if its flag is, and only then."""
     for alarm in spec.alarms:
         flag = _flag_of(spec, alarm)
@@ -125,7 +125,7 @@ def _flag_of(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField | Non
     return None
 
 
-def check_cleared_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_cleared_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register that clears itself returns to 0, unless its note gives another number."""
     if is_second(report.document.file):  # It has no notes.
         return
@@ -144,7 +144,7 @@ def _gives_number(meaning: str, number: int) -> bool:
     return re.search(rf"\b(?:{number}|{number:02X}h|0x{number:02x})\b", meaning, re.IGNORECASE) is not None
 
 
-def check_summands(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_summands(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that at most one flag of a list combines each flag, and that no single flag of a group is omitted there."""
     groups = by_name(spec.field_groups)
     for field_list in field_lists(spec):
@@ -190,7 +190,7 @@ def _mentions_word(text: str, word: str) -> bool:
 _VERDICTS_BY_SEVERITY = ("usable", "usable_with_warning", "not_usable")
 
 
-def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_summed_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the verdict of a flag that combines others is not milder than theirs, if all have a verdict."""
     flags: dict[str, WrittenField] = {}
     for field_list in field_lists(spec):
@@ -210,7 +210,7 @@ def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                 report.add("summed-verdict", flag.place_of("makes_position"), message)
 
 
-def check_explained_flags(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_explained_flags(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a diagnostic bit explains only one flag of a register."""
     for register in spec.registers:
         flags_by_bit: dict[str, str] = {}  # For each diagnostic bit, the first flag that it explains.
@@ -224,7 +224,7 @@ def check_explained_flags(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                 flags_by_bit.setdefault(bit, flag.name)
 
 
-def check_read_only_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_read_only_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a writable register with only flags of alarms, or with the position, has something to write.
 
     That is a named value, a step that writes it, a key that matters only for writing, or a text with "writ" in it.
@@ -275,7 +275,7 @@ _RETURNS_BY_ITSELF = re.compile(
 )
 
 
-def check_returning_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_returning_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register that returns to 0 in its note clears itself."""
     for register in spec.registers:
         if _RETURNS_BY_ITSELF.search(register.note) and not register.clears_itself:
@@ -284,7 +284,7 @@ def check_returning_registers(spec: WrittenSpec, as_read: WrittenSpec, report: D
             report.add("words-contradict", register.place_of(key), message)
 
 
-def check_equal_answers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_equal_answers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the answers of an alternative with two answers do not set the same numbers."""
     for alternative in spec.alternatives:
         answers = list(alternative.values.items())

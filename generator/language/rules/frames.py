@@ -21,7 +21,7 @@ _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
 _OF_MEMORY = frozenset(("read", "write"))
 
 
-def check_layouts_without_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_layouts_without_requests(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the encoder sends every layout of an interface without requests."""
     for frame in layouts_of_interfaces(spec):
         layout = frame.layout
@@ -30,7 +30,7 @@ def check_layouts_without_requests(spec: WrittenSpec, as_read: WrittenSpec, repo
             report.add("sender", layout.place_of("from"), message)
 
 
-def check_parities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_parities(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the parity bits of a word of bits cover its other fields, unless a note names those left out.
 
     A word that always has a CRC is checked as a whole. A CRC whose width depends on the order code may be missing, so
@@ -98,7 +98,7 @@ def _covered_fields(layout: WrittenLayout, parity_of: Sequence[str]) -> Iterator
         yield from layout.join.get(name, [name])
 
 
-def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_slaves(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bus has several slaves, and another topology has one slave, unless an erratum explains it."""
     biss = spec.interfaces.biss
     network = biss.network if biss is not None else None
@@ -115,7 +115,7 @@ def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
         report.add("network-mismatch", (*network.path, "multiple_slaves"), message)
 
 
-def check_layouts_by_data_id(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_layouts_by_data_id(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a data ID with a request has a reply, and the other way round.
 
     This is checked if there are requests and replies, and all layouts give their data IDs in ``when``.
@@ -156,12 +156,12 @@ def _report_missing_frame(
         report.add("data-id-frames", (*data_id.path, "id"), message)
 
 
-def check_purposes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_purposes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a request that reads or writes the memory, and so needs an address, has more than its data ID."""
     rs485 = spec.interfaces.rs485
     if rs485 is None:
         return
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for data_id in rs485.data_ids:
         request = _request_with(data_id, rs485)
         if request is None or data_id.part.purpose not in _OF_MEMORY:
@@ -196,7 +196,7 @@ def _carries_data(field: WrittenField) -> bool:
     return bool(field.name) and not is_fixed and not is_check and not field.values_of
 
 
-def check_sent_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_sent_requests(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a step sends no request that reads or writes the memory, because it cannot give the address."""
     rs485 = spec.interfaces.rs485
     purpose_by_name = {data_id.part.name: data_id.part.purpose for data_id in rs485.data_ids} if rs485 else {}
@@ -211,7 +211,7 @@ def check_sent_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                 report.add("request-purpose", step.place_of("data_id"), message)
 
 
-def check_memory_accesses(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_memory_accesses(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two rows on the replies to memory accesses have the same access and busy flag."""
     rs485 = spec.interfaces.rs485
     replies = [reply for reply in rs485.memory_access if reply.is_valid("busy")] if rs485 is not None else []

@@ -35,7 +35,7 @@ _NAME_IN_BRACES = re.compile(r"\{(\w+)\}")
 _Numbers = Mapping[str, int | None]
 
 
-def check_start_values(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_start_values(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a start value in the note of a CRC, or in an erratum about it, is the ``init`` of the CRC."""
     for crc in spec.crcs:
         own_value = {crc.part.name: crc.part.init}
@@ -47,7 +47,7 @@ def check_start_values(spec: WrittenSpec, as_read: WrittenSpec, report: Document
         _check_words(erratum.place_of("used"), erratum.used, _START_VALUE, "init", affected, report)
 
 
-def check_defaults(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_defaults(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a default in the text of an erratum, or shown by an example, is the ``default`` of its register."""
     registers = by_name(spec.registers)
     defaults = {name: register.default for name, register in registers.items()}
@@ -148,7 +148,7 @@ def _bytes_of(register: WrittenRegister) -> str:
         return ""
 
 
-def check_order_codes_in_texts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_order_codes_in_texts(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that tables and other texts name no part of an order code that the order code does not have.
 
     A text may leave parts open, such as ``TV62-xxx-0050-...``, and may end after any part.

@@ -13,7 +13,7 @@ _KEYS_OF_ANGLE = ("counts_per_turn", "turns")
 _KEYS_OF_LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
 
 
-def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_measurement_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a measurement matches the movement: of an angle if it is rotary, of a length if it is linear.
 
     Each needs the size of a count. ``highest`` needs ``turns`` or ``modulus``.
@@ -26,7 +26,7 @@ def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     )
     unit_key = keys_of_movement[0]  # 'counts_per_turn' or 'step_um', the size of a count.
     total_key = keys_of_movement[-1]  # 'turns' or 'modulus', after which the position wraps around.
-    raw_measurements = {measurement.path: measurement for measurement in measurements(as_read)}
+    raw_measurements = {measurement.path: measurement for measurement in measurements(spec.with_invalid_parts)}
     for measurement in measurements(spec):
         raw_measurement = raw_measurements[measurement.path]
         # A key rejected by the schema was removed. It must not be reported as missing, too.
@@ -46,21 +46,21 @@ def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             report.add("measurement-shape", (*measurement.path, "highest"), problem, at_key=True)
 
 
-def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_position_range_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the range of one layout has a position to refer to, and matches the movement.
 
     The layout must carry the position that the measurement of its interface, or else of the device, names.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
-    own_measurements = {name: interface.measurement for name, interface in interfaces(as_read)}
-    raw_frames = {frame.owner.path: frame for frame in layouts_of_interfaces(as_read)}
+    groups = by_name(spec.with_invalid_parts.field_groups)
+    own_measurements = {name: interface.measurement for name, interface in interfaces(spec.with_invalid_parts)}
+    raw_frames = {frame.owner.path: frame for frame in layouts_of_interfaces(spec.with_invalid_parts)}
     for frame in layouts_of_interfaces(spec):
         own_range = frame.layout.position_range if frame.layout is not None else None
         if own_range is None or not own_range.is_given:
             continue
         own_measurement = own_measurements[frame.interface]
         has_own_measurement = own_measurement is not None and own_measurement.is_given
-        measurement = own_measurement if has_own_measurement else as_read.measurement
+        measurement = own_measurement if has_own_measurement else spec.with_invalid_parts.measurement
         # The path in the file differs if invalid layouts before this one were removed.
         raw_frame = raw_frames[report.document.original(frame.owner.path)]
         name = quoted(raw_frame.name)

@@ -25,7 +25,7 @@ _LED_NUMBER = re.compile(r"led[ _]?(\d+)", re.IGNORECASE)
 _SHORTEST_COMPARED_WORD, _MOST = 6, 300
 
 
-def check_names_and_meanings(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_names_and_meanings(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no meaning begins with the opposite of a word in the name, as "Write a byte" for ``read``."""
     for name, path, text in _named_texts(spec):
         first_word, _, _ = text.partition(" ")
@@ -39,7 +39,7 @@ def check_names_and_meanings(spec: WrittenSpec, as_read: WrittenSpec, report: Do
             report.add("words-contradict", path, f"{message}; correct one of the two")
 
 
-def check_numbers_of_leds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_numbers_of_leds(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the number of an LED in its name, such as ``led_1``, is the number in its title, as in "LED 1"."""
     for led in spec.leds:
         numbers_of_name, numbers_of_title = _LED_NUMBER.findall(led.part.name), _LED_NUMBER.findall(led.part.title)
@@ -66,7 +66,7 @@ def _named_texts(spec: WrittenSpec) -> Iterator[tuple[str, Path, str]]:
                 yield name, value.place_of("meaning"), value.meaning
 
 
-def check_misspelt_fields(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_misspelt_fields(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no field has the name of another one with a letter more or less, as ``posiion`` for ``position``.
 
     The rarer of the two names is reported, at its first field.

@@ -16,28 +16,30 @@ _NAME_PATTERN = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
 class NameResolver:
-    """Names defined in a spec as read, by kind, and the report for undefined ones.
+    """The names that a spec defines, by kind, and the report of references to undefined names.
 
-    ``groups``, ``registers`` and ``procedures`` are the parts by their names.
+    A name counts as defined even if its part is otherwise invalid. ``groups``, ``registers`` and ``procedures`` contain
+    the parts by name.
     """
 
-    def __init__(self, as_read: WrittenSpec, report: DocumentReport) -> None:
+    def __init__(self, spec: WrittenSpec, report: DocumentReport) -> None:
         self._report = report
-        interfaces = list(as_read.interfaces.data)
-        self.parameter_names = as_read.names_in("parameters")
+        whole_spec = spec.with_invalid_parts
+        interfaces = list(whole_spec.interfaces.data)
+        self.parameter_names = whole_spec.names_in("parameters")
         # Names that are themselves misspelt: unknown interfaces, and names that the schema check rejected.
         self._broken = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
             # A part in a list has its name under 'name', one in a map is a key itself.
-            name = value_at(as_read.data, path) if path[-1] == "name" else path[-1]
+            name = value_at(whole_spec.data, path) if path[-1] == "name" else path[-1]
             if isinstance(name, str) and not _NAME_PATTERN.fullmatch(name):
                 self._broken.add(name)
-        self.groups = by_name(as_read.field_groups)
-        self.registers = by_name(as_read.registers)
-        self.procedures = by_name(as_read.procedures)
+        self.groups = by_name(whole_spec.field_groups)
+        self.registers = by_name(whole_spec.registers)
+        self.procedures = by_name(whole_spec.procedures)
         self._known: Mapping[str, Collection[str]] = {
-            "CRC": by_part_name(as_read.crcs),
-            "erratum": by_name(as_read.errata),
+            "CRC": by_part_name(whole_spec.crcs),
+            "erratum": by_name(whole_spec.errata),
             "field group": self.groups,
             "interface": interfaces,
             "parameter": self.parameter_names,

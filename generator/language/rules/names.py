@@ -47,7 +47,7 @@ TAKEN = {
 Named = tuple[Path, object]
 
 
-def check_device_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_device_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a family and its file have the same name, and that no output reserves it."""
     stem = report.document.family or family_of(report.document.file)
     name = spec.device
@@ -58,7 +58,7 @@ def check_device_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         report.add("device-name", ("device",), f"{quoted(name)} is the name of {TAKEN[name]}; rename the family")
 
 
-def check_duplicate_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that names are unique among items of one kind, within the spec or within the item that contains them."""
     for word, parts in _named_parts(spec).items():
         _check_unique(_yield_labels(parts, "name"), word, report)
@@ -102,7 +102,7 @@ def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
     }
 
 
-def check_duplicate_title(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_title(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two errata have the same title, because readers see only the title."""
     first_paths: dict[str, Path] = {}
     for erratum in spec.errata:
@@ -115,7 +115,7 @@ def check_duplicate_title(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             report.add("duplicate-name", erratum.place_of("title"), message)
 
 
-def check_duplicate_field(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_field(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that fields, joins and runs of digits of a layout or register have unique names.
 
     A decoder returns all of them.
@@ -134,7 +134,7 @@ def check_duplicate_field(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         _check_unique(named_values, "a field", report)
 
 
-def check_duplicate_selection(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_selection(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each value of the selecting field identifies one frame of its sender and interface."""
     first_names: dict[tuple[str, str, int], str] = {}  # The first frame with each value.
     for frame in layouts_of_interfaces(spec):
@@ -154,7 +154,7 @@ def check_duplicate_selection(spec: WrittenSpec, as_read: WrittenSpec, report: D
                 report.add("duplicate-name", (*frame.owner.path, "when", selector, index), message)
 
 
-def check_duplicate_address(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_address(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two registers of an interface and bank share a byte.
 
     A read-only and a write-only register may begin at the same address.
@@ -200,7 +200,7 @@ def _report_overlap(register: WrittenRegister, earlier_register: WrittenRegister
     report.add("duplicate-address", register.place_of("address"), message)
 
 
-def check_value_clash(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_value_clash(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two named values of a field have the same number, because a decoder could not choose."""
     for field_list in field_lists(spec):
         for field in field_list.fields:

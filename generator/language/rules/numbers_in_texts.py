@@ -33,7 +33,7 @@ _KEYS_ABOUT_OTHER_DOCUMENTS = frozenset(("documents", "editions", "evidence"))
 _KEYS_THAT_QUOTE = frozenset(("printed", "title", "why"))
 
 
-def check_characters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_characters(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the hexadecimal characters in the meaning of a text field match its ``equals``."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -50,7 +50,7 @@ def check_characters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
                 report.add("printed-number", field.place_of("equals"), message)
 
 
-def check_constant_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_constant_bits(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a fixed field whose meaning says ``always`` and a single number has this number."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -63,7 +63,7 @@ def check_constant_bits(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                     report.add("printed-number", field.place_of(key), message)
 
 
-def check_counts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_counts(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the counts or revolutions in the meaning of an order code value are those that it sets.
 
     They are computed by the formulas of the measurement, if the value sets all their parameters. Of several
@@ -124,7 +124,7 @@ def _evaluate_formula(formula: Expression, parameters: Mapping[str, int]) -> int
         return None
 
 
-def check_widths(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_widths(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the only range of bits in the meaning of a parameter matches the order codes.
 
     The order codes set the parameter, or the parameters from which it is derived. The bounds are the widths with all of
@@ -165,7 +165,7 @@ def _ranges_set(spec: WrittenSpec) -> dict[str, tuple[int, int]]:
     return {name: (min(set_numbers), max(set_numbers)) for name, set_numbers in numbers_by_parameter.items()}
 
 
-def check_equal_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_equal_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text that gives a number in decimal and in hexadecimal gives the same number.
 
     A text that gives bits and their number, as in ``bits 7:4, which are 4 bits``, must agree as well.
@@ -203,7 +203,7 @@ def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path
             yield path, text
 
 
-def check_standards(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_standards(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text names a usual standard of lines, such as RS-485. Printed texts of errata may name any.
 
     Other standards are accepted by their full names, such as TIA-899.
@@ -218,7 +218,7 @@ def check_standards(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
             report.add("unknown-standard", path, message)
 
 
-def check_figures(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_figures(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a figure that a text names is one of those that the spec lists as lost, if it gives their numbers."""
     lost_numbers: set[int] = set()
     for figure in spec.lost_figures:

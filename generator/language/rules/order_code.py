@@ -16,13 +16,10 @@ from .name_resolver import NameResolver
 from .parts import by_name, origins_of
 
 
-def check_order_code_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of order code values: parameters, interfaces, other parts and their labels.
-
-    ``as_read`` is the spec before its invalid parts were removed, so names that only these define are known too.
-    """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    parts = by_name(as_read.order_code.parts)
+def check_order_code_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the parameters, interfaces, parts and labels named by order code values exist."""
+    resolver = NameResolver(spec, report)
+    parts = by_name(spec.with_invalid_parts.order_code.parts)
     for part in spec.order_code.parts:
         # A part cannot be combined with itself.
         other_parts = [name for name in parts if name != part.name]
@@ -90,9 +87,9 @@ class _Code:
         return names
 
 
-def check_order_code_pattern(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_order_code_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that pattern and parts agree, and then that codes set each parameter once and select one interface."""
-    if not is_whole(spec.data, as_read.data):
+    if not are_codes_complete(spec.data, spec.with_invalid_parts.data):
         return  # Something invalid was removed, which is reported already.
     problems_before = len(report)
     _check_pattern(spec, report)
@@ -110,9 +107,9 @@ def check_order_code_pattern(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         _check_codes(spec, codes, report)
 
 
-def check_ambiguous_order_codes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_ambiguous_order_codes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text on a label can be read in two ways: as two codes, or as one code split in two ways."""
-    if not is_whole(spec.data, as_read.data):
+    if not are_codes_complete(spec.data, spec.with_invalid_parts.data):
         return  # Something invalid was removed, which is reported already.
     parts, pattern = spec.order_code.parts, spec.order_code.pattern
     part_names = {part.name for part in parts}
@@ -160,12 +157,9 @@ def _reading_text(names: Sequence[str], reading: Sequence[str]) -> str:
     return ", ".join(f"{name} {text}" for name, text in zip(names, reading, strict=True))
 
 
-def check_also_written(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels.
-
-    ``as_read`` is the spec before its invalid parts were removed.
-    """
-    if not is_whole(spec.data, as_read.data):
+def check_also_written(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels."""
+    if not are_codes_complete(spec.data, spec.with_invalid_parts.data):
         return  # Invalid parts of the order code were removed from ``spec``, so parts of the spelling could be missing.
     parts = {part.name: part for part in spec.order_code.parts}
     for spelling in spec.order_code.also_written:
@@ -209,13 +203,13 @@ def _without_blanks(label: str) -> str:
     return "".join(label.split()).upper()
 
 
-def is_whole(checked_data: dict[str, object], data_as_read: dict[str, object]) -> bool:
-    """Return True if order codes and parameters are whole, so that no missing part of them causes errors.
+def are_codes_complete(valid_data: dict[str, object], all_data: dict[str, object]) -> bool:
+    """Return True if no part of the order codes and parameters of a spec was removed as invalid, except prose.
 
-    ``checked_data`` is a copy of ``data_as_read`` from which invalid parts were removed. Missing prose is accepted.
+    ``all_data`` is the spec, and ``valid_data`` its copy without the invalid parts.
     """
     for key in ("order_code", "parameters"):
-        if key not in checked_data or _without_prose(checked_data[key]) != _without_prose(data_as_read[key]):
+        if key not in valid_data or _without_prose(valid_data[key]) != _without_prose(all_data[key]):
             return False
     return True
 

@@ -56,11 +56,11 @@ def kind_of_unit(unit: str) -> str:
     return _KIND_OF.get(unit, unit)
 
 
-def check_parameter_interface(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_interface(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an expression of one interface uses no parameter of another, directly or through other parameters."""
-    for path, interface, text in parameter_uses(spec, as_read):
-        for name in dict.fromkeys(all_parameters(text, as_read.parameters)):
-            owner_interface = as_read.parameters[name].interface
+    for path, interface, text in parameter_uses(spec):
+        for name in dict.fromkeys(all_parameters(text, spec.with_invalid_parts.parameters)):
+            owner_interface = spec.with_invalid_parts.parameters[name].interface
             if owner_interface is not None and owner_interface != interface:
                 report.add(
                     "parameter-interface",
@@ -103,13 +103,12 @@ class ParameterUse(NamedTuple):
     text: int | str
 
 
-def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Iterator[ParameterUse]:
+def parameter_uses(spec: WrittenSpec) -> Iterator[ParameterUse]:
     """Yield each use of an expression or parameter by an interface.
 
     A field of a group is yielded for each layout or register that uses the group.
     """
-    spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also contains the invalid groups.
-    groups = by_name(spec_of_groups.field_groups)
+    groups = by_name(spec.with_invalid_parts.field_groups)
     field_owners = list(layouts_of_interfaces(spec))
     field_owners += [FieldList(FieldOwner.REGISTER, register, interface_of(register)) for register in spec.registers]
     for field_list in field_owners:
@@ -206,7 +205,7 @@ def _list_factors(expression_text: object) -> list[Factor]:
     return [factor for term in terms for factor in term.factors * abs(term.multiple)]
 
 
-def check_long_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_long_sums(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter becomes a long sum when the definitions of its parameters are inserted.
 
     Definitions that use others twice each would fill the memory: 30 of them are a sum of 2^30 terms.
@@ -237,7 +236,7 @@ def _count_of_terms(parameter_name: str, parameters: Mapping[str, WrittenParamet
     return counts[parameter_name]
 
 
-def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_origin(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the value of a parameter has at most one origin, and that ``by_code`` occurs only with ``read_from``.
 
     ``by_code`` lists the value for each code in the register, so it excludes limits.
@@ -258,15 +257,15 @@ def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
             report.add("parameter-origin", parameter.place_of(limit_keys[0]), problem, at_key=True)
 
 
-def check_alternative_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the answers of an alternative set the same parameters, and that these name the alternative.
 
     Parameters and examples must name alternatives that exist, and examples their answers.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    alternatives = by_name(as_read.alternatives)
+    resolver = NameResolver(spec, report)
+    alternatives = by_name(spec.with_invalid_parts.alternatives)
     for alternative in spec.alternatives:
-        parameters_as_read = as_read.parameters.items()
+        parameters_as_read = spec.with_invalid_parts.parameters.items()
         own_parameters = [name for name, parameter in parameters_as_read if parameter.alternative == alternative.name]
         _check_answers(alternative, own_parameters, resolver)
     for name, parameter in spec.parameters.items():
@@ -314,17 +313,19 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
                 resolver.report_problem(sets_path, problem)
 
 
-def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that alternatives affect only the places of fields, because generated code can use them only there.
 
     Alternatives with a default affect only verdicts, which do not need a choice. So their parameters are in no
     expression.
     """
-    alternatives = by_name(as_read.alternatives)  # Including invalid parts, which ``spec`` lacks.
-    set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
+    alternatives = by_name(spec.with_invalid_parts.alternatives)
+    set_by_alternative = {
+        name: parameter for name, parameter in spec.with_invalid_parts.parameters.items() if parameter.alternative
+    }
     used_texts = list(expressions(spec))
     # The parameter under 'when', which turns Gray code on, is not an expression.
-    used_texts += [(use.path, use.text) for use in parameter_uses(spec, as_read) if use.path[-1] == "when"]
+    used_texts += [(use.path, use.text) for use in parameter_uses(spec) if use.path[-1] == "when"]
     for path, text in used_texts:
         names = [factor.parameter for factor in _list_factors(text) if factor.parameter in set_by_alternative]
         if not names:
@@ -342,7 +343,7 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             report.add("alternative-use", path, f"{problem}, whose default applies without a choice; {remedy}")
 
 
-def check_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_units(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check the units of fields that equal a parameter, and of the parameters in expressions.
 
     A field and its parameter have units of the same quantity, and each unknown unit counts as a separate quantity.
@@ -351,15 +352,15 @@ def check_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport)
     for field_list in field_lists(spec):
         for field in field_list.fields:
             # None unless ``equals`` is only the name of a parameter.
-            equal_parameter = as_read.parameters.get(str(field.equals))
+            equal_parameter = spec.with_invalid_parts.parameters.get(str(field.equals))
             equal_unit = equal_parameter.unit if equal_parameter is not None else ""
             if field.unit and equal_unit and kind_of_unit(field.unit) != kind_of_unit(equal_unit):
                 problem = f"{quoted(field.name)} is in {field.unit}, but it equals {quoted(field.equals)}"
                 report.add("unit-mismatch", field.place_of("unit"), f"{problem}, which is in {equal_unit}")
     for path, text in expressions(spec):
         for factor in _list_factors(text):
-            if factor.parameter in as_read.parameters:
-                _check_unit_of_factor(path, factor, as_read.parameters[factor.parameter].unit, report)
+            if factor.parameter in spec.with_invalid_parts.parameters:
+                _check_unit_of_factor(path, factor, spec.with_invalid_parts.parameters[factor.parameter].unit, report)
 
 
 def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: DocumentReport) -> None:
@@ -379,7 +380,7 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
     report.add("unit-mismatch", path, message)
 
 
-def check_parameter_cycle(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_cycle(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself, directly or through other parameters."""
     definitions: dict[str, tuple[str, ...]] = {}
     for name, parameter in spec.parameters.items():

@@ -1,7 +1,7 @@
 """Iterators over the parts of a spec, shared by several rules.
 
-Rules check the pruned data, which follows the schema. Existing names are looked up in the data as read, because a name
-is still defined if something else about its item is wrong.
+Rules check the valid parts of a spec. They look up names in ``spec.with_invalid_parts``, because a name is still
+defined if something else about its part is wrong.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from ..written_interfaces import WrittenBiss, WrittenControlData, WrittenRs485, 
 from ..written_layouts import WrittenField, WrittenFieldGroup, WrittenLayout
 from ..written_parts import WrittenSpec
 
-#: A rule, called with the pruned data, the data as read, and the report.
-Rule = Callable[[WrittenSpec, WrittenSpec, DocumentReport], None]
+#: A rule, called with a spec that contains only valid parts, and the report to which it adds problems.
+Rule = Callable[[WrittenSpec, DocumentReport], None]
 WrittenInterface = WrittenSsi | WrittenBiss | WrittenRs485 | WrittenSpi
 #: Owner of a list of fields.
 Owner = WrittenLayout | WrittenRegister | WrittenFieldGroup | WrittenControlData

@@ -33,12 +33,12 @@ _FLAG_WORDS = ("active", "inactive")
 Fields = Mapping[str, WrittenField]
 
 
-def check_value_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_value_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value has a verdict only where a frame with a position has it, and that an error has one there.
 
     A group is in such a frame if one of them uses it. An error is a value named as an error.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     position_frames = [
         field_list for field_list in layouts_of_interfaces(spec) if _has_position(spec, field_list, groups)
     ]
@@ -102,13 +102,13 @@ def _has_position(spec: WrittenSpec, fields: FieldList, groups: Groups) -> bool:
     return not names.isdisjoint(position_names(spec, fields.interface))
 
 
-def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_combinations(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that combinations are in frames with a position, that their conditions exist, and that each can decide.
 
     A combination gives the verdict while several fields have certain values. It never decides if one of its conditions,
     or a combination with some of them, already gives the same verdict or a worse one.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for frame in layouts_of_interfaces(spec):
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
         if listed_combinations and not _has_position(spec, frame, groups):
@@ -129,9 +129,9 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
             _check_can_decide(combination, verdicts_of_parts, report)
 
 
-def check_report_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_report_names(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for frame in layouts_of_interfaces(spec):
         used_names = set(readable_names(frame, groups))
         for path, name in _report_names(frame, groups):
@@ -279,7 +279,7 @@ def _is_part(other_combination: WrittenCombination, combination: WrittenCombinat
     return len(conditions) > 1 and conditions <= combination.when.items()
 
 
-def check_default_answers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_default_answers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a default is the first answer, and that the answers set one parameter that a flag uses.
 
     The default sets it to 0, and each other answer to 1. Flags use it in ``makes_position_if``.
@@ -326,19 +326,21 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
                 report.add("alternative-default", (*sets_path, parameter), message)
 
 
-def check_verdicts_by_answer(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_verdicts_by_answer(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check the verdicts in ``makes_position_if``, which replaces ``makes_position`` for some answers.
 
     Each belongs to a parameter of an alternative with a default, and differs from the verdict without a choice.
     """
     alternatives_with_default = {
-        name for name, alternative in by_name(as_read.alternatives).items() if alternative.has("default")
+        name
+        for name, alternative in by_name(spec.with_invalid_parts.alternatives).items()
+        if alternative.has("default")
     }
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, verdict in field.makes_position_if.items():
                 verdict_path = (*field.place_of("makes_position_if"), name)
-                parameter = as_read.parameters.get(name)
+                parameter = spec.with_invalid_parts.parameters.get(name)
                 if parameter is None or parameter.alternative not in alternatives_with_default:
                     reason = f"{quoted(name)} is not a parameter of an alternative with a default"
                     report.add(

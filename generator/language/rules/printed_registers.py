@@ -20,7 +20,7 @@ _PRINTED_WRITE = re.compile(
 )
 
 
-def check_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_addresses(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the printed addresses of a register, such as ``0x4B-0x4D``, match its address and length."""
     for register in spec.registers:
         if register.addresses is None:
@@ -42,7 +42,7 @@ def _address_text(first: int, last: int) -> str:
     return f"{first:#04x}" if first == last else f"{first:#04x} to {last:#04x}"
 
 
-def check_default_lists(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_default_lists(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the manual's list of defaults matches the registers, except for rows explained by an erratum.
 
     A row is about a whole register, given by ``bytes``, or about some bits of it, given by ``at`` and ``value``.
@@ -163,7 +163,7 @@ class _Write:
         return text
 
 
-def check_writes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_writes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the printed writes of a procedure match its steps.
 
     A procedure with a step whose write is not known is not checked.

@@ -30,7 +30,7 @@ Registers = Mapping[str, WrittenRegister]
 _IMPOSSIBLE_ACCESS = {"write": "read_only", "read": "write_only", "poll": "write_only"}
 
 
-def check_step_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_step_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each step has the keys of its kind, and conditions for several requests only if it sends several."""
     for procedure in spec.procedures:
         for step in procedure.steps:
@@ -54,13 +54,13 @@ def _check_repeated(step: WrittenStep, report: DocumentReport) -> None:
             return
 
 
-def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_step_access(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers that are written are writable, and that those that are read are readable.
 
     To write one field of a register with other bits, a step reads the register first.
     """
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
-    groups = by_name(as_read.field_groups)
+    registers = by_name(spec.with_invalid_parts.registers)
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = _register_of(step, registers)
@@ -114,7 +114,7 @@ def _check_read_registers(spec: WrittenSpec, write_only: Collection[str], report
             report.add("access-mismatch", (*alarm.path, "register"), message)
 
 
-def check_step_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_step_waits(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure waits long enough after a write that takes time, until its next write or its end."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -151,7 +151,7 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
     return waits[0].place_of("at_least_ms"), f"the wait here is {total_ms} ms"
 
 
-def check_opening_steps(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure writes the value that opens a register before it writes the register.
 
     Only the last of its writes to the opener before counts. If there is none, another procedure may open the register.
@@ -187,9 +187,9 @@ def _writes_opening_value(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
     return is_opening_register and is_opening_field
 
 
-def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_written_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that some step of a procedure writes each of its arguments."""
-    procedures = by_name(as_read.procedures)  # Including invalid parts, which ``spec`` lacks.
+    procedures = by_name(spec.with_invalid_parts.procedures)
     for procedure in spec.procedures:
         # A step rejected by the schema may be the one that writes it.
         raw_procedure = procedures.get(procedure.name, procedure)
@@ -203,10 +203,10 @@ def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
                 report.add("argument-not-written", argument.place_of("name"), message)
 
 
-def check_procedure_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_procedure_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure named after a value of a register writes this value if it writes named values there."""
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
-    groups = by_name(as_read.field_groups)
+    registers = by_name(spec.with_invalid_parts.registers)
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
         writes_by_register: dict[str, list[WrittenStep]] = {}
@@ -227,14 +227,14 @@ _SAVE_WORDS = re.compile(r"(?:save|store|burn)(?:_.*)?")
 _ANY_BANK = "any"
 
 
-def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_saves_before_writes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure writes its arguments before it saves, unless a note of the procedure explains it.
 
     The last write of a value called save, store or burn counts. Arguments in volatile registers need no saving.
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
+    registers = by_name(spec.with_invalid_parts.registers)
     for procedure in spec.procedures:
         if procedure.note:
             continue
@@ -268,9 +268,9 @@ def _first_unsaved(later_steps: Iterable[WrittenStep], arguments: set[str], regi
     return ""
 
 
-def check_named_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_named_bank(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interface of a register in a bank has banks and names the register that selects them."""
-    biss = as_read.interfaces.biss
+    biss = spec.with_invalid_parts.interfaces.biss
     is_select_named = biss is not None and biss.has("bank_select")
     for register in spec.registers:
         if register.bank is None:
@@ -289,13 +289,13 @@ def check_named_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             report.add("bank-not-selected", register.place_of("bank"), message)
 
 
-def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_selected_bank(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure selects the bank before it accesses a register in it. An argument may select any bank."""
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
-    select = bank_select(as_read)
+    registers = by_name(spec.with_invalid_parts.registers)
+    select = bank_select(spec.with_invalid_parts)
     if not select:
         return
-    bank_numbers = _number_by_name(registers.get(select, _NO_REGISTER), as_read)
+    bank_numbers = _number_by_name(registers.get(select, _NO_REGISTER), spec)
     for procedure in spec.procedures:
         selected_bank: object = None
         for step in procedure.steps:
@@ -310,10 +310,10 @@ def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                 report.add("bank-not-selected", step.place_of("register"), message)
 
 
-def _number_by_name(register: WrittenRegister, as_read: WrittenSpec) -> dict[str, int | None]:
+def _number_by_name(register: WrittenRegister, spec: WrittenSpec) -> dict[str, int | None]:
     """Return the numbers of all named values of a register by their names. Invalid numbers are None."""
     numbers_by_name: dict[str, int | None] = {}
-    for field in fields_of(register, by_name(as_read.field_groups)):
+    for field in fields_of(register, by_name(spec.with_invalid_parts.field_groups)):
         numbers_by_name |= dict.fromkeys(value_names(field))  # None for each, also for invalid ones.
         for name, value in field.values.items():
             numbers_by_name[name] = value.value if value.is_valid("value") else None

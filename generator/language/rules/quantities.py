@@ -65,7 +65,7 @@ _UNIT_CONVERSIONS: Mapping[tuple[str, str], Callable[[float], float]] = {
 _CELL_WITH_NUMBER = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:\.\d+)?")
 
 
-def check_quantity_text(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_quantity_text(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that quantities of a characteristic have possible units and bounds, and the same numbers as its text."""
     for characteristic in spec.characteristics:
         text = characteristic.part.value
@@ -139,7 +139,7 @@ def _possible_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
             yield nominal + tolerance
 
 
-def check_repeated_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the supply ranges and the thresholds in texts match 'supply' of the spec and 'below_mv' of alarms."""
     supply_ranges = _supply_ranges(spec)
     for characteristic in spec.characteristics:
@@ -206,7 +206,7 @@ def _flags_of(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
     return [field for field in fields_of_owner if field.name == alarm.field]
 
 
-def check_repeated_times(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_times(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that neither a text nor an erratum contradicts the times that it concerns.
 
     A text is compared with the times next to it, or else with the times of its register, procedure, timing or input. An
@@ -355,7 +355,7 @@ def _yield_texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]
             yield from _yield_texts(value, (*path, index))
 
 
-def check_conversions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_conversions(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that quantities that are given in two units are the same in both, in ``values`` and within texts."""
     for characteristic in spec.characteristics:
         indices_by_quantity: dict[tuple[str, str], list[int]] = {}
@@ -421,7 +421,7 @@ def _half_digit(printed_number: Decimal | float) -> float:
     return 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0
 
 
-def check_column_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_column_units(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with units has one per column, and only numbers in the columns whose unit is not empty."""
     for table in spec.tables:
         units, columns = table.part.units, table.part.columns
@@ -439,7 +439,7 @@ def check_column_units(spec: WrittenSpec, as_read: WrittenSpec, report: Document
                     report.add("column-units", (*table.path, "rows", row_index, column_index), message)
 
 
-def check_table_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_table_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each row of a table has one cell per column."""
     for table in spec.tables:
         column_count = len(table.part.columns)

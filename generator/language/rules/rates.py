@@ -33,7 +33,7 @@ _PATH_OF_PRINTED_TIMEOUTS = ".".join((*_PATH_OF_TIMEOUT, "printed"))
 _NS_PER_S, _NS_PER_US = 1_000_000_000, 1000
 
 
-def check_round_rates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_round_rates(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that rates have at most three significant digits, as in data sheets.
 
     Slow rates and standard baud rates are accepted, and so is a rate that a note of the interface gives.
@@ -74,7 +74,7 @@ def _yield_rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]
                 yield (*row.path, "below_hz"), row.part.below_hz, "Hz"
 
 
-def check_rates_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_rates_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no clock or baud rate over RS-422 or RS-485 is above 10 MHz, unless a note of the interface gives it.
 
     An interface has such lines if it is RS-485 or its signals say so. Clocks for cables have a rule of their own.
@@ -97,7 +97,7 @@ def check_rates_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
                 report.add("implausible-rate", path, message)
 
 
-def check_monoflop(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_monoflop(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the monoflop time of SSI is between half a period of the slowest clock and the pause.
 
     The shortest time that a timing gives counts, for the pause only a guaranteed time. A time outside this range needs
@@ -151,7 +151,7 @@ def _find_shortest(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
     return None, ""
 
 
-def check_cable_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_cable_clocks(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each clock limit for cables is within the limits of the clock, unless an erratum explains it."""
     ssi = spec.interfaces.ssi
     if ssi is None:
@@ -183,7 +183,7 @@ def _check_cable_clock(row: LocatedPart[CableLength], clock: Clock, report: Docu
     report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {place}")
 
 
-def check_timeouts_and_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_timeouts_and_clocks(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a BiSS time-out is longer than half a clock period and, if it follows the clock, in half periods.
 
     Printed time-outs without a rule are then whole numbers of half periods, apart from rounding to nanoseconds.
@@ -237,7 +237,7 @@ def _check_longest_timeout(
             report.add("timeout-mismatch", (*timeout.path, "at_most_ns"), message)
 
 
-def check_timeout_mismatch(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_timeout_mismatch(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the time-outs of BiSS that the manual calculates match its rule, and are at possible clocks."""
     biss = spec.interfaces.biss
     if biss is None:

@@ -34,15 +34,15 @@ from .parts import (
 _NUMBER_KIND = "digits"
 
 
-def check_field_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_field_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of fields and layouts: groups, CRCs, sibling fields, joined numbers, parameters, data IDs.
 
     A group may use data IDs, because its interface is not known.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for field_list in field_lists(spec):
         names = list(field_names(field_list, resolver.groups))
-        has_data_ids = field_list.kind is FieldOwner.GROUP or bool(_data_ids(as_read, field_list.interface))
+        has_data_ids = field_list.kind is FieldOwner.GROUP or bool(_data_ids(spec, field_list.interface))
         for field in field_list.fields:
             _check_field(field, names, list(field_list.joins), resolver)
             if field.values_of and not has_data_ids:
@@ -52,9 +52,9 @@ def check_field_references(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
         _check_layout(field_list, names, resolver)
 
 
-def _data_ids(as_read: WrittenSpec, interface: str) -> object:
+def _data_ids(spec: WrittenSpec, interface: str) -> object:
     """Return the table of data IDs of an interface as read, in any shape, or None if there is none."""
-    return WrittenRs485(as_read.interfaces.data.get(interface)).data.get("data_ids")
+    return WrittenRs485(spec.with_invalid_parts.interfaces.data.get(interface)).data.get("data_ids")
 
 
 def _check_layout(fields: FieldList, names: Sequence[str], resolver: NameResolver) -> None:
@@ -91,12 +91,12 @@ def _check_field(field: WrittenField, names: Sequence[str], joins: Sequence[str]
         resolver.refer_to_bit((*field.path, "explained_by", index), text)
 
 
-def check_register_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_register_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of registers: their interface, their opener, the field that their limits apply to."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for register in spec.registers:
         resolver.refer_if_given(register.place_of("interface"), "interface", register.interface)
-        if register.interface is None and Biss.name not in as_read.interfaces.data:
+        if register.interface is None and Biss.name not in spec.with_invalid_parts.interfaces.data:
             message = f"registers belong to {Biss.name} by default, but this device has no {Biss.name}; add 'interface'"
             report.add("undefined-reference", register.path, message)
         if register.opened_by is not None:
@@ -136,12 +136,12 @@ def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> N
         resolver.refer_if_given(meaning.place_of("is"), kind, meaning.is_, resolver.values(name, field))
 
 
-def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_device_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of parameters, hardware inputs, measurements and the register that selects banks.
 
     A measurement names a field or joined number that occurs in some frame.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for parameter in spec.parameters.values():
         if parameter.read_from:
             resolver.refer_to_bit(parameter.place_of("read_from"), parameter.read_from)
@@ -151,19 +151,19 @@ def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             if text:
                 resolver.refer_to_bit((*hardware_input.path, key), text)
     readable_values: dict[str, None] = {}
-    for frame in layouts_of_interfaces(as_read):
+    for frame in layouts_of_interfaces(spec.with_invalid_parts):
         readable_values |= dict.fromkeys(readable_names(frame, resolver.groups))
     for measurement in measurements(spec):
         if measurement.has("of"):
             resolver.refer((*measurement.path, "of"), "field or joined number", measurement.part.of, readable_values)
-            _check_measured_field(measurement, as_read, resolver, report)
+            _check_measured_field(measurement, spec, resolver, report)
     biss = spec.interfaces.biss
     if biss is not None:
         resolver.refer_if_given(biss.place_of("bank_select"), "register", biss.bank_select)
 
 
 def _check_measured_field(
-    measurement: LocatedPart[Measurement], as_read: WrittenSpec, resolver: NameResolver, report: DocumentReport
+    measurement: LocatedPart[Measurement], spec: WrittenSpec, resolver: NameResolver, report: DocumentReport
 ) -> None:
     """Check that a field with the measured position is a number in at least one frame of the encoder.
 
@@ -173,7 +173,7 @@ def _check_measured_field(
     path = measurement.path
     is_of_device = path == ("measurement",)
     kinds_in_frames = []
-    for frame in layouts_of_interfaces(as_read):
+    for frame in layouts_of_interfaces(spec.with_invalid_parts):
         # The path of a measurement of an interface contains the name of the interface.
         is_measured = is_of_device or frame.interface in path
         field = field_names(frame, resolver.groups).get(name)
@@ -191,9 +191,9 @@ def _kind_of(field: WrittenField) -> str:
     return kinds[0] if kinds else _NUMBER_KIND
 
 
-def check_alarm_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_alarm_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of alarms: the flag in a field group or register, and the procedures that clear them."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for located_alarm in spec.alarms:
         alarm = located_alarm.part
         path = located_alarm.path
@@ -214,10 +214,10 @@ def _check_flag(alarm: Alarm, path: Path, resolver: NameResolver) -> None:
         resolver.refer_if_given(path, f"field of {quoted(owner_name)} called", alarm.field, by_name(owner.fields))
 
 
-def check_by_hand_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_by_hand_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that manual remedies name characteristics whose text has numbered steps."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    characteristics = by_part_name(as_read.characteristics).items()
+    resolver = NameResolver(spec, report)
+    characteristics = by_part_name(spec.with_invalid_parts.characteristics).items()
     names_with_steps = [name for name, characteristic in characteristics if has_steps(characteristic.part.value)]
     for path, names in _remedies_by_hand(spec):
         resolver.refer_to_each((*path, "by_hand"), "characteristic with numbered steps called", names, names_with_steps)
@@ -235,9 +235,9 @@ def _remedies_by_hand(spec: WrittenSpec) -> Iterator[tuple[Path, Sequence[str]]]
             yield field.path, field.by_hand
 
 
-def check_procedure_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_procedure_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of procedures: interface, registers of arguments and steps, their values, data IDs."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for procedure in spec.procedures:
         resolver.refer_if_given(procedure.place_of("interface"), "interface", procedure.interface)
         for argument in procedure.arguments:
@@ -246,7 +246,7 @@ def check_procedure_references(spec: WrittenSpec, as_read: WrittenSpec, report: 
             if register is not None:
                 kind = f"meaning of {quoted(argument.of)} called"
                 resolver.refer_if_given(argument.place_of("as"), kind, argument.as_, by_name(register.meanings))
-        interface = WrittenRs485(as_read.interfaces.data.get(procedure.interface))
+        interface = WrittenRs485(spec.with_invalid_parts.interfaces.data.get(procedure.interface))
         data_ids = by_part_name(interface.data_ids)
         for step in procedure.steps:
             _check_step(step, procedure, resolver)
@@ -286,10 +286,10 @@ def _check_written_value(
         resolver.report_problem(path, f"{quoted(name)} has other bits, too; {remedy}")
 
 
-def check_example_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_example_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the arguments and fields with values, and errata."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    known_layouts = {frame.name: frame for frame in layouts_of_interfaces(as_read) if frame.name}
+    resolver = NameResolver(spec, report)
+    known_layouts = {frame.name: frame for frame in layouts_of_interfaces(spec.with_invalid_parts) if frame.name}
     for example in spec.examples:
         resolver.refer_if_given(example.place_of("procedure"), "procedure", example.procedure)
         resolver.refer_if_given(example.place_of("erratum"), "erratum", example.erratum)
@@ -321,12 +321,12 @@ def _check_example_values(
 _LISTS_LEFT_OUT_OF_PATHS = ("layouts", "fields", "combinations")
 
 
-def check_erratum_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_erratum_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each path affected by an erratum exists and omits the lists of layouts, fields and combinations.
 
     A path such as ``interfaces.biss.word.crc`` is followed step by step. The first missing step is reported.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     # The possible next steps of each map or list by its id, because many errata affect the same places.
     next_nodes_by_id: dict[int, dict[str, object]] = {}
     for erratum in spec.errata:
@@ -337,7 +337,7 @@ def check_erratum_references(spec: WrittenSpec, as_read: WrittenSpec, report: Do
                 problem = f"no output would find {quoted(affected)}; write {'.'.join(steps_without_lists)}"
                 report.add("undefined-reference", (*erratum.path, "affects", index), problem)
                 continue
-            node: object = as_read.data
+            node: object = spec.with_invalid_parts.data
             for step in steps:
                 if id(node) not in next_nodes_by_id:
                     next_nodes_by_id[id(node)] = dict(_next_steps(node))
@@ -377,9 +377,9 @@ def _named_items(items: list[object]) -> Iterator[tuple[str, object]]:
             yield str(list_item["name"]), list_item
 
 
-def check_expressions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_expressions(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that every expression is valid, and that every parameter in it exists."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for path, text in parameters.expressions(spec):
         try:
             names = Expression.parse(text).parameters
@@ -393,9 +393,9 @@ def check_expressions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             resolver.refer(path, "parameter", name)
 
 
-def check_printed_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_printed_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers, fields and errata named in the manual's list of defaults exist."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for printed in spec.printed_defaults:
         resolver.refer_if_given(printed.place_of("register"), "register", printed.register)
         if printed.register in resolver.registers:
@@ -405,19 +405,19 @@ def check_printed_references(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         resolver.refer_if_given(printed.place_of("erratum"), "erratum", printed.erratum)
 
 
-def check_connector_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_connector_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interfaces that a connector is wired for exist."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for connector in spec.connectors:
         resolver.refer_to_each((*connector.path, "interfaces"), "interface", connector.part.interfaces)
 
 
-def check_unused_crc(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_unused_crc(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each CRC is used by a field in some list of fields, or has a note."""
     used_crcs: set[str] = set()
-    for field_list in field_lists(as_read):
+    for field_list in field_lists(spec.with_invalid_parts):
         used_crcs |= {field.crc for field in field_list.fields if field.crc}
-    if not used_crcs <= by_part_name(as_read.crcs).keys():
+    if not used_crcs <= by_part_name(spec.with_invalid_parts.crcs).keys():
         return  # A misspelt name, which another rule reports, may be meant as the unused CRC.
     for crc in spec.crcs:
         name = crc.part.name
@@ -428,17 +428,19 @@ def check_unused_crc(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             report.add("unused-crc", (*crc.path, "name"), f"{problem}; {remedy}")
 
 
-def check_evidence_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_evidence_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check the names of documents, implementations and examples in the evidence.
 
     The manual is a document too, under ``manual`` and the language of each edition.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     evidence = spec.evidence
-    documents = as_read.names_in("documents")
-    languages = [edition.part.language for edition in as_read.manual.editions]
+    documents = spec.with_invalid_parts.names_in("documents")
+    languages = [edition.part.language for edition in spec.with_invalid_parts.manual.editions]
     for key in evidence.part.documents:
         resolver.refer((*evidence.path, "documents", key), "document", key, ("manual", *languages, *documents))
     implementations_path = (*evidence.path, "implementations")
     resolver.refer_to_each(implementations_path, "document", evidence.part.implementations, documents)
-    resolver.refer_to_each((*evidence.path, "vectors"), "example", evidence.part.vectors, by_name(as_read.examples))
+    resolver.refer_to_each(
+        (*evidence.path, "vectors"), "example", evidence.part.vectors, by_name(spec.with_invalid_parts.examples)
+    )

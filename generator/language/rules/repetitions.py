@@ -36,7 +36,7 @@ _CHARACTER_LENGTH = re.compile(r"\b(nine|ten|eleven|twelve|9|1[0-2]) bits\b", re
 _PARITY_IN_TEXT = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
 
 
-def check_repeated_items(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_items(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no item of a list that is a set, by its key, occurs twice."""
     for path, set_items in _unique_lists((), spec.data):
         for index, set_item in enumerate(set_items):
@@ -75,7 +75,7 @@ class _NamedText(NamedTuple):
     path: Path
 
 
-def check_repeated_text(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_text(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of a bank, fields of a frame, and values of a field do not have the text of a neighbour."""
     registers_by_bank: dict[object, list[WrittenRegister]] = {}
     for register in spec.registers:
@@ -133,7 +133,7 @@ def _report_repeated(text_key: str, texts: Iterable[_NamedText], report: Documen
             report.add("repeated-text", path, message)
 
 
-def check_description_file(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_description_file(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the name of the description file of BiSS contains the manufacturer ID of the register.
 
     This ID is two ASCII characters, and in the name their four hexadecimal digits.
@@ -154,7 +154,7 @@ def check_description_file(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
         report.add("description-file", biss.place_of("description_file"), message)
 
 
-def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_alignment(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the SSI word has the alignment that the contents and the order code name, if they name only one."""
     ssi = spec.interfaces.ssi
     texts = [section.title for section in spec.manual.contents.values()]
@@ -175,7 +175,7 @@ def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
         report.add("alignment-mismatch", ssi.place_of("alignment"), message)
 
 
-def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_serial_port(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the note of an RS-485 interface has the stop bits, parity and bits per character of its port."""
     rs485 = spec.interfaces.rs485
     if rs485 is None or not rs485.port.is_given:
@@ -217,7 +217,7 @@ def _compare_with_port(
                 return
 
 
-def check_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_bounds(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the lowest and the highest number of a quantity are different."""
     for characteristic in spec.characteristics:
         for index, value in enumerate(characteristic.part.values):
@@ -226,7 +226,7 @@ def check_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
                 report.add("quantity-text", (*characteristic.path, "values", index, "min"), message)
 
 
-def check_numbers_of_conditions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_numbers_of_conditions(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers in ``where``, the condition of a quantity, are in the text of the characteristic."""
     for characteristic in spec.characteristics:
         printed_numbers = set(_NUMBER_IN_TEXT.findall(characteristic.part.value))
@@ -243,7 +243,7 @@ _NUMBER_IN_TEXT = re.compile(r"(?<![\w.,])\d+(?:\.\d+)?(?![\w,]*\d)")
 _HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
 
 
-def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_address_tables(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with first and last addresses has ranges in ascending order, with equally many digits.
 
     Rows in which the first or last address is not a hexadecimal number are skipped.
@@ -274,7 +274,7 @@ _WORD_WITH_DIGITS = re.compile(r"\b[A-Za-z]+\d\w*")
 _SHORTEST_START = 5
 
 
-def check_swapped_letters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_swapped_letters(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text has the characters of the start of an order code in another order, such as ABC12 for ABC21.
 
     The start is the text before the first part. Short starts are not compared.

@@ -33,17 +33,17 @@ _WIDEST_WORD = 64
 def check_exchanges(
     interface: WrittenRs485 | WrittenSpi,
     raw_interface: WrittenRs485 | WrittenSpi,
-    as_read: WrittenSpec,
+    spec: WrittenSpec,
     rule: str,
     report: DocumentReport,
 ) -> None:
-    """Check that the frames of exchanges exist, and that no two have the same request.
+    """Check that the frames of exchanges exist, and that no two exchanges have the same request.
 
     A request for the position needs a measurement, because without one no output has a position. Problems are reported
-    under ``rule``. ``raw_interface`` and ``as_read`` also contain the parts that were removed as invalid.
+    under ``rule``. ``raw_interface`` is the same interface together with its invalid parts.
     """
     _check_layouts(interface.exchanges, by_name(raw_interface.layouts), report)
-    has_measurement = as_read.has("measurement") or raw_interface.has("measurement")
+    has_measurement = spec.with_invalid_parts.has("measurement") or raw_interface.has("measurement")
     earlier_requests = set()
     for exchange in interface.exchanges:
         request = exchange.request
@@ -85,12 +85,12 @@ _EXCHANGE_RULE = "rs485-exchange"
 _OF_DATA_IDS = ("data_ids", "memory_access")
 
 
-def check_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_requests(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an RS-485 interface describes its requests: by data IDs, or by exchanges of a request and its reply.
 
     A character of a frame must have 8 data bits.
     """
-    interface, raw_interface = spec.interfaces.rs485, as_read.interfaces.rs485
+    interface, raw_interface = spec.interfaces.rs485, spec.with_invalid_parts.interfaces.rs485
     if interface is None or raw_interface is None or not interface.is_given:
         return
     port = interface.port
@@ -106,7 +106,7 @@ def check_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
         if interface.has(key):
             message = f"{quoted(key)} belongs to frames as in the T-format; keep either it or 'exchanges'"
             report.add(_EXCHANGE_RULE, interface.place_of(key), message, at_key=True)
-    check_exchanges(interface, raw_interface, as_read, _EXCHANGE_RULE, report)
+    check_exchanges(interface, raw_interface, spec, _EXCHANGE_RULE, report)
     _check_frames_of_rs485(interface, report)
 
 
@@ -137,19 +137,19 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
 _FIELDS_FOR_ACCESS = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
 
 
-def check_spi_exchanges(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_spi_exchanges(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each frame over SPI is a request or its reply, and that accesses to registers have their fields."""
-    interface, raw_interface = spec.interfaces.spi, as_read.interfaces.spi
+    interface, raw_interface = spec.interfaces.spi, spec.with_invalid_parts.interfaces.spi
     if interface is None or raw_interface is None or not interface.is_given:
         return
-    check_exchanges(interface, raw_interface, as_read, "spi-exchange", report)
-    _check_registers(spec, as_read, report)
+    check_exchanges(interface, raw_interface, spec, "spi-exchange", report)
+    _check_registers(spec, report)
     _check_lengths(interface, report)
     _check_frames(interface, report)
-    _check_accesses(interface, raw_interface, as_read, report)
+    _check_accesses(interface, raw_interface, spec, report)
 
 
-def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def _check_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers over SPI have no byte order and identify no encoder, and that no parameter is read there."""
     for register in spec.registers:
         if interface_of(register) != Spi.name:
@@ -164,7 +164,7 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             if field.equals is not None:
                 message = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
                 report.add("spi-exchange", field.place_of("equals"), message, at_key=True)
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
+    registers = by_name(spec.with_invalid_parts.registers)
     for name, parameter in spec.parameters.items():
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if interface_of(registers.get(register_name)) == Spi.name:
@@ -227,15 +227,15 @@ def _free_fields(layout: WrittenLayout | None) -> Iterator[str]:
 
 
 def _check_accesses(
-    interface: WrittenSpi, raw_interface: WrittenSpi, as_read: WrittenSpec, report: DocumentReport
+    interface: WrittenSpi, raw_interface: WrittenSpi, spec: WrittenSpec, report: DocumentReport
 ) -> None:
     """Check that registers have exchanges for their accesses, and that the frames of these have the needed fields.
 
     Only one exchange may read registers.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     layouts = by_name(raw_interface.layouts)
-    spi_registers = [register for register in as_read.registers if interface_of(register) == Spi.name]
+    spi_registers = [register for register in spec.with_invalid_parts.registers if interface_of(register) == Spi.name]
     for purpose, (needed_in_request, needed_in_reply) in _FIELDS_FOR_ACCESS.items():
         accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
         _check_fields(accesses, "request", needed_in_request, layouts, groups, report)
@@ -294,7 +294,7 @@ def _as_fields(layout: WrittenLayout) -> FieldList:
     return FieldList(FieldOwner.LAYOUT, layout, Spi.name)
 
 
-def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_requests_that_write(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that constants distinguish each request from those that write, unless a note of its layout explains it.
 
     Two words can be equal if they have the same length and no constant bit differs. Only a write with constants and an
@@ -305,7 +305,7 @@ def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: D
     # A second reading repeats printed facts, without the notes that may explain them.
     if interface is None or is_second(report.document.file):
         return
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     layouts = by_name(interface.layouts)
     bits_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]

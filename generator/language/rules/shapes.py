@@ -37,7 +37,7 @@ _BESIDE_USE = frozenset(("use", "note", "source"))
 _WIDTH_FOLLOWS = ("active", "parity_of", "crc")
 
 
-def check_layout_keys(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_layout_keys(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that fields and layouts have valid combinations of keys. A field with ``use`` only includes a group."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -48,7 +48,7 @@ def check_layout_keys(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                 _check_others(field_list, field, report)
         _check_placing(field_list, report)
         if field_list.layout is not None:
-            _check_carriage(field_list, field_list.layout, as_read, report)
+            _check_carriage(field_list, field_list.layout, spec, report)
 
 
 def _check_use(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
@@ -219,7 +219,7 @@ def _check_placing(fields: FieldList, report: DocumentReport) -> None:
     report.add("layout-keys", field.path, message)
 
 
-def _check_carriage(fields: FieldList, layout: WrittenLayout, as_read: WrittenSpec, report: DocumentReport) -> None:
+def _check_carriage(fields: FieldList, layout: WrittenLayout, spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a layout has only keys for the way in which it is carried, as bits or as bytes.
 
     Without ``carried_as``, it is carried in the way of its interface.
@@ -227,7 +227,7 @@ def _check_carriage(fields: FieldList, layout: WrittenLayout, as_read: WrittenSp
     interface = INTERFACES[fields.interface]
     carried_as = layout.carried_as or interface.carried_as
     name = quoted(layout.name)
-    if carried_as == "bytes" and not layout.byte_order and not _is_one_byte(layout, as_read):
+    if carried_as == "bytes" and not layout.byte_order and not _is_one_byte(layout, spec):
         message = f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first"
         report.add("layout-keys", layout.path, message)
     if carried_as == "bits":
@@ -260,7 +260,7 @@ def _wrong_order(interface: str, layout: WrittenLayout) -> str:
     return ""
 
 
-def _is_one_byte(layout: WrittenLayout, as_read: WrittenSpec) -> bool:
+def _is_one_byte(layout: WrittenLayout, spec: WrittenSpec) -> bool:
     """Return True if the layout is one byte whose fields need no order: a single field, or all with places.
 
     The single field may be a group, a CRC, a padded field or one with a constant width.
@@ -271,8 +271,8 @@ def _is_one_byte(layout: WrittenLayout, as_read: WrittenSpec) -> bool:
     if len(layout.fields) > 1:
         return False
     field = layout.fields[0]
-    group = by_name(as_read.field_groups).get(field.use)
-    crc = by_part_name(as_read.crcs).get(field.crc)
+    group = by_name(spec.with_invalid_parts.field_groups).get(field.use)
+    crc = by_part_name(spec.with_invalid_parts.crcs).get(field.crc)
     if group is not None and group.bits:
         return group.bits == 8
     if crc is not None and crc.part.width:
@@ -289,7 +289,7 @@ def _top_bit(field: WrittenField) -> int:
     return int(top_bit) if is_bit_number else 0
 
 
-def check_missing_byte_orders(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_missing_byte_orders(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of several bytes with addresses have a byte order, because no default is safe."""
     for register in spec.registers:
         interface = INTERFACES.get(interface_of(register))
@@ -303,7 +303,7 @@ def check_missing_byte_orders(spec: WrittenSpec, as_read: WrittenSpec, report: D
             report.add("byte-order-missing", register.path, message)
 
 
-def check_example_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_example_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each example has the keys of its kind, and that a frame is complete."""
     for example in spec.examples:
         check_keys("example-shape", example, example.kind, f"a {example.kind} example", report)
@@ -335,9 +335,9 @@ def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
         report.add("example-shape", example.path, "a refused example needs 'erratum' or 'note' to explain it")
 
 
-def check_example_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_example_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure has a value for each argument of the procedure."""
-    procedures = by_name(as_read.procedures)  # Including invalid parts, which ``spec`` lacks.
+    procedures = by_name(spec.with_invalid_parts.procedures)
     for example in spec.examples:
         procedure = procedures.get(example.procedure)
         if example.kind != "procedure" or procedure is None:

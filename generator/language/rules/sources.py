@@ -39,13 +39,13 @@ class _LaterPage:
 _Spans = Mapping[str, Mapping[str, tuple[int, int]]]
 
 
-def check_cited_place(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_cited_place(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that every cited section of the manual is in its contents, and every cited page in its section.
 
     In a spec whose sources cite the pages on which sections and entries begin, a source with only later pages is
     reported.
     """
-    contents = as_read.manual.contents
+    contents = spec.with_invalid_parts.manual.contents
     if not contents:
         return
     spans = _find_spans(contents)
@@ -200,7 +200,7 @@ _ALL_PAGES = "all pages"
 _SOURCE_PATTERN = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
-def check_evidence(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_evidence(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the evidence supports the grade and lists each source once, and that each fact cites enough of them.
 
     Only the grades ``quoted`` and ``corroborated`` require a source for each fact.
@@ -210,7 +210,7 @@ def check_evidence(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
         if key in stated.documents or key in stated.implementations[:index]:
             problem = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
             report.add("evidence-grade", ("evidence", "implementations", index), problem)
-    _check_vectors(stated, by_name(as_read.examples), report)
+    _check_vectors(stated, by_name(spec.with_invalid_parts.examples), report)
     if not spec.evidence.is_valid("grade"):
         return
     for problem in _yield_missing_support(stated):
@@ -346,7 +346,7 @@ _CABLE_LIMITS = _LimitKeys(("below_hz",), "remove the table")
 _SUPPLY_LIMITS = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
 
 
-def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_limit_sources(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that limits cite a document of the manufacturer if the grade does not require it for every fact."""
     grade = spec.evidence.part.grade
     documents_read = spec.evidence.part.documents
@@ -400,10 +400,10 @@ def _source_of_part(located_part: LocatedPart[object]) -> str:
     return str(located_part.source or "")
 
 
-def check_revision_in_history(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_revision_in_history(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the history of a manual lists its own revision, unless an erratum explains it."""
     # A revision that is not text is reported by the schema, and can still be the right revision.
-    revisions = [str(history_row.data.get("revision")) for history_row in as_read.manual.history]
+    revisions = [str(history_row.data.get("revision")) for history_row in spec.with_invalid_parts.manual.history]
     revision = spec.manual.revision
     is_repeated = len(set(revisions)) < len(revisions)  # Reported by another rule.
     if not revisions or is_repeated or not revision or revision in revisions:
@@ -415,7 +415,7 @@ def check_revision_in_history(spec: WrittenSpec, as_read: WrittenSpec, report: D
     report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")
 
 
-def check_open_quotation(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_open_quotation(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that double quotation marks in the printed text of an erratum come in pairs."""
     for erratum in spec.errata:
         has_open_quotation = erratum.printed.count('"') % 2 == 1

@@ -41,7 +41,7 @@ _KEYS_OF_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
 _KEYS_ABOUT_OTHER_DOCUMENTS = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
 
 
-def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_erratum_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the quantities in an erratum's ``used`` match the facts that it affects.
 
     An erratum without quantities under 'used' uses those that are printed. A quantity is compared with all quantities
@@ -105,7 +105,7 @@ def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
     return Decimal(number_text.replace(",", "").replace("−", "-")) * _UNIT_FACTORS[_KIND_OF_UNIT[unit]][unit]
 
 
-def check_repeated_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_waits(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing about writes to a register, by its printed name, has the wait of this register."""
     waiting_registers: dict[str, WrittenRegister] = {}  # By their names in the manual.
     for register in by_name(spec.registers).values():
@@ -138,7 +138,7 @@ def _check_wait(timing: LocatedPart[Timing], registers: Mapping[str, WrittenRegi
         report.add("left-behind", (*timing.path, "at_least_us"), message)
 
 
-def check_quoted_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_quoted_names(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bit, register, command, alarm or input that a text names in quotes has this printed name.
 
     Names are compared without regard to capitals and punctuation. Overlays and older editions change names without
@@ -179,7 +179,7 @@ def _fold_name(printed_name: str) -> str:
 _WORD_IN_CAPITALS = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
 
 
-def check_labels_in_errata(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_labels_in_errata(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an erratum about order codes uses only existing labels next to another label of the same shape.
 
     Labels have the same shape if they have letters and digits at the same places, such as ``A12`` and ``B07``.
@@ -221,7 +221,7 @@ def _shape_of_label(label: str) -> str:
 _NAMED_ERROR = re.compile(r"\b([A-Z]{2,}) (error|alarm|flag|warning)\b")
 
 
-def check_alarm_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_alarm_names(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a name such as ``ST error`` in a text has a word in capitals that is in some printed name of the spec.
 
     This holds if an alarm of the spec has such a name. Specs with overlays and older editions are not checked.
@@ -255,7 +255,7 @@ _LED_IS = re.compile(
 _TEXTS_ON_LEDS = frozenset(("meaning", "when_active", "when_inactive", "low", "high"))
 
 
-def check_led_states(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
+def check_led_states(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a state in the text of a flag or an LED, such as ``the LED is off``, is a state of the LEDs.
 
     A spec without LEDs is not checked.
@@ -283,7 +283,7 @@ _FIRST_BYTE = re.compile(r"\b(?P<byte>low|high) byte (?:comes|is sent) first\b")
 _CODES = frozenset(("value", "constant", "control", "id"))
 
 
-def check_addresses_and_commands(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_addresses_and_commands(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that texts name no register by an address, and no command by a code, that the spec does not have.
 
     A spec without registers is not checked. A printed text of an erratum may name what is missing.
@@ -318,7 +318,7 @@ def _command_codes(text: str) -> Iterator[str]:
         yield from re.findall(r"\b[0-9A-F]{2}\b", commands)
 
 
-def check_byte_order_in_texts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_byte_order_in_texts(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text of a register that says which byte comes first agrees with its byte order."""
     if report.document.family or report.document.other_files:
         return

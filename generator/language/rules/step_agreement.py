@@ -20,7 +20,7 @@ _NUMBER_WORDS = ("two", "three", "four", "five", "six", "seven", "eight", "nine"
 _REPETITIONS_IN_TEXT = re.compile(rf"\b({'|'.join(_NUMBER_WORDS)}|[1-9]\d?) requests\b", re.IGNORECASE)
 
 
-def check_interface_of_steps(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_interface_of_steps(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure for an interface of the spec accesses only registers of this interface."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -36,9 +36,9 @@ def check_interface_of_steps(spec: WrittenSpec, as_read: WrittenSpec, report: Do
                 report.add("interface-mismatch", step.place_of("register"), message, cause=procedure.name)
 
 
-def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_register_of_argument(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the register whose limits apply to an argument is one of those to which steps write the argument."""
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
+    registers = by_name(spec.with_invalid_parts.registers)
     for procedure in spec.procedures:
         for argument in procedure.arguments:
             writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
@@ -51,10 +51,10 @@ def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: 
                 report.add("argument-register", argument.place_of("of"), message)
 
 
-def check_polled_values(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_polled_values(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a poll waits for a value that its field can have."""
     registers = by_name(spec.registers)
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = registers.get(step.register)
@@ -75,7 +75,7 @@ def _width_of(register: WrittenRegister, field_name: str, groups: Groups) -> int
     return None
 
 
-def check_waits_of_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_waits_of_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the waits after a write are together not longer than the register needs.
 
     A text of the procedure that gives the time explains it.
@@ -114,7 +114,7 @@ def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenSt
             yield step, waits
 
 
-def check_wait_at_end(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_wait_at_end(spec: WrittenSpec, report: DocumentReport) -> None:
     """Report a procedure that ends with a wait and a write, if the write needs exactly this wait.
 
     The wait is then likely on the wrong side of the write, unless the step before it needs a wait, too.
@@ -142,7 +142,7 @@ def _needed_wait(step: WrittenStep, registers: Mapping[str, WrittenRegister]) ->
     return register.wait_at_least_ms if register is not None else None
 
 
-def check_intervals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_intervals(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interval between requests is one of the shortest times of the RS-485 interface, if it has any."""
     interface = spec.interfaces.rs485
     shortest_times = [] if interface is None else [timing.part.at_least_us for timing in interface.timings]
@@ -159,7 +159,7 @@ def check_intervals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
                 report.add("time-repeated", step.place_of("every_at_least_us"), message)
 
 
-def check_counted_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_counted_requests(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text of a procedure with one repeated request among others gives the number of its repetitions."""
     for procedure in spec.procedures:
         repeated_steps = [step for step in procedure.steps if step.times is not None]
@@ -185,7 +185,7 @@ def _counts_in_texts(part_data: Mapping[str, object]) -> Iterator[tuple[Path, in
                 yield path, _NUMBER_WORDS.index(number_text.casefold()) + 2  # The words begin with two.
 
 
-def check_polled_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_polled_levels(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a meaning such as ``0 until the value is saved`` agrees with the value for which the poll waits.
 
     The bit has the stated level until, while or during something, so the poll waits for the other level. With ``when``,

@@ -19,7 +19,7 @@ _FREQUENCY_UNITS = frozenset(("Hz", "kHz", "MHz"))
 _NANOMETRES_PER_UNIT = {"nm": 1, "µm": 1_000, "mm": 1_000_000}
 
 
-def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_edges_and_periods(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with frequencies of periods and of edges has four edges a period.
 
     The signals A and B have two edges each in one period. Other ratios need an erratum about the table with both
@@ -69,7 +69,7 @@ def _number_in_cell(row: tuple[str, ...], column: int) -> Decimal | None:
     return Decimal(cell) if _DECIMAL_NUMBER.fullmatch(cell) else None
 
 
-def check_order_codes_in_rows(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_order_codes_in_rows(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a row about an order code has the quantity that the meaning of its label gives.
 
     For example, the label ``0050`` means ``50 µm``, so its row has 50 in the column ``Resolution µm``. The column
@@ -108,7 +108,7 @@ def _compare_rows(table: LocatedPart[Table], column: int, meanings: dict[str, st
             report.add("table-arithmetic", (*table.path, "rows", index, column), message)
 
 
-def check_order_codes_in_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_order_codes_in_tables(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the order codes in a column named after them begin as the pattern does, and have its numbers.
 
     A number between two hyphens is a label of a part of the order code, or one that an open part accepts.
@@ -145,7 +145,7 @@ def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
     return ""
 
 
-def check_reserved_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_reserved_addresses(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no register is in a range of addresses that a table calls reserved."""
     for table in spec.tables:
         headings = [heading.casefold() for heading in table.part.columns]
@@ -168,7 +168,7 @@ def check_reserved_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: Do
                     break
 
 
-def check_lengths_of_errata(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_lengths_of_errata(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the lengths that an erratum about a table uses are in this table, if it has a column of lengths."""
     tables = {f"tables.{table.part.name}": table.part for table in spec.tables}
     for erratum in spec.errata:

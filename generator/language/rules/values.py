@@ -41,9 +41,9 @@ _PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
 _CITED_PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
 
 
-def check_field_count(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_field_count(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no list of fields has more than ``MAX_FIELDS`` if the groups in it are written out."""
-    counts_by_group = {name: len(group.fields) for name, group in by_name(as_read.field_groups).items()}
+    counts_by_group = {name: len(group.fields) for name, group in by_name(spec.with_invalid_parts.field_groups).items()}
     for field_list in field_lists(spec):
         count = sum(counts_by_group.get(field.use, 1) for field in field_list.fields)
         if count > MAX_FIELDS:
@@ -51,7 +51,7 @@ def check_field_count(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             report.add("too-long", field_list.owner.place_of("fields"), problem)
 
 
-def check_crc_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_crc_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that polynomial, start value and final XOR of a CRC fit its width, and that the polynomial is odd."""
     for crc in spec.crcs:
         width = crc.part.width
@@ -82,7 +82,7 @@ def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
             yield field.place_of(key), f"{quoted(key)} is", number
 
 
-def check_value_widths(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_value_widths(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers of a field are not negative and fit into it, if its width is the same for all codes."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -98,7 +98,7 @@ def check_value_widths(spec: WrittenSpec, as_read: WrittenSpec, report: Document
                     report.add("value-too-wide", path, message)
 
 
-def check_register_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_register_range(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register is within the addresses of its interface, or of a bank if it is in one."""
     for register in spec.registers:
         interface = INTERFACES[interface_of(register)]
@@ -117,7 +117,7 @@ def check_register_range(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
             report.add("register-range", register.place_of("address"), message)
 
 
-def check_timing_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_timing_bounds(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing has a lowest, a typical or a highest value, and that these are in ascending order."""
     for timing in timings(spec):
         part = timing.part
@@ -136,11 +136,11 @@ def check_timing_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                 report.add("timing-order", (*timing.path, high_key), message)
 
 
-def check_clock_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_clock_range(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a clock has a highest limit or clocks in use, in ascending order and within the limits."""
     # Documents must not give a clock. Then the outputs say that it is not known.
     may_be_unknown = spec.evidence.part.grade == "uncorroborated"
-    raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(as_read)}
+    raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(spec.with_invalid_parts)}
     for name, interface in interfaces(spec):
         raw_clocks_by_path = {clock.path: clock for clock in raw_clocks[name]}
         for clock in clocks_of(interface):
@@ -184,7 +184,7 @@ def _report_missing_limit(
         report.add("missing-key", clock.path, f"{missing_keys_message(['max_hz'], 'a clock')}; {remedy}", at_key=True)
 
 
-def check_cable_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that longer cables have slower clocks, and that no two rows of the table have the same length.
 
     An erratum that affects the clocks of the table explains a different order.
@@ -215,7 +215,7 @@ def _check_cable_order(
         report.add("cable-order", (*row.path, "below_hz"), problem)
 
 
-def check_dates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_dates(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that dates exist, that revisions are in order, and that the transcribed revision has the manual's date."""
     _check_that_dates_exist(spec.manual, report)
     dated_history = [revision for revision in spec.manual.history if _parse_date(revision.part.date)]
@@ -264,7 +264,7 @@ def _parse_date(date_text: str) -> datetime.date | None:
         return None
 
 
-def check_supply_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_supply_range(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that only the device or only order code values have a supply, and that the voltages are in order."""
     supplies: list[LocatedPart[Supply]] = []
     if spec.supply is not None and spec.supply.is_given:
@@ -284,22 +284,22 @@ def check_supply_range(spec: WrittenSpec, as_read: WrittenSpec, report: Document
             report.add("supply-range", (*supply.path, "min_mv"), problem)
 
 
-def check_source_format(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_source_format(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that sources are well-formed, and that cited editions and documents are listed.
 
     A source has one or more places, separated by semicolons, each with an optional document: ``6.4 p.35; errata: 2``.
     """
-    editions = [edition.part.language for edition in as_read.manual.editions if edition.part.language]
-    documents = document_names(as_read)
-    own_language = as_read.manual.language
+    editions = [edition.part.language for edition in spec.with_invalid_parts.manual.editions if edition.part.language]
+    documents = document_names(spec)
+    own_language = spec.with_invalid_parts.manual.language
     for path, value in sources(leaves_of(spec.data, report)):
         for cited_place in value.split(";"):
             _check_piece(cited_place.strip(), path, editions, documents, own_language, report)
 
 
-def document_names(as_read: WrittenSpec) -> list[str]:
+def document_names(spec: WrittenSpec) -> list[str]:
     """Return the keys of the documents, even of documents with a wrong shape."""
-    return as_read.names_in("documents")
+    return spec.with_invalid_parts.names_in("documents")
 
 
 def _check_piece(
@@ -342,7 +342,7 @@ _LIKELY_MEGA = 50
 _STANDARD_BAUDS = (9600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 921_600)
 
 
-def check_plausible_rates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_plausible_rates(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no clock or baud rate is too low for an encoder, unless the interface has a note."""
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
@@ -383,7 +383,7 @@ _DECIMAL_DIGITS = re.compile("[0-9]{2,}")
 _LEADING_ZERO = re.compile("[-+]?0[0-9]+")
 
 
-def check_number_base(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_number_base(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that numbers printed in hexadecimal are written with 0x, and that no number has leading zeros.
 
     A JSON file may use decimal numbers, because JSON has no hexadecimal numbers. A single digit is the same in both
@@ -411,7 +411,7 @@ def check_number_base(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             report.add("number-base", path, message)
 
 
-def check_typographic_quotes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_typographic_quotes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text begins and ends with typographic quotes, which YAML treats as part of the text."""
     for path, value in leaves_of(spec.data, report):
         if not isinstance(value, str) or len(value) < 2:

@@ -42,7 +42,7 @@ _SUPPLY_LINE = re.compile(r"(?<![A-Za-z])[+-]?\d*(?:[.,]\d+)? ?V", re.IGNORECASE
 _KEYS_OF_TEXTS = ("meaning", "note", "remedy", "detected", "precondition", "result", "when_active", "when_inactive")
 
 
-def check_threshold_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_threshold_words(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the texts of an alarm below a voltage do not say that it is raised above the same voltage."""
     for alarm in spec.alarms:
         limit = alarm.part.below_mv
@@ -58,7 +58,7 @@ def check_threshold_words(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                     report.add("words-contradict", path, message)
 
 
-def check_latch_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_latch_words(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text says that a latching alarm clears itself, or that another alarm stays."""
     for alarm in spec.alarms:
         latch = alarm.part.latch
@@ -72,7 +72,7 @@ def check_latch_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                 report.add("words-contradict", path, message)
 
 
-def check_level_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_level_words(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the texts of a flag that say at which level it is active name its active level."""
     levels = {"low": "0", "high": "1"}
     for field_list in field_lists(spec):
@@ -90,7 +90,7 @@ def check_level_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                     report.add("words-contradict", path, message)
 
 
-def check_name_and_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_name_and_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value whose name has a word such as ``binary`` does not have only its opposite in the meaning."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -111,7 +111,7 @@ def _yield_contradictions(field_name: str, meaning: str) -> Iterator[tuple[str, 
             yield word, opposite
 
 
-def check_named_wires(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_named_wires(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that two wires named together are both of a supply or of a pair, as the tables of cables say.
 
     Wires that no cable has are not checked. A colour may have several signals, in different cables.
