@@ -129,25 +129,25 @@ def _used_by(interface: str, expressions: _Expressions) -> Iterator[ParameterUse
         yield ParameterUse(path=path, interface=interface, text=text)
 
 
-def _of_owner(fields: FieldList) -> _Expressions:
+def _of_owner(field_list: FieldList) -> _Expressions:
     """Yield the limits of a register, or the position range and the Gray code of a layout."""
-    if isinstance(fields.owner, WrittenRegister):
-        for limited in (fields.owner, *fields.owner.meanings):
+    if isinstance(field_list.owner, WrittenRegister):
+        for limited in (field_list.owner, *field_list.owner.meanings):
             yield from _expressions_under(limited, ("min", "max"))
-    yield from _of_position_range(fields)
-    yield from _of_gray_code(fields, ("when", "excess"))
+    yield from _of_position_range(field_list)
+    yield from _of_gray_code(field_list, ("when", "excess"))
 
 
-def _of_gray_code(fields: FieldList, keys: Iterable[str]) -> _Expressions:
+def _of_gray_code(field_list: FieldList, keys: Iterable[str]) -> _Expressions:
     """Yield the expressions under these keys of the Gray code of a layout. The one under ``when`` is a parameter."""
-    if fields.layout is not None and fields.layout.gray is not None:
-        yield from _expressions_under(fields.layout.gray, keys)
+    if field_list.layout is not None and field_list.layout.gray is not None:
+        yield from _expressions_under(field_list.layout.gray, keys)
 
 
-def _of_position_range(fields: FieldList) -> _Expressions:
+def _of_position_range(field_list: FieldList) -> _Expressions:
     """Yield the numbers of the range that a layout has for itself."""
-    if fields.layout is not None and fields.layout.position_range is not None:
-        yield from _expressions_under(fields.layout.position_range, _QUANTITY_OF_KEY)
+    if field_list.layout is not None and field_list.layout.position_range is not None:
+        yield from _expressions_under(field_list.layout.position_range, _QUANTITY_OF_KEY)
 
 
 def _expressions_under(owner: PlacedPart, keys: Iterable[str]) -> _Expressions:

@@ -187,17 +187,17 @@ def last_address(register: WrittenRegister) -> int:
     return register.address + register.length - 1
 
 
-def with_groups_expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+def with_groups_expanded(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
     """Yield the fields with groups included. The path of a field from a group is the path of its ``use``.
 
     Another rule reports a list that is longer than its limit. Its other fields are omitted.
     """
-    return islice(_expand_groups(fields, groups), MAX_FIELDS)
+    return islice(_expand_groups(field_list, groups), MAX_FIELDS)
 
 
-def _expand_groups(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+def _expand_groups(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
     """Yield the fields with groups included, without a limit."""
-    for field in fields.fields:
+    for field in field_list.fields:
         group = groups.get(field.use)
         if group is None:
             yield field.path, field
@@ -205,21 +205,21 @@ def _expand_groups(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, Wr
             yield from ((field.path, inner_field) for inner_field in group.fields)
 
 
-def field_names(fields: FieldList, groups: Groups) -> dict[str, WrittenField]:
+def field_names(field_list: FieldList, groups: Groups) -> dict[str, WrittenField]:
     """Return the fields by name, with groups included."""
-    return {field.name: field for _, field in with_groups_expanded(fields, groups) if field.name}
+    return {field.name: field for _, field in with_groups_expanded(field_list, groups) if field.name}
 
 
-def readable_names(fields: FieldList, groups: Groups) -> list[str]:
+def readable_names(field_list: FieldList, groups: Groups) -> list[str]:
     """Return the names of all values of a decoder: fields, joined numbers and runs of digits.
 
     A register without fields is one number.
     """
-    if fields.kind is FieldOwner.REGISTER and not fields.owner.has("fields"):
-        return [fields.name]
-    fields_by_name = field_names(fields, groups)
+    if field_list.kind is FieldOwner.REGISTER and not field_list.owner.has("fields"):
+        return [field_list.name]
+    fields_by_name = field_names(field_list, groups)
     # A join with a wrong value is reported, but its name is known.
-    names = [*fields_by_name, *fields.owner.names_in("join")]
+    names = [*fields_by_name, *field_list.owner.names_in("join")]
     for field in fields_by_name.values():
         names += [run.part.name for run in field.digits if run.part.name]
     return names

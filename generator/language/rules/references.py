@@ -57,21 +57,21 @@ def _data_ids(spec: WrittenSpec, interface: str) -> object:
     return WrittenRs485(spec.with_invalid_parts.interfaces.data.get(interface)).data.get("data_ids")
 
 
-def _check_layout(fields: FieldList, names: Sequence[str], resolver: NameResolver) -> None:
+def _check_layout(field_list: FieldList, names: Sequence[str], resolver: NameResolver) -> None:
     """Check the names in the Gray code, the identification and the joined numbers of a layout or register.
 
     ``names`` are its fields, including fields of groups.
     """
-    layout = fields.layout
-    path = fields.owner.path
+    layout = field_list.layout
+    path = field_list.owner.path
     gray = layout.gray if layout is not None else None
     if gray is not None:
-        number_names = [*names, *fields.joins]
+        number_names = [*names, *field_list.joins]
         resolver.refer_if_given(gray.place_of("of"), "field or joined number", gray.of, number_names)
         resolver.refer_if_given(gray.place_of("when"), "parameter", gray.when)
-    for name in fields.selectors:
+    for name in field_list.selectors:
         resolver.refer((*path, "when", name), "field", name, names)
-    for join, joined_names in fields.joins.items():
+    for join, joined_names in field_list.joins.items():
         resolver.refer_to_each((*path, "join", join), "field", joined_names, names)
 
 

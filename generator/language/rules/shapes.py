@@ -51,12 +51,12 @@ def check_layout_keys(spec: WrittenSpec, report: DocumentReport) -> None:
             _check_carriage(field_list, field_list.layout, spec, report)
 
 
-def _check_use(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
+def _check_use(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that a field that includes a group is in a layout or register, and has no keys of a field."""
-    if fields.kind is FieldOwner.GROUP:
+    if field_list.kind is FieldOwner.GROUP:
         message = "a field group cannot include another group; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
-    elif fields.kind is FieldOwner.CONTROL:
+    elif field_list.kind is FieldOwner.CONTROL:
         message = "the control data cannot include field groups; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
     keys_of_fields = [key for key in field.data if key not in _BESIDE_USE]
@@ -140,14 +140,14 @@ def _check_flag_keys(field: WrittenField, report: DocumentReport) -> None:
         report.add("layout-keys", field.place_of(key), problem, at_key=True)
 
 
-def _check_others(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
+def _check_others(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that ``others``, which names the values that are not listed, is possible for a field."""
-    problem = _problem_with_others(fields, field) if field.others else ""
+    problem = _problem_with_others(field_list, field) if field.others else ""
     if problem:
         report.add("layout-keys", field.place_of("others"), problem, at_key=True)
 
 
-def _problem_with_others(fields: FieldList, field: WrittenField) -> str:
+def _problem_with_others(field_list: FieldList, field: WrittenField) -> str:
     """Return the reason that a field cannot have ``others``, and the fix. Empty if it can.
 
     It needs listed values and a small constant width, must not be written by a master, and names the unlisted values,
@@ -159,7 +159,7 @@ def _problem_with_others(fields: FieldList, field: WrittenField) -> str:
         return f"'others' names the values that 'values' does not list; {name} also needs 'values'"
     if width is None or width > MOST_RESERVED_BITS:
         return f"'others' gives every value a name, so 'bits' of {name} must be a number from 1 to {MOST_RESERVED_BITS}"
-    if fields.is_written_by_master:
+    if field_list.is_written_by_master:
         return f"{name} is written by a master, which does not write reserved values; remove 'others'"
     reserved_names = {f"{RESERVED}_{number}" for number in range(1 << MOST_RESERVED_BITS)}
     clashing_names = []
@@ -204,11 +204,11 @@ def _is_nothing(bits: int | str) -> bool:
     return width.is_constant and width.constant <= 0
 
 
-def _check_placing(fields: FieldList, report: DocumentReport) -> None:
+def _check_placing(field_list: FieldList, report: DocumentReport) -> None:
     """Check that all or none of the fields of a layout, register or group have places. Control data may mix them."""
-    placed_fields = [field for field in fields.fields if field.has(*PLACES)]
-    unplaced_fields = [field for field in fields.fields if not field.has(*PLACES)]
-    if not placed_fields or not unplaced_fields or fields.kind is FieldOwner.CONTROL:
+    placed_fields = [field for field in field_list.fields if field.has(*PLACES)]
+    unplaced_fields = [field for field in field_list.fields if not field.has(*PLACES)]
+    if not placed_fields or not unplaced_fields or field_list.kind is FieldOwner.CONTROL:
         return
     field = unplaced_fields[0]
     # A field that includes a group has no name of its own.
@@ -219,24 +219,24 @@ def _check_placing(fields: FieldList, report: DocumentReport) -> None:
     report.add("layout-keys", field.path, message)
 
 
-def _check_carriage(fields: FieldList, layout: WrittenLayout, spec: WrittenSpec, report: DocumentReport) -> None:
+def _check_carriage(field_list: FieldList, layout: WrittenLayout, spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a layout has only keys for the way in which it is carried, as bits or as bytes.
 
     Without ``carried_as``, it is carried in the way of its interface.
     """
-    interface = INTERFACES[fields.interface]
+    interface = INTERFACES[field_list.interface]
     carried_as = layout.carried_as or interface.carried_as
     name = quoted(layout.name)
     if carried_as == "bytes" and not layout.byte_order and not _is_one_byte(layout, spec):
         message = f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first"
         report.add("layout-keys", layout.path, message)
     if carried_as == "bits":
-        problem = _wrong_order(fields.interface, layout)
+        problem = _wrong_order(field_list.interface, layout)
         if problem:
             report.add("layout-keys", layout.place_of("byte_order"), problem, at_key=True)
         if layout.when:
             problem = f"'when' only distinguishes frames of bytes, but {name} is carried as bits; remove 'when'"
-            remedy = "" if fields.interface == Spi.name else ", or write 'carried_as: bytes'"
+            remedy = "" if field_list.interface == Spi.name else ", or write 'carried_as: bytes'"
             report.add("layout-keys", layout.place_of("when"), problem + remedy, at_key=True)
     if layout.channel is not None and not interface.has_channels:
         message = f"{name} cannot have a data channel; only BiSS has channels"
