@@ -42,7 +42,6 @@ from . import procedures as banks
 from . import procedures as saving
 from . import values as bases
 from . import values as clocks
-from .order_code import check_order_code_references
 from .parts import Rule
 from .references import (
     check_alarm_references,
@@ -63,7 +62,7 @@ from .references import (
 #: Rules on order codes and parameters, on which every width depends. If they find an error, the build omits order codes
 #: and parameters.
 FOUNDATIONS: tuple[Rule, ...] = (
-    check_order_code_references,
+    code_meanings.check_order_code_references,
     parameters.check_alternative_references,
     parameters.check_parameter_origin,
     parameters.check_alternative_use,

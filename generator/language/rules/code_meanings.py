@@ -1,16 +1,18 @@
-"""Rules for order code values whose meaning repeats their settings in words, and for labels that are numbers."""
+"""Rules for the values of order codes: the names in them, their settings in words, and labels that are numbers."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from ...model.expressions import Expression, ExpressionError
+from ..document import Path
 from ..problems import DocumentReport, quoted
-from ..written_codes import WrittenCodeValue
+from ..written_codes import WrittenCodePart, WrittenCodeValue
 from ..written_parts import WrittenSpec
-from .parts import layouts_of_interfaces
+from .name_resolver import NameResolver
+from .parts import by_name, layouts_of_interfaces
 
 #: Names of interfaces in manuals, without RS-485, which is also the name of the signals.
 _INTERFACE_NAMES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
@@ -29,6 +31,40 @@ _ONE_VOLTAGE = re.compile(rf"{_VOLT}(?: ?± ?([0-9]+(?:\.[0-9]+)?) ?%)?")
 _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
 #: Way out of a contradiction between the meaning of an order code value and its settings.
 MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_differs'"
+
+
+def check_order_code_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the parameters, interfaces, parts and labels named by order code values exist."""
+    resolver = NameResolver(spec, report)
+    parts = by_name(spec.with_invalid_parts.order_code.parts)
+    for part in spec.order_code.parts:
+        # A part cannot be combined with itself.
+        other_parts = [name for name in parts if name != part.name]
+        _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)
+        for value in part.values.values():
+            for name in value.sets:
+                resolver.refer((*value.path, "sets", name), "parameter", name)
+            resolver.refer_if_given(value.place_of("interface"), "interface", value.interface)
+            _check_combinations(resolver, value.place_of("only_with"), value.only_with, parts, other_parts)
+
+
+def _check_combinations(
+    resolver: NameResolver,
+    path: Path,
+    labels_by_part: Mapping[str, Sequence[str]],
+    parts_by_name: Mapping[str, WrittenCodePart],
+    other_parts: Sequence[str],
+) -> None:
+    """Check that the other parts with which a value of the order code can be combined exist, and have these labels.
+
+    ``labels_by_part`` is the map at ``path``, such as ``{"output": ["S", "B"]}`` under ``only_with``.
+    """
+    for part_name, labels in labels_by_part.items():
+        labels_path = (*path, part_name)
+        resolver.refer(labels_path, "other part", part_name, known_names=other_parts)
+        if part_name in parts_by_name:
+            known_labels = parts_by_name[part_name].names_in("values")
+            resolver.refer_to_each(labels_path, part_name, labels, known_labels)
 
 
 def check_value_words(spec: WrittenSpec, report: DocumentReport) -> None:

@@ -68,3 +68,31 @@ def sources(located_values: Iterable[tuple[Path, object]]) -> Iterator[tuple[Pat
     for path, value in located_values:
         if isinstance(value, str) and (path[-1] == "source" or str(path[-1]).endswith("_source")):
             yield path, value
+
+
+def next_steps(node: object) -> Iterator[tuple[str, object]]:
+    """Yield the possible next steps of a path from a map or list, each with the data to which it leads.
+
+    From a map, these are its keys, the names of parts in its lists, and the names in ``values``: in
+    ``interfaces.biss.word``, ``word`` is a part in the list ``layouts``. From a list, these are the names of its parts,
+    and the keys of parts without names, such as clocks.
+    """
+    if isinstance(node, list):
+        for element in node:
+            if isinstance(element, dict) and "name" not in element:
+                yield from element.items()
+        yield from _named_parts(node)
+    elif isinstance(node, dict):
+        for key, value in node.items():
+            if isinstance(value, list):
+                yield from _named_parts(value)
+            elif key == "values" and isinstance(value, dict):
+                yield from value.items()
+        yield from node.items()  # Last, so that a key takes precedence over a name.
+
+
+def _named_parts(elements: list[object]) -> Iterator[tuple[str, object]]:
+    """Yield each element of a list that is a map with a name, after its name."""
+    for element in elements:
+        if isinstance(element, dict) and "name" in element:
+            yield str(element["name"]), element
