@@ -14,9 +14,10 @@ _KEYS_OF_LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
 
 
 def check_measurement_shape(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a measurement matches the movement: of an angle if it is rotary, of a length if it is linear.
+    """Check that a measurement has the keys for an angle if the movement is rotary, or for a length if it is linear.
 
-    Each needs the size of a count. ``highest`` needs ``turns`` or ``modulus``.
+    The size of a count is required. ``highest``, the highest position, also needs ``turns`` or ``modulus``, after which
+    the position wraps around.
     """
     movement = spec.movement
     if not movement:
@@ -47,9 +48,9 @@ def check_measurement_shape(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def check_position_range_shape(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the range of one layout has a position to refer to, and matches the movement.
+    """Check that a layout with its own range of the position contains the position, and that the range has valid keys.
 
-    The layout must carry the position that the measurement of its interface, or else of the device, names.
+    The position is the field or joined number that the measurement of the interface or of the device names.
     """
     groups = by_name(spec.with_invalid_parts.field_groups)
     own_measurements = {name: interface.measurement for name, interface in interfaces(spec.with_invalid_parts)}
@@ -80,7 +81,7 @@ def _check_range_keys(
     movement: str,
     report: DocumentReport,
 ) -> None:
-    """Check that a range has only keys of its movement, and none next to ``wraps: false``.
+    """Check that the range of a layout has the keys of the movement, and no other keys next to ``wraps: false``.
 
     ``highest`` needs a number of turns or a modulus, in the range or in the measurement.
     """

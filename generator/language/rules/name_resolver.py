@@ -47,14 +47,15 @@ class NameResolver:
             "register": self.registers,
         }
 
-    def refer(self, path: Path, thing: str, name: str, known_names: Collection[str] | None = None) -> None:
-        """Report ``name`` at ``path`` unless it is in ``known_names``, by default all names of its kind.
+    def refer(self, path: Path, kind: str, name: str, known_names: Collection[str] | None = None) -> None:
+        """Report the name at ``path`` if it does not exist: if it is not among ``known_names``.
 
-        ``thing`` is the kind in the message: ``register``, or ``field of 'preset' called`` with ``known_names``.
-        If one of the known names is itself broken, it is reported already, and ``name`` may be the correct spelling.
-        Then the place is only marked as faulty, unless a valid name is similar.
+        By default, these are all names of its kind in the spec. ``kind`` is the kind in the message, such as
+        ``register``, or ``field of 'preset' called`` with ``known_names``. If one of the known names is itself
+        misspelt, which is reported already, ``name`` may be the correct spelling. Then the place is only marked as
+        faulty, unless another known name is similar.
         """
-        choices = self._known[thing] if known_names is None else known_names
+        choices = self._known[kind] if known_names is None else known_names
         if name in choices:
             return
         has_broken_choice = not self._broken.isdisjoint(choices)
@@ -62,26 +63,26 @@ class NameResolver:
         if has_broken_choice and not nearest_choice(name, intact_choices):
             self._report.mark(path)
             return
-        problem = f"there is no {thing} {quoted(name)}{suggest_word(name, choices)}"
+        problem = f"there is no {kind} {quoted(name)}{suggest_word(name, choices)}"
         self._report.add("undefined-reference", path, problem, cause=name)
 
     def report_problem(self, path: Path, problem: str) -> None:
-        """Report a name that exists but is not sufficient."""
+        """Report a problem with the name at ``path``, which exists."""
         self._report.add("undefined-reference", path, problem)
 
     def refer_if_given(
-        self, path: Path, thing: str, name: str | None, known_names: Collection[str] | None = None
+        self, path: Path, kind: str, name: str | None, known_names: Collection[str] | None = None
     ) -> None:
-        """Call ``refer`` for a name that may be missing."""
+        """Report the name at ``path`` if it does not exist. A missing name, which is None or empty, is accepted."""
         if name:
-            self.refer(path, thing, name, known_names)
+            self.refer(path, kind, name, known_names)
 
     def refer_to_each(
-        self, path: Path, thing: str, names: Sequence[str], known_names: Collection[str] | None = None
+        self, path: Path, kind: str, names: Sequence[str], known_names: Collection[str] | None = None
     ) -> None:
-        """Call ``refer`` for each name of a list."""
+        """Report each name in the list at ``path`` that does not exist."""
         for index, name in enumerate(names):
-            self.refer((*path, index), thing, name, known_names)
+            self.refer((*path, index), kind, name, known_names)
 
     def refer_to_bit(self, path: Path, bit_path: str) -> None:
         """Report ``bit_path``, written as ``register.field``, unless both exist."""
@@ -91,7 +92,7 @@ class NameResolver:
             self.refer(path, f"field of {quoted(name)} called", field, self.bits(name))
 
     def bits(self, register: str) -> list[str]:
-        """Return the names allowed after the dot that follows a register."""
+        """Return the names allowed after the dot in ``register.field``: the fields of a register, or its own name."""
         return bits_of(self.registers[register], self.groups)
 
     def values(self, register: str, field: str = "") -> list[str]:

@@ -73,7 +73,10 @@ def check_crc_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
-    """Yield each number that a field must hold, with its path and the start of a message, such as ``'constant' is``."""
+    """Yield each number that must fit in a field, with its path and the start of a message, such as ``'constant' is``.
+
+    These are the numbers of its named values, and its fixed, default and expected numbers.
+    """
     for name, value in field.values.items():
         yield value.place_of("value"), f"the value {quoted(name)} is", value.value
     numbers = {"constant": field.constant, "unused": field.unused, "default": field.default, "equals": field.equals}
@@ -83,7 +86,10 @@ def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
 
 
 def check_value_widths(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the numbers of a field are not negative and fit into it, if its width is the same for all codes."""
+    """Check that the numbers of a field are not negative and fit in the width of the field.
+
+    A field whose width depends on the order code is not checked.
+    """
     for field_list in field_lists(spec):
         for field in field_list.fields:
             width = constant_width(field)
@@ -91,7 +97,7 @@ def check_value_widths(spec: WrittenSpec, report: DocumentReport) -> None:
                 continue
             for path, subject, number in _numbers_in(field):
                 is_too_wide = number < 0 or number >> width > 0
-                # The number represented by zero is sent as zero. A constant is sent as it is.
+                # The number for which a stored 0 stands is sent as 0. A constant is sent as it is.
                 is_sent_as_zero = number == field.zero_means and path != field.place_of("constant")
                 if is_too_wide and not is_sent_as_zero:
                     message = f"{subject} {number:#x}, which does not fit into {count_with_unit(width, 'bit')}"
@@ -99,7 +105,7 @@ def check_value_widths(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def check_register_range(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a register is within the addresses of its interface, or of a bank if it is in one."""
+    """Check that all bytes of a register are within the addresses of its interface, or of its bank."""
     for register in spec.registers:
         interface = INTERFACES[interface_of(register)]
         if register.bank is not None and interface.highest_in_bank is not None:
@@ -171,10 +177,9 @@ def _check_clock(clock: LocatedPart[Clock], report: DocumentReport) -> None:
 def _report_missing_limit(
     clock: LocatedPart[Clock], raw_clock: LocatedPart[Clock] | None, report: DocumentReport
 ) -> None:
-    """Report that a clock has no highest frequency, which a clock without frequencies in use needs.
+    """Report a clock without a highest frequency, unless it lists frequencies in use (``used_hz``).
 
-    ``raw_clock`` is the clock as read. A key rejected by the schema was removed. Such a key must not be reported as
-    missing, too.
+    ``raw_clock`` is the clock together with its invalid keys, which must not be reported as missing.
     """
     is_complete = raw_clock is not None and clock.data.keys() == raw_clock.data.keys()
     is_known = clock.part.max_hz is not None or bool(clock.part.used_hz)
@@ -185,17 +190,17 @@ def _report_missing_limit(
 
 
 def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that longer cables have slower clocks, and that no two rows of the table have the same length.
+    """Check that the clock limit of SSI is lower for longer cables, and that no two rows have the same length.
 
-    An erratum that affects the clocks of the table explains a different order.
+    An erratum that affects the table of cable lengths explains a different order.
     """
     for name, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi):
             continue
         if has_erratum_at(report.document, "interfaces", name, "cable_lengths"):
             continue
-        by_length = sorted(interface.cable_lengths, key=lambda row: row.part.shorter_than_m)
-        for shorter, longer in combinations(by_length, 2):
+        shortest_first = sorted(interface.cable_lengths, key=lambda row: row.part.shorter_than_m)
+        for shorter, longer in combinations(shortest_first, 2):
             if share_codes(shorter.part, longer.part):
                 _check_cable_order(shorter.part, longer, f"interfaces.{name}.cable_lengths", report)
 
@@ -203,7 +208,10 @@ def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
 def _check_cable_order(
     shorter: CableLength, row: LocatedPart[CableLength], affected_path: str, report: DocumentReport
 ) -> None:
-    """Report the row of a longer cable whose clock is not slower than the clock of a shorter cable."""
+    """Report the row of a longer cable if its clock limit is not lower than the limit of a shorter cable.
+
+    ``affected_path`` is the path that an erratum must affect to explain it.
+    """
     longer = row.part
     is_slower = longer.below_hz < shorter.below_hz
     if not is_slower or shorter.shorter_than_m == longer.shorter_than_m:
@@ -224,7 +232,7 @@ def check_dates(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_that_dates_exist(manual: WrittenManual, report: DocumentReport) -> None:
-    """Check each date of the manual, its editions and its history. It may be empty or only a year."""
+    """Check that each date of the manual, its editions and its revisions exists. It may be empty or only a year."""
     dated_parts = [(manual.path, manual.date)]
     dated_parts += [(edition.path, edition.part.date) for edition in manual.editions]
     dated_parts += [(revision.path, revision.part.date) for revision in manual.history]
@@ -238,16 +246,18 @@ def _check_order_of_revisions(dated_history: Sequence[LocatedPart[Revision]], re
     """Check that no revision of the history has an earlier date than the one before it."""
     for earlier, later in pairwise(dated_history):
         if later.part.date < earlier.part.date:
-            problem = f"revision {later.part.revision} is dated {later.part.date}"
-            problem += f", before revision {earlier.part.revision}, dated {earlier.part.date}"
-            report.add("date", (*later.path, "date"), f"{problem}; list the oldest first")
+            message = (
+                f"revision {later.part.revision} is dated {later.part.date}, before revision {earlier.part.revision},"
+                f" dated {earlier.part.date}; list the oldest first"
+            )
+            report.add("date", (*later.path, "date"), message)
 
 
 def _check_date_in_history(
     manual: WrittenManual, dated_history: Sequence[LocatedPart[Revision]], report: DocumentReport
 ) -> None:
-    """Check that the history gives the revision of the manual the date of the manual, if it has both."""
-    date_by_revision = {release.part.revision: release.part.date for release in dated_history}
+    """Check that the revision table gives the manual's own revision the date of the manual, if it has both."""
+    date_by_revision = {revision.part.revision: revision.part.date for revision in dated_history}
     date_in_history = date_by_revision.get(manual.revision)
     if date_in_history is None or not _parse_date(manual.date):
         return
@@ -257,7 +267,7 @@ def _check_date_in_history(
 
 
 def _parse_date(date_text: str) -> datetime.date | None:
-    """Return the date that a text gives as 2024-05-31, or None."""
+    """Return the date in a text such as 2024-05-31, or None if it is not a date."""
     try:
         return datetime.date.fromisoformat(date_text)
     except ValueError:
@@ -265,7 +275,7 @@ def _parse_date(date_text: str) -> datetime.date | None:
 
 
 def check_supply_range(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that only the device or only order code values have a supply, and that the voltages are in order."""
+    """Check that either the device or values of the order code have a supply, and that its voltages are in order."""
     supplies: list[LocatedPart[Supply]] = []
     if spec.supply is not None and spec.supply.is_given:
         supplies.append(spec.supply)
@@ -294,7 +304,7 @@ def check_source_format(spec: WrittenSpec, report: DocumentReport) -> None:
     own_language = spec.with_invalid_parts.manual.language
     for path, value in sources(leaves_of(spec.data, report)):
         for cited_place in value.split(";"):
-            _check_piece(cited_place.strip(), path, editions, documents, own_language, report)
+            _check_citation(cited_place.strip(), path, editions, documents, own_language, report)
 
 
 def document_names(spec: WrittenSpec) -> list[str]:
@@ -302,13 +312,16 @@ def document_names(spec: WrittenSpec) -> list[str]:
     return spec.with_invalid_parts.names_in("documents")
 
 
-def _check_piece(
-    piece: str, path: Path, editions: list[str], documents: list[str], own_language: str, report: DocumentReport
+def _check_citation(
+    citation: str, path: Path, editions: list[str], documents: list[str], own_language: str, report: DocumentReport
 ) -> None:
-    """Check one place that a source cites: its edition or document, and within the manual also its form."""
+    """Check one citation of a source, such as ``6.4 p.35``, or ``errata: 2`` in the document with the key ``errata``.
+
+    ``own_language`` is the language of the manual, which needs no key. Only there, the form of the place is checked.
+    """
     # TODO marks a place that is still to be checked.
-    match = _CITATION_PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
-    key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
+    match = _CITATION_PIECE.fullmatch(citation.replace("\n", " ").removeprefix("TODO "))
+    key, place = (match["key"], match["place"].strip()) if match is not None else (None, citation)
     if key is not None and key == own_language:
         report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; remove '{key}:'")
     elif key is not None and key not in editions and key not in documents:
@@ -317,13 +330,13 @@ def _check_piece(
     elif key in documents and place:
         return  # Public documents have sections of every kind.
     elif not _CITED_PLACE.fullmatch(place):
-        piece_text = quoted(piece) if piece else "empty text"
+        citation_text = quoted(citation) if citation else "empty text"
         forms = (
             "cite a section ('6.4' or 'Cover'), a table ('Table 41'), a page ('p.35'), "
             "or a section or table followed by a page"
         )
         message = (
-            f"{piece_text} is not a valid source; {forms}. "
+            f"{citation_text} is not a valid source; {forms}. "
             "Separate several sources with semicolons, and prefix those in other documents with the document's key and"
             " a colon"
         )
@@ -361,7 +374,7 @@ def check_plausible_rates(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _report_rate(rate: int, rate_key: str, unit: str, path: Path, report: DocumentReport) -> None:
-    """Report a rate that is too low, with the number to write if the manual gives it in a larger unit."""
+    """Report a rate that is implausibly low, with the number that is probably meant: in kHz or MHz instead of Hz."""
     prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
     likely_rate = rate * factor
     if unit == "baud":
@@ -426,7 +439,10 @@ def check_typographic_quotes(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _is_hexadecimal(path: Path) -> bool:
-    """Return True for the ``value`` of a write, and for a key of ``HEXADECIMAL`` that is not a name of the spec."""
+    """Return True for the place of a number that manuals print in hexadecimal, such as an address.
+
+    Names that the spec defines, which can be the same as such a key, do not count.
+    """
     if path[-1] == "value":
         return "writes" in path
     is_name_in_spec = len(path) > 1 and path[-2] in _OWN_NAMES
