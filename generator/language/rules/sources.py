@@ -7,13 +7,13 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from ...model import Evidence
-from ..document import Path, is_placeholder, value_at
+from ..document import Path, value_at
 from ..problems import DocumentReport, join_words, quoted, suggest_word
 from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenSsi
 from ..written_parts import WrittenExample, WrittenSection, WrittenSpec
 from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, has_erratum_at, interfaces
-from .walk import leaves, leaves_of, mapping, sources
+from .walk import is_placeholder, leaves, leaves_of, mapping, sources
 
 _CITATION_PATTERN = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
 _SECTION_NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)*")

@@ -9,7 +9,7 @@ from itertools import combinations, pairwise
 
 from ...model import INTERFACES, CableLength, Clock, Revision, Supply
 from ...say.plain_text import count_with_unit
-from ..document import Path, is_placeholder
+from ..document import Path
 from ..problems import DocumentReport, missing_keys_message, quoted, suggest_word
 from ..schema_files import is_second
 from ..written import LocatedPart
@@ -29,7 +29,7 @@ from .parts import (
     share_codes,
     timings,
 )
-from .walk import leaves_of, sources
+from .walk import is_placeholder, leaves_of, sources
 
 _CITATION_PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"

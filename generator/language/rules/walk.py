@@ -5,8 +5,10 @@ The data may have any structure, so every function here checks it. ``parts.py`` 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from ..document import as_affected
 from ..problems import DocumentReport, Path
 
 #: A part of a spec, in which any key can have any value.
@@ -96,3 +98,38 @@ def _named_parts(elements: list[object]) -> Iterator[tuple[str, object]]:
     for element in elements:
         if isinstance(element, dict) and "name" in element:
             yield str(element["name"]), element
+
+
+_TODO_MARKER = re.compile(r"\bTODO\b")
+
+
+def is_placeholder(source_text: object) -> bool:
+    """Return True if a value is text with the word TODO, which marks a source that is still to be added."""
+    return isinstance(source_text, str) and _TODO_MARKER.search(source_text) is not None
+
+
+def placeholder_paths(root: object, path: Path = ()) -> Iterator[Path]:
+    """Yield the path of each placeholder, a text with TODO, in the data of a spec, in its order."""
+    if isinstance(root, dict):
+        for key, value in root.items():
+            yield from placeholder_paths(value, (*path, key))
+    elif isinstance(root, list):
+        for index, value in enumerate(root):
+            yield from placeholder_paths(value, (*path, index))
+    elif is_placeholder(root):
+        yield path
+
+
+def placeholder_names(spec_data: Data) -> list[str]:
+    """Return the names of all parts of a spec that contain a placeholder, a text with TODO, each once."""
+    names = (placeholder_name(spec_data, path) for path in placeholder_paths(spec_data))
+    return list(dict.fromkeys(names))
+
+
+def placeholder_name(spec_data: Data, path: Path) -> str:
+    """Return the name of the placeholder at ``path``, a text with TODO.
+
+    If it is a source, it is the name of the part with this source, such as ``registers.preset``.
+    """
+    owner = path[:-1] if path[-1] == "source" and len(path) > 1 else path
+    return as_affected(spec_data, owner) or str(path[0])
