@@ -10,8 +10,8 @@ from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
 from .rules.order_code import are_codes_complete
 from .rules.values import check_number_base
-from .schema_check import FileKind, SchemaResult, check_schema, place_to_remove, shape_of, without_places
-from .schema_files import family_of, with_stand_ins
+from .schema_check import FileKind, SchemaResult, check_schema, place_to_remove, without_places
+from .schema_files import family_of, schema_without_references, with_stand_ins
 from .written_parts import WrittenSpec
 
 #: Stand-ins for missing keys at the top level, so that the rest can be built and checked.
@@ -133,7 +133,7 @@ def _with_prose(checked_data: dict[str, Any], file_kind: FileKind) -> dict[str, 
     """Return the data with stand-ins for the prose that a second reading lacks."""
     if file_kind is not FileKind.SECOND:
         return checked_data
-    completed_data: dict[str, Any] = with_stand_ins(checked_data, shape_of(FileKind.DEVICE.value))
+    completed_data: dict[str, Any] = with_stand_ins(checked_data, schema_without_references(FileKind.DEVICE.value))
     return completed_data
 
 
