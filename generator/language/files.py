@@ -1,6 +1,6 @@
 """Find the specs in a folder, the specs that ship with the tool, and the files on which a family's model depends.
 
-A file given by name is always read. Folders also contain other YAML files, such as CI settings, so specs are recognised
+A file given by name is always read. Folders also contain other YAML files, such as CI settings, so specs are recognized
 by their keys.
 """
 

@@ -202,7 +202,7 @@ class Constant:
     """Bits that are always the same.
 
     ``padding_of`` is the name of the field that the zeros pad. Field and zeros together fill the field's ``container``
-    from the low end. Zeros that fill a gap between fields are not in the spec. They follow from the neighbouring
+    from the low end. Zeros that fill a gap between fields are not in the spec. They follow from the neighboring
     fields. Zeros that fill the first byte of a frame of bits are not on the line either.
     """
 

@@ -170,7 +170,7 @@ class About(NamedTuple):
         about: Description of the part.
         writing: Further sentences for the author of a spec.
         data: Description for users of the data, if it is not ``about``.
-        identity: Members by which a part is recognised under another name, separated by spaces.
+        identity: Members by which a part is recognized under another name, separated by spaces.
         is_sourced: True if the part has sources in the data: its own, or those of its parent.
         needs_a_key: True if no key is required, but one must be given.
     """

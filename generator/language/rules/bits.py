@@ -189,7 +189,7 @@ def _width_of_field(field: WrittenField) -> int | str | None:
 
 
 _GRAY_WORD = re.compile(r"\bGray\b", re.IGNORECASE)
-#: Gray can also be a colour, except in the meaning of an interface.
+#: Gray can also be a color, except in the meaning of an interface.
 _GRAY_CODE = re.compile(r"\bGray[ -]code\b", re.IGNORECASE)
 _BINARY_WORD = re.compile(r"\bbinary\b", re.IGNORECASE)
 #: Placeholder for the name of the position in a message.
@@ -270,7 +270,7 @@ def check_named_gray_code(spec: WrittenSpec, report: DocumentReport) -> None:
 def _names_gray(code_value: WrittenCodeValue) -> bool:
     """Return True if the meaning of an order code value names Gray code, and not binary code too.
 
-    If the value selects no interface, "Gray" alone may be a colour.
+    If the value selects no interface, "Gray" alone may be a color.
     """
     gray_pattern = _GRAY_WORD if code_value.interface else _GRAY_CODE
     says_gray = gray_pattern.search(code_value.meaning) is not None

@@ -16,7 +16,7 @@ from .connectors import partner_of, signal_names
 from .parts import has_erratum_at
 
 _COLOURS = "white|black|brown|green|yellow|grey|gray|pink|blue|red|violet|orange|purple"
-#: A wire with one colour or two: ``White``, ``Brown_Green``.
+#: A wire with one color or two: ``White``, ``Brown_Green``.
 _WIRE_COLOURS = re.compile(rf"(?:{_COLOURS})(?:[-_/ ](?:{_COLOURS}))?", re.IGNORECASE)
 _SHIELD_WORDS = re.compile(r"shield|screen|braid|drain", re.IGNORECASE)
 #: Lines that only one interface has, by the names that its standard gives them.
@@ -62,7 +62,7 @@ def check_kinds_of_contacts(spec: WrittenSpec, report: DocumentReport) -> None:
         for index, contact in enumerate(connector.part.contacts):
             path = (*connector.path, "contacts", index)
             if connector.part.kind == "connector" and _WIRE_COLOURS.fullmatch(contact.contact):
-                message = f"{quoted(contact.contact)} is the colour of a wire, but the kind is 'connector'"
+                message = f"{quoted(contact.contact)} is the color of a wire, but the kind is 'connector'"
                 report.add("contact-kind", (*connector.path, "kind"), f"{message}; write 'kind: cable'")
                 break
             if _SHIELD_WORDS.fullmatch(contact.contact) and not _SHIELD_WORDS.search(contact.signal):

@@ -260,7 +260,7 @@ def _problem_of_expression(regular_expression: str) -> str:
         re.compile(regular_expression)
     except (re.error, OverflowError) as error:
         return str(error)
-    # Each repetition multiplies the ways to match a label. Three are more than any catalogue needs.
+    # Each repetition multiplies the ways to match a label. Three are more than any catalog needs.
     expression_without_classes = _CHARACTER_CLASS.sub("", regular_expression)  # In [+*], signs represent themselves.
     repetitions = _REPETITION.findall(expression_without_classes)
     return "more than three repetitions" if len(repetitions) > 3 else ""

@@ -291,7 +291,7 @@ class _TimesBelow:
         return self._nanoseconds_in[id(node)]
 
 
-#: Keys of timings and of the time-out of BiSS.
+#: Keys of timings and of the timeout of BiSS.
 _KEYS_OF_TIMINGS = frozenset(("at_least_us", "typical_us", "at_most_us", "at_most_ns", "typical_ns"))
 
 

@@ -27,7 +27,7 @@ _HIGHEST_HZ = 10_000_000
 _RS_LINES = re.compile(r"\bRS-?(?:422|485)\b", re.IGNORECASE)
 #: Usual names of the times of an SSI encoder.
 _MONOFLOP, _PAUSE = "monoflop", "pause"
-#: Place of the time-outs of BiSS, and the path of their printed values in errata.
+#: Place of the timeouts of BiSS, and the path of their printed values in errata.
 _PATH_OF_TIMEOUT = ("interfaces", "biss", "timeout")
 _PATH_OF_PRINTED_TIMEOUTS = ".".join((*_PATH_OF_TIMEOUT, "printed"))
 _NS_PER_S, _NS_PER_US = 1_000_000_000, 1000
@@ -219,7 +219,7 @@ def _check_half_periods(timeout: LocatedPart[Timeout], remedy: str, report: Docu
         is_whole = abs(half_periods - nearest_whole) <= rounding
         if not is_whole or nearest_whole < 1:
             message = (
-                f"{printed.timeout_ns} ns are {half_periods:.3g} half periods at {printed.clock_hz} Hz, but a time-out"
+                f"{printed.timeout_ns} ns are {half_periods:.3g} half periods at {printed.clock_hz} Hz, but a timeout"
                 f" that follows the clock is a whole number of them; {remedy}"
             )
             report.add("timeout-mismatch", (*timeout.path, "printed", index, "timeout_ns"), message)
@@ -268,7 +268,7 @@ def _check_clocks_of_timeouts(timeout: LocatedPart[Timeout], clock: Clock, repor
     highest_hz = clock.max_hz
     for index, printed in enumerate(timeout.part.printed):
         if not lowest_hz <= printed.clock_hz <= highest_hz:
-            problem = f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no time-out at {printed.clock_hz} Hz"
+            problem = f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no timeout at {printed.clock_hz} Hz"
             remedy = f"if the manual gives both, add an erratum that affects {'.'.join(_PATH_OF_TIMEOUT)}"
             path = (*timeout.path, "printed", index, "clock_hz")
             report.add("timeout-mismatch", path, f"{problem}; {remedy}")
@@ -284,14 +284,14 @@ def _check_timeout_rule(timeout: LocatedPart[Timeout], report: DocumentReport) -
     has_limit = part.at_most_ns is not None or part.typical_ns is not None
     if part.rule == "fixed":
         if has_half_periods:
-            message = "a fixed time-out does not depend on the clock; remove 'half_clock_periods'"
+            message = "a fixed timeout does not depend on the clock; remove 'half_clock_periods'"
             report.add("timeout-mismatch", (*timeout.path, "half_clock_periods"), message, at_key=True)
         if not has_limit:
-            message = "a fixed time-out needs 'at_most_ns' or 'typical_ns'"
+            message = "a fixed timeout needs 'at_most_ns' or 'typical_ns'"
             report.add("timeout-mismatch", timeout.path, message, at_key=True)
     elif part.rule == "follows_clock" and not has_half_periods and not has_limit and not part.printed:
         message = (
-            "a time-out that depends on the clock needs 'half_clock_periods', "
+            "a timeout that depends on the clock needs 'half_clock_periods', "
             "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule"
         )
         report.add("timeout-mismatch", timeout.path, message, at_key=True)

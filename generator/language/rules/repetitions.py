@@ -1,4 +1,4 @@
-"""Rules for what a spec has twice: items of a list, texts of neighbours, and facts about an encoder as a whole."""
+"""Rules for what a spec has twice: items of a list, texts of neighbors, and facts about an encoder as a whole."""
 
 from __future__ import annotations
 

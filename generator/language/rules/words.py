@@ -122,13 +122,13 @@ def check_named_wires(spec: WrittenSpec, report: DocumentReport) -> None:
 
     The signals of the wires are those in the tables of cables. Wires that no cable has are not checked.
     """
-    signals_by_colour = _signals_by_wire(spec)
-    if not signals_by_colour:
+    signals_by_color = _signals_by_wire(spec)
+    if not signals_by_color:
         return
     for path, text in _all_texts(spec):
         for first_wire, second_wire in _TWO_WIRES.findall(text):
-            first_signals = signals_by_colour.get(first_wire.casefold())
-            second_signals = signals_by_colour.get(second_wire.casefold())
+            first_signals = signals_by_color.get(first_wire.casefold())
+            second_signals = signals_by_color.get(second_wire.casefold())
             if first_signals is None or second_signals is None:
                 continue
             signal_pairs = itertools.product(first_signals, second_signals)
@@ -143,13 +143,13 @@ def check_named_wires(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def _signals_by_wire(spec: WrittenSpec) -> dict[str, set[str]]:
     """Return the signals that a wire of each color has in some cable: ``{"white": {"MA+"}}``."""
-    signals_by_colour: dict[str, set[str]] = {}
+    signals_by_color: dict[str, set[str]] = {}
     for connector in spec.connectors:
         if connector.part.kind != "cable":
             continue
         for contact in connector.part.contacts:
-            signals_by_colour.setdefault(contact.contact.casefold(), set()).add(contact.signal)
-    return signals_by_colour
+            signals_by_color.setdefault(contact.contact.casefold(), set()).add(contact.signal)
+    return signals_by_color
 
 
 def _belong_together(first: str, second: str) -> bool:
