@@ -69,7 +69,7 @@ _Fact = TypeVar("_Fact", bound=Restricted)
 
 
 def _common_fact(facts: Sequence[_Fact]) -> _Fact | None:
-    """Return the only fact if it applies to all order codes, otherwise None."""
+    """Return the fact that applies to all order codes, or None if there is none or they depend on the order code."""
     return facts[0] if len(facts) == 1 and not facts[0].only else None
 
 

@@ -16,14 +16,14 @@ Data = Mapping[str, object]
 
 
 def mapping(root: object, *keys: str) -> Data:
-    """Return the map found by following ``keys``, or an empty one."""
+    """Return the map that is reached by following ``keys`` from the map ``root``, or an empty map if there is none."""
     for key in keys:
         root = root.get(key) if isinstance(root, dict) else None
     return root if isinstance(root, dict) else {}
 
 
 def maps_in_list(root: object, *keys: str) -> Iterator[tuple[Path, Data]]:
-    """Yield the maps in the list found by following ``keys``, each with its path.
+    """Yield the maps in the list that is reached by following ``keys``, each with its path.
 
     For ``("manual", "editions")`` these have paths such as ``("manual", "editions", 0)``.
     """
@@ -35,9 +35,9 @@ def maps_in_list(root: object, *keys: str) -> Iterator[tuple[Path, Data]]:
 
 
 def leaves_of(spec: Data, report: DocumentReport) -> Sequence[tuple[Path, object]]:
-    """Return the leaves of a whole spec, each with its path.
+    """Return every value of a spec that is neither a map nor a list, with its path.
 
-    The report keeps the leaves of the last spec, because one rule after another needs them.
+    The report keeps the result for the last spec, because one rule after another needs it.
     """
     spec_of_leaves, _ = report.leaves
     if spec_of_leaves is not spec:
@@ -66,7 +66,7 @@ def _add_leaves(node: object, path: Path, located_values: list[tuple[Path, objec
 
 
 def sources(located_values: Iterable[tuple[Path, object]]) -> Iterator[tuple[Path, str]]:
-    """Yield every source among leaves, with its path."""
+    """Yield every text among these values that is under a key for a source, with its path."""
     for path, value in located_values:
         if isinstance(value, str) and (path[-1] == "source" or str(path[-1]).endswith("_source")):
             yield path, value
