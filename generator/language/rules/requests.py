@@ -282,7 +282,7 @@ def _check_fields(
     for exchange in accesses:
         layout = layouts.get(_frame_name(exchange, frame_key))
         if layout is not None:
-            field_names_of_frames |= field_names(_as_field_list(layout), groups).keys()
+            field_names_of_frames.update(field_names(_as_field_list(layout), groups))
     missing_names = [field_name for field_name in needed_names if field_name not in field_names_of_frames]
     if missing_names:
         frame_name = _frame_name(accesses[0], frame_key)
@@ -290,13 +290,20 @@ def _check_fields(
         message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_names[0])}"
         report.add("spi-exchange", place, message)
     elif frame_key == "request":
-        for exchange in accesses:
-            names_to_choose = _fields_to_choose(layouts.get(exchange.request))
-            undecided_names = [field_name for field_name in names_to_choose if field_name not in needed_names]
-            if undecided_names:
-                problem = f"a register access gives no value for {quoted(undecided_names[0])}"
-                message = f"{problem} in {quoted(exchange.request)}; give it 'constant' or 'unused'"
-                report.add("spi-exchange", exchange.place_of(frame_key), message)
+        _report_undecided_fields(accesses, needed_names, layouts, report)
+
+
+def _report_undecided_fields(
+    accesses: Sequence[WrittenSpiExchange], needed_names: tuple[str, ...], layouts: Layouts, report: DocumentReport
+) -> None:
+    """Report each request that accesses registers and has another field whose value a user would have to choose."""
+    for exchange in accesses:
+        names_to_choose = _fields_to_choose(layouts.get(exchange.request))
+        undecided_names = [field_name for field_name in names_to_choose if field_name not in needed_names]
+        if undecided_names:
+            problem = f"a register access gives no value for {quoted(undecided_names[0])}"
+            message = f"{problem} in {quoted(exchange.request)}; give it 'constant' or 'unused'"
+            report.add("spi-exchange", exchange.place_of("request"), message)
 
 
 def _as_field_list(layout: WrittenLayout) -> FieldList:
