@@ -28,9 +28,9 @@ def placeholders_in(files: Iterable[str]) -> Iterator[Placeholder]:
 
 def _placeholders_of(path: Path) -> Iterator[Placeholder]:
     """Yield the placeholders in a spec. A file that cannot be read contains none."""
-    from ..language.document import placeholder_name, placeholder_paths
     from ..language.problems import ProblemReport
     from ..language.read import read_document
+    from ..language.rules.walk import placeholder_name, placeholder_paths
 
     document = read_document(path, ProblemReport())
     if document is None:

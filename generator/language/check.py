@@ -8,10 +8,10 @@ from .document import Document
 from .problems import MAX_FOUND, TOO_MANY, DocumentReport, Path, ProblemReport
 from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
-from .rules.order_code import is_whole
+from .rules.order_code import are_codes_complete
 from .rules.values import check_number_base
-from .schema_check import FileKind, SchemaResult, check_schema, place_to_remove, shape_of, without_places
-from .schema_files import family_of, with_stand_ins
+from .schema_check import FileKind, SchemaResult, check_schema, place_to_remove, without_places
+from .schema_files import family_of, schema_without_references, with_stand_ins
 from .written_parts import WrittenSpec
 
 #: Stand-ins for missing keys at the top level, so that the rest can be built and checked.
@@ -42,7 +42,7 @@ def check_document(document: Document, report: ProblemReport) -> dict[str, Any] 
     problems_before = len(report)
     if checked.kind is FileKind.MASTER:
         check_master(checked.data, report.for_document(document))
-    check_number_base(WrittenSpec(checked.data), WrittenSpec(document.data), report.for_document(document))
+    check_number_base(WrittenSpec(checked.data), report.for_document(document))
     return checked.data if checked.complete and len(report) == problems_before else None
 
 
@@ -67,12 +67,12 @@ class _TooManyProblems(Exception):
 
 
 class _RecordingReport(DocumentReport):
-    """A report that records in ``noted`` the places mentioned by a rule, as paths in the data as read."""
+    """A report that records the places in which a rule has found problems, as paths in the file."""
 
     def __init__(self, report: ProblemReport, document: Document) -> None:
         super().__init__(report, document)
-        self.noted: list[Path] = []
-        self._before = len(report)
+        self.reported_paths_of_rule: list[Path] = []
+        self._problems_before = len(report)
 
     def add(self, rule: str, path: Path, message: str, *, at_key: bool = False, cause: str = "") -> None:
         """Add a problem at ``path``.
@@ -80,14 +80,15 @@ class _RecordingReport(DocumentReport):
         Raises:
             _TooManyProblems: The rules have already reported the largest number of problems. One that says so is added.
         """
-        if len(self) - self._before >= MAX_FOUND:
+        if len(self) - self._problems_before >= MAX_FOUND:
             super().add(TOO_MANY, path, "there are more problems; they are reported once these are fixed")
             raise _TooManyProblems
-        self.noted.append(self.document.original(path))
+        self.reported_paths_of_rule.append(self.document.original(path))
         super().add(rule, path, message, at_key=at_key, cause=cause)
 
     def mark(self, path: Path) -> None:
-        self.noted.append(self.document.original(path))
+        """Mark a place as faulty without a message, because another problem explains it."""
+        self.reported_paths_of_rule.append(self.document.original(path))
         super().mark(path)
 
 
@@ -100,53 +101,52 @@ def _remove_broken_parts(checked: SchemaResult, document: Document, report: Prob
 
 
 def _check_device(checked: SchemaResult, document: Document, report: ProblemReport) -> dict[str, Any]:
-    """Check a device with every rule, and return its data without the broken parts.
+    """Check a device with every rule, and return its data without the parts that cannot be built.
 
-    An error of a rule in ``FOUNDATIONS`` about order codes or parameters empties the order codes or parameters. An
-    error of a rule in ``SHAPES`` removes the part that contains its place. Other errors remove nothing.
+    If a rule in ``FOUNDATIONS`` reports order codes or parameters, the result has neither. A rule in ``SHAPES`` that
+    reports a problem removes the part with the problem. Other rules remove nothing.
 
     Raises:
         _TooManyProblems: It has too many problems.
     """
-    are_codes_whole = is_whole(checked.data, document.data)
+    has_valid_codes = are_codes_complete(checked.data, document.data)
     report.mark(document, checked.cut)
     removed_places = set(checked.cut)
     completed_data = _with_prose(checked.data, checked.kind)
     recording_report = _RecordingReport(report, document)
-    spec = WrittenSpec(completed_data)
-    as_read = WrittenSpec(document.data)
+    spec = WrittenSpec(completed_data, with_invalid_parts=WrittenSpec(document.data))
     for rule in RULES:
-        recording_report.noted = []
-        rule(spec, as_read, recording_report)
-        reported_paths = recording_report.noted
-        has_fault_in_codes = any(path[0] in _NO_CODES for path in reported_paths)
-        if rule in FOUNDATIONS and has_fault_in_codes:
-            are_codes_whole = False
+        recording_report.reported_paths_of_rule = []
+        rule(spec, recording_report)
+        reported_paths = recording_report.reported_paths_of_rule
+        reports_codes = any(path[0] in _NO_CODES for path in reported_paths)
+        if rule in FOUNDATIONS and reports_codes:
+            has_valid_codes = False
         if rule in SHAPES:
             removed_places.update(place_to_remove(path) for path in reported_paths)
     if removed_places != checked.cut:
         remaining_data = without_places(document, removed_places, checked.stand_ins)
         completed_data = _with_prose(remaining_data, checked.kind)
-    return _with_stand_ins(completed_data, are_codes_whole, document)
+    return _with_stand_ins(completed_data, has_valid_codes, document)
 
 
 def _with_prose(checked_data: dict[str, Any], file_kind: FileKind) -> dict[str, Any]:
-    """Return the data with stand-ins for the prose that a second reading lacks."""
+    """Return the data of a file. In a second reading, add stand-ins for the prose that only device files must have."""
     if file_kind is not FileKind.SECOND:
         return checked_data
-    completed_data: dict[str, Any] = with_stand_ins(checked_data, shape_of(FileKind.DEVICE.value))
+    completed_data: dict[str, Any] = with_stand_ins(checked_data, schema_without_references(FileKind.DEVICE.value))
     return completed_data
 
 
-def _with_stand_ins(checked_data: dict[str, Any], are_codes_whole: bool, document: Document) -> dict[str, Any]:
-    """Return the data with stand-ins for missing keys at the top level and at the top level of an interface.
+def _with_stand_ins(checked_data: dict[str, Any], has_valid_codes: bool, document: Document) -> dict[str, Any]:
+    """Return the data of a device with stand-ins for missing keys of the file and of its interfaces.
 
-    ``are_codes_whole`` is False if order codes and parameters are broken. Then they are empty.
+    If ``has_valid_codes`` is False, order codes or parameters are invalid, and the result has neither.
     """
     family = document.family or family_of(document.file)
     # Later maps take precedence: a stand-in is used only for a key that the data lack.
     completed_data = {"device": family, **_STAND_INS, **checked_data}
-    if not are_codes_whole:
+    if not has_valid_codes:
         completed_data |= _NO_CODES
     interfaces = completed_data["interfaces"]
     completed_data["interfaces"] = {

@@ -1,7 +1,7 @@
-"""A spec as read: plain data, the place of each value in the file, and the paths that overlays name.
+"""A spec as plain data, with the place of each value in its file, and the paths that overlays name.
 
-Nothing is modified in place. Each map and list along the path is copied, with its marks, so that the spec remains as
-read. New values keep the marks of the file from which they come.
+Nothing is modified in place. To change a value, each map and list on its path is copied, together with the marks of its
+place in the file. New values keep the marks of the file from which they come.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ class Document:
     def name_path(self, path: Path) -> str:
         """Return the path as shown in messages: ``procedures.preset.steps[3]``.
 
-        A list item is shown by its name, or by its number from 1 if it has none or if the name has other characters.
+        An element of a list is shown by its name, or by its number, counted from 1, if it has no plain name.
         """
         text = ""
         node: Any = self.data
@@ -129,7 +129,7 @@ class Document:
         return text.removeprefix(".")
 
     def _walk_path(self, path: Path) -> Iterator[tuple[str | int, SourceMark]]:
-        """Yield each step of the path in the data as read, with its mark, up to the first missing step."""
+        """Yield each step of a path with the mark of its place in the file, up to the first missing step."""
         mark = self.marks
         for step in self.original(path):
             child = mark.children.get(step)
@@ -139,7 +139,10 @@ class Document:
             mark = child
 
     def original(self, path: Path) -> Path:
-        """Return the path in the data as read, with indices for names and original indices for pruned lists."""
+        """Return a path with the indices that the elements of lists have in the file.
+
+        In ``path``, an element can be given by its name, or by its index after invalid elements were removed.
+        """
         node: Any = self.data
         original_path: Path = ()
         for step in path:
@@ -149,9 +152,10 @@ class Document:
         return original_path
 
     def _original_step(self, node: Any, step: str | int, original_path: Path) -> str | int:
-        """Return the index in a list as read for a name or for an index in the pruned list, or the key of a map.
+        """Return one step of a path with the index that the element of a list has in the file.
 
-        ``node`` is the list or map in the data as read, at ``original_path``. An unknown step is returned unchanged.
+        ``node`` is the list or map in the file at ``original_path``. ``step`` is the name of an element, or its index
+        after invalid elements were removed. A key of a map and an unknown name are returned unchanged.
         """
         if not isinstance(node, list):
             return step
@@ -182,7 +186,10 @@ def _child_at(node: Any, step: str | int) -> Any:
 
 
 def label_of(list_item: Any) -> str | None:
-    """Return the label of a list item, from the first of ``_ITEM_KEYS`` in it, such as ``name``, or None."""
+    """Return the value that identifies an element of a list, such as its name, or None if it has none.
+
+    It is the value under the first key of ``_ITEM_KEYS`` that the element has.
+    """
     if not isinstance(list_item, dict):
         return None
     for key in _ITEM_KEYS:
@@ -227,7 +234,7 @@ def _step_of(match: re.Match[str]) -> str | int:
 
 
 def resolve(root: Any, path_text: str) -> Path:
-    """Return the path for a place given as text, with an index for each list item.
+    """Return the path for a place given as text, with an index for each element of a list.
 
     ``procedures.preset.steps[3]`` may result in ``("procedures", 0, "steps", 2)``.
 
@@ -236,20 +243,21 @@ def resolve(root: Any, path_text: str) -> Path:
     """
     path: Path = ()
     for step in steps_of(path_text):
-        keys_by_step = _inner_steps(root)
+        keys_by_step = _possible_steps(root)
         if step not in keys_by_step:
             step_text = f"[{step + 1}]" if isinstance(step, int) else step
-            raise MissingPath(step_text, [str(key) for key in keys_by_step if isinstance(key, str)], path)
+            known_steps = [known_step for known_step in keys_by_step if isinstance(known_step, str)]
+            raise MissingPath(step_text, known_steps, path)
         key = keys_by_step[step]
         path = (*path, key)
         root = root[key]
     return path
 
 
-def _inner_steps(node: Any) -> dict[str | int, str | int]:
+def _possible_steps(node: Any) -> dict[str | int, str | int]:
     """Return the possible next steps of a path, each with its key or index: ``{0: 0, "preset": 0}`` for a list.
 
-    An item of a list can be given by its index or by its label. The first item with a label counts.
+    An element of a list can be given by its index, or by its name. If several elements have a name, it is the first.
     """
     if isinstance(node, dict):
         return {key: key for key in node}
@@ -257,22 +265,24 @@ def _inner_steps(node: Any) -> dict[str | int, str | int]:
         return {}
     steps: dict[str | int, str | int] = {index: index for index in range(len(node))}
     for index, child in enumerate(node):
-        steps.setdefault(label_of(child) or index, index)  # Its index is a step already.
+        label = label_of(child)
+        if label:
+            steps.setdefault(label, index)
     return steps
 
 
 def named_path(root: Any, path: Path) -> Path:
-    """Return the path with labels of items instead of indices. The last step need not exist yet.
+    """Return a path in which elements of lists are given by their names instead of their indices.
 
-    An item without a label keeps its index.
+    An element without a name keeps its index. The last step need not exist yet.
     """
-    named_path: Path = ()
+    named_steps: Path = ()
     for step in path:
         child: Any = root[step] if isinstance(step, int) or step in root else None
         label = label_of(child) if isinstance(step, int) else None
-        named_path += (label or step,)
+        named_steps += (label or step,)
         root = child
-    return named_path
+    return named_steps
 
 
 def value_at(root: Any, path: Path) -> Any:
@@ -296,7 +306,10 @@ def from_file(mark: SourceMark, file: str) -> SourceMark:
 
 
 def with_value(root: Any, marks: SourceMark, path: Path, value: Any, mark: SourceMark) -> tuple[Any, SourceMark]:
-    """Return data and marks with a value at ``path``: replaced, at a new key, or at the end of a list."""
+    """Return copies of data and marks in which the value at ``path`` is ``value``, which has ``mark``.
+
+    The value can replace another one, or be at a new key, or at the end of a list.
+    """
     key = path[-1]
 
     def put(parent: Any, parent_mark: SourceMark) -> tuple[Any, SourceMark]:
@@ -311,7 +324,7 @@ def with_value(root: Any, marks: SourceMark, path: Path, value: Any, mark: Sourc
 
 
 def without_value(root: Any, marks: SourceMark, path: Path) -> tuple[Any, SourceMark]:
-    """Return data and marks without the value at ``path``. Later items of its list move up."""
+    """Return copies of data and marks without the value at ``path``. Later elements of its list get lower indices."""
     key = path[-1]
 
     def remove(parent: Any, parent_mark: SourceMark) -> tuple[Any, SourceMark]:
@@ -345,7 +358,10 @@ def _without_item(items: list[Any], mark: SourceMark, removed_index: str | int) 
 
 
 def _with_edited_parent(root: Any, mark: SourceMark, parent_path: Path, edit: _Edit) -> tuple[Any, SourceMark]:
-    """Return copies of data and marks in which the map or list at ``parent_path`` is replaced by its edited form."""
+    """Return copies of data and marks in which ``edit`` has replaced the map or list at ``parent_path``.
+
+    ``edit`` is called with the map or list and its mark, and returns both.
+    """
     if not parent_path:
         return edit(root, mark)
     key = parent_path[0]
@@ -358,8 +374,8 @@ def _with_edited_parent(root: Any, mark: SourceMark, parent_path: Path, edit: _E
 def as_affected(root: Any, path: Path) -> str:
     """Return a path in the form used by errata: ``registers.preset`` or ``interfaces.biss.word.crc``.
 
-    List items are given by their labels, and keys of ``LEFT_OUT`` below the top level are omitted. The path ends before
-    the first step that cannot be named. It is empty if that is the first step.
+    Elements of lists are given by their names, and keys such as ``layouts`` below the top level are omitted. The path
+    ends before the first element without a name.
     """
     named_steps: list[str] = []
     for depth, step in enumerate(path):
@@ -380,7 +396,7 @@ def leads_somewhere(root: Any, affected: str) -> bool:
 
 
 class ErratumTargets:
-    """Finds the targets of an erratum's paths, in data that do not change."""
+    """Finds the values to which the paths in ``affects`` of errata refer, in data that do not change."""
 
     def __init__(self, data: Any) -> None:
         self._data = data
@@ -395,7 +411,10 @@ class ErratumTargets:
         return nodes
 
     def _find_named(self, node: Any, step: str) -> list[Any]:
-        """Return the matches of a step of a path below ``node``: by key, by name, or by name in one of its lists."""
+        """Return the values to which one step of a path can lead from a map or list.
+
+        The step can be a key of the map, or the name of an element of the list, or of a list in the map.
+        """
         if isinstance(node, list):
             return self._items_of(node).get(step, [])
         if not isinstance(node, dict):
@@ -418,35 +437,3 @@ class ErratumTargets:
                     named_items.setdefault(list_item["name"], []).append(list_item)
             self._items[id(items)] = named_items
         return self._items[id(items)]
-
-
-_TODO_MARKER = re.compile(r"\bTODO\b")
-
-
-def is_placeholder(source_text: object) -> bool:
-    """Return True if a value is a text with the marker."""
-    return isinstance(source_text, str) and _TODO_MARKER.search(source_text) is not None
-
-
-def placeholder_paths(root: Any, path: Path = ()) -> Iterator[Path]:
-    """Yield the path of each placeholder, a text with TODO, in the data of a spec, in its order."""
-    if isinstance(root, dict):
-        for key, value in root.items():
-            yield from placeholder_paths(value, (*path, key))
-    elif isinstance(root, list):
-        for index, value in enumerate(root):
-            yield from placeholder_paths(value, (*path, index))
-    elif is_placeholder(root):
-        yield path
-
-
-def placeholder_names(spec_data: dict[str, Any]) -> list[str]:
-    """Return the names of all placeholders, each once. A source represents the facts that cite it."""
-    names = (placeholder_name(spec_data, path) for path in placeholder_paths(spec_data))
-    return list(dict.fromkeys(names))
-
-
-def placeholder_name(spec_data: dict[str, Any], path: Path) -> str:
-    """Return the name of the item whose source is a placeholder, such as ``registers.preset``, or of another text."""
-    owner = path[:-1] if path[-1] == "source" and len(path) > 1 else path
-    return as_affected(spec_data, owner) or str(path[0])

@@ -1,6 +1,6 @@
 """Find the specs in a folder, the specs that ship with the tool, and the files on which a family's model depends.
 
-A file given by name is always read. Folders also contain other YAML files, such as CI settings, so specs are recognised
+A file given by name is always read. Folders also contain other YAML files, such as CI settings, so specs are recognized
 by their keys.
 """
 
@@ -52,7 +52,7 @@ class FoundFiles:
 
 
 def is_spec(path: Path) -> bool:
-    """Return True if a YAML file in a folder is a spec or cannot be read, so that reading it reports the reason."""
+    """Return True if a YAML file in a folder is a spec, or cannot be read, which is reported when it is read."""
     keys = top_keys(path)
     return keys is None or _names_a_spec(keys)
 
@@ -124,7 +124,7 @@ class _Search:
                 return
             for folder_entry in entries:
                 if not folder_entry.name.startswith("."):
-                    self._look_at(folder_entry, folder / folder_entry.name, folders)
+                    self._add_entry(folder_entry, folder / folder_entry.name, folders)
 
     def _list_entries(self, folder: Path) -> list[os.DirEntry[str]]:
         """Return the entries of a folder. An unreadable folder has no entries and is noted."""
@@ -138,9 +138,10 @@ class _Search:
             return []
 
     def _is_left_out(self, folder: Path, names: Collection[str]) -> bool:
-        """Return True for an environment, a cache, an output or another repository with these names in it.
+        """Return True for a folder that is not searched: an environment, a cache, an output or another repository.
 
-        The repository is noted, because it may contain specs of the user.
+        ``names`` are the names in the folder. A repository is added to ``not_entered``, because it may contain specs of
+        the user.
         """
         if not _MARKER_FILES.isdisjoint(names):
             return True
@@ -151,8 +152,11 @@ class _Search:
             return True
         return False
 
-    def _look_at(self, folder_entry: os.DirEntry[str], path: Path, folders: deque[Path]) -> None:
-        """Note a YAML file, or add a folder that is to be searched to ``folders``. A link to a folder is only noted."""
+    def _add_entry(self, folder_entry: os.DirEntry[str], path: Path, folders: deque[Path]) -> None:
+        """Add an entry to the YAML files if it is one, or to ``folders`` if it is a folder that is to be searched.
+
+        A link to a folder is added to ``not_entered``.
+        """
         if _is_folder_entry(folder_entry):
             if folder_entry.name in _BUILD_FOLDERS or folder_entry.name.endswith(".egg-info"):
                 return

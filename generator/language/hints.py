@@ -107,9 +107,10 @@ _LONGEST_NUMBER_TEXT = 100
 
 
 def number_hint(key: str, wrong_value: Any) -> str:
-    """Return what to write instead of ``wrong_value`` under ``key``, which takes a whole number. Empty if unclear.
+    """Return a hint on what to write instead of ``wrong_value`` under ``key``, which takes a whole number.
 
-    The hint for ``48h`` is ``; write 0x48``. All hints begin with a semicolon, as they follow a message.
+    The hint for ``48h`` is ``; write 0x48``. All hints begin with a semicolon, because they follow a message. The hint
+    is empty if it is not clear what is meant.
     """
     if isinstance(wrong_value, float):
         return _float_hint(key, wrong_value)
@@ -122,25 +123,23 @@ def number_hint(key: str, wrong_value: Any) -> str:
 
 def _is_list_of_bytes(wrong_value: Any) -> bool:
     """Return True for a list of two or more numbers that each fit into a byte."""
-    return (
-        isinstance(wrong_value, list)
-        and len(wrong_value) > 1
-        and all(type(byte) is int and 0 <= byte < 256 for byte in wrong_value)
-    )
+    if not isinstance(wrong_value, list) or len(wrong_value) < 2:
+        return False
+    return all(type(number) is int and 0 <= number < 256 for number in wrong_value)
 
 
 def _float_hint(key: str, wrong_number: float) -> str:
-    """Return what to write instead of a number with a decimal point. Empty if unclear."""
+    """Return a hint on what to write instead of a number with a decimal point. Empty if it is infinite."""
     if wrong_number.is_integer() and abs(wrong_number) < 2**64:
         return f"; write {int(wrong_number)}"
     return _fraction_hint(key, wrong_number) if math.isfinite(wrong_number) else ""
 
 
 def _text_hint(key: str, number_text: str) -> str:
-    """Return what to write instead of a text that is meant as a number. Empty if unclear.
+    """Return a hint on what to write instead of a text that is meant as a number. Empty if it is not clear.
 
-    The forms are bytes, quotes, ``48h``, ``0b11``, ``1,000``, ``10 MHz``, a polynomial, and hexadecimal without a
-    prefix.
+    The text can be bytes, a number in quotes, ``48h``, ``0b11``, ``1,000``, ``10 MHz``, a polynomial, or hexadecimal
+    without a prefix.
     """
     if _HEX_BYTES.fullmatch(number_text) and " " in number_text:
         return _bytes_hint(bytes.fromhex(number_text))
@@ -161,13 +160,16 @@ def _text_hint(key: str, number_text: str) -> str:
 
 
 def expression_hint(expression_text: str) -> str:
-    """Return what to write instead of an expression with powers as in ``2**n`` or ``1 << n``. Empty if unclear."""
+    """Return a hint on what to write instead of powers such as ``2**n`` and ``1 << n``. Empty if there are none."""
     corrected = _SHIFTED_ONE.sub(r"2^\1", expression_text.replace("**", "^"))
     return f"; write {corrected}" if corrected != expression_text else ""
 
 
 def product_hint(expression_text: str) -> str:
-    """Return what to write instead of a product with a number, such as ``2^bits * 256``. Empty if unclear."""
+    """Return a hint on what to write instead of a product with a number, such as ``2^bits * 256``.
+
+    The hint is empty if there is no such product, or if the expression would still be invalid.
+    """
     number = _FACTOR_OF_PRODUCT.search(expression_text)
     if number is None:
         return ""
@@ -181,9 +183,10 @@ def product_hint(expression_text: str) -> str:
 
 
 def value_hint(key: str, wrong_value: Any, schema: Mapping[str, Any]) -> str:
-    """Return what to write instead of a value of the wrong type. Empty if unclear.
+    """Return a hint on what to write instead of a value of the wrong type. Empty if it is not clear.
 
-    A boolean may be ``yes``. A map with one required key may be only the value of that key.
+    Instead of a boolean, the value may be ``yes``. Instead of a map with one required key, it may be the value of that
+    key.
     """
     required_type = schema.get("type")
     required_keys = schema.get("required", ())
@@ -203,15 +206,15 @@ def value_hint(key: str, wrong_value: Any, schema: Mapping[str, Any]) -> str:
 
 
 def word_hint(key: str, wrong_word: Any) -> str:
-    """Return what to write instead of ``rw`` or ``big`` under a key that takes one of our words. Empty if unclear."""
+    """Return a hint on what to write instead of a word of other tools, such as ``rw``. Empty for other words."""
     word = _VALUES_OF_OTHER_TOOLS.get(key, {}).get(str(wrong_word).lower(), "")
     return f"; write '{word}'" if word else ""
 
 
 def unsupported_hint(word: Any) -> str:
-    """Return the workaround for a feature that the language lacks, for a key or value such as ``bcd``, or nothing.
+    """Return a hint with the workaround for a feature that the spec language does not have.
 
-    The page on encoders lists all limits of the language.
+    ``word`` is a key or value that suggests such a feature, such as ``bcd``. The hint is empty for all other words.
     """
     return _UNSUPPORTED_KEYS.get(str(word).lower().replace("-", "_"), "")
 
@@ -219,9 +222,10 @@ def unsupported_hint(word: Any) -> str:
 def foreign_key_hint(
     unknown_key: str, value_of_key: Any, allowed_keys: Collection[str], used_keys: Collection[str]
 ) -> str:
-    """Return what to write instead of a key of other tools, such as ``description: ...`` for ``meaning: ...``.
+    """Return a hint on what to write instead of a key of other tools: ``meaning`` for ``description``.
 
-    ``allowed_keys`` contains the keys that are allowed here, and ``used_keys`` those that are used.
+    ``allowed_keys`` contains the keys that the map can have, and ``used_keys`` the keys that it has. The hint is empty
+    if no allowed key has the same meaning.
     """
     our_key = _our_key(unknown_key, value_of_key, allowed_keys)
     if not our_key:
@@ -246,10 +250,9 @@ def foreign_key_hint(
 
 
 def _our_key(unknown_key: str, value_of_key: Any, allowed_keys: Collection[str]) -> str:
-    """Return the key of our language for one of another tool, or an empty string.
+    """Return the allowed key that has the meaning of an unknown key of another tool, or an empty string.
 
-    A key that takes words is preferred if the value is one of its words, so that ``mode: rw`` becomes ``access``.
-    Otherwise it is the first key that is allowed.
+    If there are several, a key that takes the given value is preferred, so that ``mode: rw`` becomes ``access``.
     """
     candidates = [our_key for our_key in _KEYS_OF_OTHER_TOOLS.get(unknown_key.lower(), ()) if our_key in allowed_keys]
     for our_key in candidates:
@@ -260,7 +263,7 @@ def _our_key(unknown_key: str, value_of_key: Any, allowed_keys: Collection[str])
 
 
 def _bytes_hint(listed_bytes: bytes) -> str:
-    """Return the hint for several bytes instead of a number, which they are in one of two orders."""
+    """Return a hint with the number to write instead of several bytes, for each byte order if they differ."""
     big_endian = int.from_bytes(listed_bytes, "big")
     little_endian = int.from_bytes(listed_bytes, "little")
     if big_endian == little_endian:
@@ -271,9 +274,10 @@ def _bytes_hint(listed_bytes: bytes) -> str:
 
 
 def _fraction_hint(key: str, fraction: float) -> str:
-    """Return the hint for ``at_least_us: 0.03``. Bounds are rounded to the safe side of the manual's value.
+    """Return a hint for a number with decimals, such as ``at_least_us: 0.03``.
 
-    A lower bound is rounded up and an upper bound down, unless it would be 0. Other fractions are not rounded.
+    Limits are rounded to the safe side of the manual's value: lower bounds up, and upper bounds down unless the result
+    would be 0. Other numbers are not rounded.
     """
     unit = _unit_of_key(key)
     # A small frequency or baud rate is probably in a larger unit.
@@ -281,11 +285,9 @@ def _fraction_hint(key: str, fraction: float) -> str:
         return _larger_unit_hint(unit, fraction)
     if key == "step_um":
         return _step_hint(fraction)
-    problem = (
-        f"; there are no fractions of {_name_unit(unit)}"
-        if unit in _BASE_UNIT_AND_POWER
-        else "; there are no fractions"
-    )
+    problem = "; there are no fractions"
+    if unit in _BASE_UNIT_AND_POWER:
+        problem += f" of {_name_unit(unit)}"
     is_lower_bound = "at_least" in key or key.startswith("min_")
     is_upper_bound = "at_most" in key or key.startswith("max_")
     if is_lower_bound:
@@ -347,9 +349,9 @@ def _parse_power(term: str) -> int:
 
 
 def key_hint(unknown_key: str, value_of_key: Any, known_keys: Iterable[str]) -> str:
-    """Return what to write instead of a key with the wrong unit, such as ``min_khz: 200`` for ``min_hz: 200000``.
+    """Return a hint on what to write instead of a key with the wrong unit: ``min_hz: 200000`` for ``min_khz: 200``.
 
-    The result is empty if no known key differs only in the unit.
+    The hint is empty if no known key differs only in the unit.
     """
     stem, _, unit = unknown_key.rpartition("_")
     unit = unit.lower()
@@ -361,12 +363,10 @@ def key_hint(unknown_key: str, value_of_key: Any, known_keys: Iterable[str]) -> 
     best_key = _best_unit(fitting_keys, value_of_key, unit)
     best_unit = _unit_of_key(best_key)
     if not _is_finite_number(value_of_key):
-        or_else = (
-            f". If that is not a whole number{_ALTERNATIVES_TO_UNIT[best_key]}"
-            if best_key in _ALTERNATIVES_TO_UNIT
-            else ""
-        )
-        return f"; the unit is {_name_unit(best_unit)}: write '{best_key}'{or_else}"
+        hint = f"; the unit is {_name_unit(best_unit)}: write '{best_key}'"
+        if best_key in _ALTERNATIVES_TO_UNIT:
+            hint += f". If that is not a whole number{_ALTERNATIVES_TO_UNIT[best_key]}"
+        return hint
     # From the shortest decimal form: 0.05 means five hundredths, not the nearest binary fraction.
     converted = _convert_number(Fraction(str(value_of_key)), unit, best_unit)
     if converted is None:
@@ -376,15 +376,15 @@ def key_hint(unknown_key: str, value_of_key: Any, known_keys: Iterable[str]) -> 
 
 
 def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[str]:
-    """Return the known keys with the same stem, or one of which it is a typo, and a unit of the same kind.
+    """Return the known keys that differ from an unknown key only in the unit, such as ``min_hz`` for ``min_khz``.
 
-    For ``min_khz``, the stem is ``min``, and ``min_hz`` is such a key.
+    ``stem`` is the unknown key without its ``unit``. It may contain a typo.
     """
     base_unit, _ = _BASE_UNIT_AND_POWER[unit]
     keys_of_kind = []
     for known_key in known_keys:
-        known_unit = _unit_of_key(known_key)
-        if known_unit in _BASE_UNIT_AND_POWER and _BASE_UNIT_AND_POWER[known_unit][0] == base_unit:
+        known_base_unit, _ = _BASE_UNIT_AND_POWER.get(_unit_of_key(known_key), ("", 0))
+        if known_base_unit == base_unit:
             keys_of_kind.append(known_key)
     stems = {_remove_unit(known_key) for known_key in keys_of_kind}
     meant_stem = stem if stem in stems else nearest_choice(stem, list(stems))
@@ -394,9 +394,9 @@ def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[
 
 
 def _best_unit(keys: list[str], value_of_key: Any, unit: str) -> str:
-    """Return the key with the largest unit in which the value is a whole number, or else with the smallest one.
+    """Return the key with the largest unit in which a value is a whole number, or the key with the smallest unit.
 
-    ``unit`` is the unit in which the value was given.
+    ``keys`` differ only in their units. ``unit`` is the unit of the value.
     """
     largest_first = sorted(keys, key=lambda known_key: -_BASE_UNIT_AND_POWER[_unit_of_key(known_key)][1])
     for known_key in largest_first:

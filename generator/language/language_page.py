@@ -178,33 +178,38 @@ def _definitions_in_order(schema: Shape) -> list[str]:
     """
     names: list[str] = []
 
-    def visit(shape: Any) -> None:
+    def add_names(shape: Any) -> None:
         if isinstance(shape, Mapping):
             name = _definition_name(shape)
             if name and name not in names:
                 names.append(name)
-                visit(schema["$defs"][name])
+                add_names(schema["$defs"][name])
             for key, inner in shape.items():
                 if key != "$defs":
-                    visit(inner)
+                    add_names(inner)
         elif isinstance(shape, list):
             for inner in shape:
-                visit(inner)
+                add_names(inner)
 
-    visit(schema)
+    add_names(schema)
     return names
 
 
 def _describe_definition(name: str, shape: Shape, definitions: Shape) -> Iterator[str]:
-    """Yield the parts of the section on a definition: its meaning, and its keys or else its type and limits."""
-    yield from (anchor_of(name), f"### {code_span(name)}", wrap_markdown(escape(shape.get("description", ""))))
+    """Yield the paragraphs of the section on a definition of the schema: its meaning, then its keys or its type.
+
+    ``shape`` is the definition, a part of a JSON Schema.
+    """
+    yield anchor_of(name)
+    yield f"### {code_span(name)}"
+    yield wrap_markdown(escape(shape.get("description", "")))
     if "properties" in shape:
         yield _format_table(shape, definitions)
     else:
         type_text = _describe_type(shape)
         limits = _describe_limits(shape)
-        capitalised_kind = type_text[0].upper() + type_text[1:]
-        yield f"{capitalised_kind}: {limits}." if limits else f"{capitalised_kind}."
+        capitalized_type = type_text[0].upper() + type_text[1:]
+        yield f"{capitalized_type}: {limits}." if limits else f"{capitalized_type}."
 
 
 def _format_table(shape: Shape, definitions: Shape) -> str:
@@ -218,10 +223,11 @@ def _definition_name(shape: Shape) -> str:
 
 
 def _yield_rows(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
-    """Yield a row of the table for each key, followed by rows for its inner keys if they have no section of their own.
+    """Yield a row of the table of keys for each key of a shape, a part of a JSON Schema.
 
-    A row has the key, ``required`` or nothing, the type with its limits, and the meaning. Inner keys follow a prefix:
-    ``clock.``, ``steps[].`` for items of a list, ``<name>.`` for values in a map of names.
+    A row contains the key, ``required`` or nothing, the type with its limits, and the meaning. Rows for inner keys
+    follow, unless these have a section of their own. They have a prefix: ``clock.``, ``steps[].`` for elements of a
+    list, ``<name>.`` for values in a map of names.
     """
     required_keys = shape.get("required", ())
     for name, inner in shape.get("properties", {}).items():
@@ -241,7 +247,10 @@ def _yield_rows(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[
 
 
 def _describe_type(shape: Shape, plural: bool = False) -> str:
-    """Return the type of a value in words, in the plural for items of a list. A definition is a link to its section."""
+    """Return the type of a value in words, such as ``list of numbers``, or as a link if it has a section of its own.
+
+    ``shape`` is the JSON Schema of the value. With ``plural``, the words are in the plural.
+    """
     reference = _definition_name(shape)
     if reference:
         return markdown_link(code_span(reference), f"{_PAGE_OF.get(reference, FIRST_PAGE)}#{reference}")
@@ -253,12 +262,14 @@ def _describe_type(shape: Shape, plural: bool = False) -> str:
         return "any value"
     types = shape.get("type", "string")
     if "items" in shape:
-        list_of_items = f"{'lists' if plural else 'list'} of {_describe_type(shape['items'], plural=True)}"
+        list_noun = "lists" if plural else "list"
+        list_text = f"{list_noun} of {_describe_type(shape['items'], plural=True)}"
         can_be_single = types != "array"
-        return f"{_describe_type(shape['items'])}, or {list_of_items}" if can_be_single else list_of_items
+        return f"{_describe_type(shape['items'])}, or {list_text}" if can_be_single else list_text
     value_shape = shape.get("additionalProperties")
     if isinstance(value_shape, Mapping):
-        return f"{'mappings' if plural else 'mapping'} of names to {_describe_type(value_shape, plural=True)}"
+        map_noun = "mappings" if plural else "mapping"
+        return f"{map_noun} of names to {_describe_type(value_shape, plural=True)}"
     type_names = [types] if isinstance(types, str) else types
     return join_words([_NOUNS_OF_JSON_TYPES[type_name][plural] for type_name in type_names], "or")
 

@@ -58,7 +58,7 @@ NUMBERS: Mapping[str, str] = {
     "crc_inverted": "1 if the CRC is sent inverted",
     "clock_min_hz": "slowest clock of the encoder, in Hz",
     "clock_max_hz": "fastest clock of the encoder, in Hz",
-    "timeout_us": "longest time-out of the encoder, in µs, BiSS",
+    "timeout_us": "longest timeout of the encoder, in µs, BiSS",
     "busy_us": "longest processing time before the start bit, in µs, BiSS",
     "pause_us": "shortest pause between two readings, in µs, SSI",
     "counts_per_turn": "counts per revolution",

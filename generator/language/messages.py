@@ -96,13 +96,13 @@ _NAMES_OF_ITEMS = {
 
 
 #: Maps in which an unknown key is an unsupported feature rather than a typo.
-_ALL_THERE_IS: dict[str | int, str] = {
+_SUPPORTED_KEYS: dict[str | int, str] = {
     "interfaces": "codewheel supports only ssi, biss, spi and rs485 (requests and replies as bytes)",
 }
 
 
 #: Keys of fields that are easily given to a register by mistake.
-_OF_FIELDS = ("values", "signed", "unit")
+_KEYS_OF_FIELDS = ("values", "signed", "unit")
 
 #: Current names of keys, by their names in earlier versions of the language.
 RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
@@ -163,22 +163,23 @@ def _invalid_key(error: Any, path: Path) -> RuleFinding:
 
 
 def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFinding]:
-    """Yield a finding for each key that the schema does not have.
+    """Yield a finding for each key of a map that the schema does not have, with a hint on what to write instead.
 
-    Without a hint about the key, the rest of the map can still be used, as with prose in a second reading. With any
-    other hint, the key may be meant as another.
+    If there is such a hint, the key may be meant as another one, so the map cannot be used without it. The rest of the
+    map can still be used if there is none, and if the key is prose, which a second reading does not have.
     """
     for key in error.instance:
         if key in error.schema["properties"]:
             continue
-        is_absent_prose = file_kind == "second" and is_only_in_device_files(key)
-        hint = _NO_PROSE if is_absent_prose else _key_hint(error, path, key)
+        is_prose_in_second_reading = file_kind == "second" and is_only_in_device_files(key)
+        hint = _NO_PROSE if is_prose_in_second_reading else _key_hint(error, path, key)
+        is_rest_usable = is_prose_in_second_reading or not hint
         message = f"unknown key {quoted(key)}{hint or _suggest_key(error, key)}"
-        yield RuleFinding("unknown-key", (*path, key), message, at_key=True, alone=hint in ("", _NO_PROSE))
+        yield RuleFinding("unknown-key", (*path, key), message, at_key=True, alone=is_rest_usable)
 
 
 def _key_hint(error: Any, path: Path, key: str) -> str:
-    """Return the hint after an unknown key, or an empty string if none of the hints fits.
+    """Return the hint for an unknown key of a map at ``path``, or an empty string if no hint applies.
 
     The key may be a former name, a key of other tools, an unsupported feature, a typo, an unsupported interface, a key
     of a field, a part of a text without quotes, or have another unit. The first of these that applies is used.
@@ -193,9 +194,9 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
     nearest_key = nearest_choice(key, list(known_keys))
     if nearest_key:
         return f"; did you mean '{nearest_key}'?"
-    if path and path[-1] in _ALL_THERE_IS:
-        return f"; {_ALL_THERE_IS[path[-1]]}"
-    if key in _OF_FIELDS and "fields" in known_keys:
+    if path and path[-1] in _SUPPORTED_KEYS:
+        return f"; {_SUPPORTED_KEYS[path[-1]]}"
+    if key in _KEYS_OF_FIELDS and "fields" in known_keys:
         return f"; it is a key of a field: add 'fields: [{{name: all, at: 7:0, {key}: ...}}]', with your name and bits"
     if " " in key.strip():
         return "; keys have no spaces: if this is part of a string, put the whole string in quotes"
@@ -208,10 +209,7 @@ def _suggest_key(error: Any, unknown_key: str) -> str:
 
 
 def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFinding]:
-    """Yield one finding for all missing keys, except those that an unknown key misspells.
-
-    It is ``at_key`` unless the map is an item of a list or the whole file, and ``alone`` if only prose is missing.
-    """
+    """Yield one finding for all missing keys of a map, except keys that an unknown key misspells."""
     required_keys = error.validator_value
     misspelt_keys = [key for key in required_keys if _is_misspelt(error, key)]
     missing_keys = [key for key in required_keys if key not in error.instance and key not in misspelt_keys]
@@ -242,9 +240,9 @@ def _is_meant_as(required_key: str, unknown_key: str, instance: Any, known_keys:
 
 
 def _name_owner(error: Any, path: Path, file_kind: str) -> str:
-    """Return the owner of missing keys in a message.
+    """Return the text for the map that lacks keys in a message, such as ``a register`` or ``a device file``.
 
-    For an item of a list and a named entry it is ``a register``, for another map its key in quotes.
+    A map that is neither an element of a list nor one of several with names is given by its key in quotes.
     """
     if not path:
         return {"second": "a second reading", "overlay": "an overlay"}.get(file_kind, f"a {file_kind} file")
@@ -266,7 +264,7 @@ def _name_one_item(plural: str) -> str:
 
 
 def _name_subject(path: Path) -> str:
-    """Return the subject of a message: the key, or the list that contains the item."""
+    """Return the subject of a message about a value: its key, or ``an item of`` the list that contains it."""
     if path and isinstance(path[-1], int):
         return f"an item of '{path[-2]}'"
     return f"'{path[-1]}'" if path else "the file"
@@ -280,10 +278,9 @@ class _RuleMessage(NamedTuple):
 
 
 def _explain_type(error: Any, subject: str) -> _RuleMessage:
-    """Return rule and message for a value of the wrong type, with the likely correction.
+    """Return the rule and the message for a value of the wrong type, with the likely correction.
 
-    ``subject`` is its key in quotes, or ``an item of`` its list. The other functions in ``_EXPLAIN_BY_KEYWORD`` work in
-    the same way.
+    ``subject`` is the text for the value in the message: its key in quotes, or ``an item of`` its list.
     """
     value = error.instance
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
@@ -303,9 +300,9 @@ def _explain_type(error: Any, subject: str) -> _RuleMessage:
 
 
 def _text_hint(error: Any) -> str:
-    """Return the correction of a number or boolean that must be text. Empty if quotes would not help.
+    """Return a hint for a number or boolean that must be text: quotes, or a name for the value that a step writes.
 
-    In a step, the text is the name of a value.
+    The hint is empty if the text would not be valid in quotes either.
     """
     path = list(error.absolute_path)
     if "steps" in path and path[-1] == "value":

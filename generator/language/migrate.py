@@ -22,7 +22,10 @@ class Edit:
 
 
 def migrate(document: Document) -> tuple[Edit, ...]:
-    """Give the keys of a document, in data and marks, their current names, and return the same edits for its text."""
+    """Rename keys of a document from earlier versions of the spec language, and return the edits for its text.
+
+    The data and the marks of the document are changed in place.
+    """
     edits = []
     for path, new_key in renamed_keys(document):
         *steps_to_parent, old_key = path
@@ -45,14 +48,12 @@ def _rename_key(mapping: dict[Any, Any], old_key: str | int, new_key: str) -> No
 
 
 def edited(spec_text: str, edits: Iterable[Edit]) -> str:
-    """Return the text of a file after these edits, made from its end so that earlier positions stay valid.
-
-    A key may be in quotes, so it is searched from its place on.
-    """
+    """Return the text of a spec after these edits."""
     line_starts = [0, *(line_break.end() for line_break in LINE_BREAK.finditer(spec_text))]
+    # The last edit first, so that the positions of the others stay valid.
     for edit in sorted(edits, key=lambda edit: (edit.line, edit.column), reverse=True):
-        edited_place = line_starts[edit.line - 1] + edit.column - 1  # Lines and columns count from 1.
-        key_start = spec_text.index(edit.old, edited_place)
+        position = line_starts[edit.line - 1] + edit.column - 1  # Lines and columns count from 1.
+        key_start = spec_text.index(edit.old, position)  # A key may be in quotes.
         key_end = key_start + len(edit.old)
         spec_text = spec_text[:key_start] + edit.new + spec_text[key_end:]
     return spec_text

@@ -68,10 +68,10 @@ class OverlayLayer:
 
 @dataclass(frozen=True, slots=True)
 class AppliedChange:
-    """One applied change: the old value, the new value, and the affected paths as in an erratum.
+    """A change that was applied: texts for the value before (``was``) and after it (``now``), and the affected paths.
 
-    ``number`` counts the changes of its layer from 0. ``now`` is empty if there is no new value, and ``is_known`` is
-    False if the value is then unknown rather than removed. A change ``also`` has only its text, in ``was``, and
+    ``number`` is the index of the change in its layer. ``now`` is empty if there is no new value. Then ``is_known`` is
+    False if the value is unknown rather than absent. A change of the kind ``also`` has only its text, in ``was``, and
     ``is_known`` is False.
     """
 
@@ -96,7 +96,8 @@ class LayeredSpec:
         self._data = base.data
         self._marks = base.marks
         self._other_files: dict[str, tuple[str, ...]] = dict(base.other_files)
-        self._set: dict[Path, tuple[OverlayLayer, int]] = {}
+        #: For each place that a change affects, the layer and the index of the change.
+        self._reserved_places: dict[Path, tuple[OverlayLayer, int]] = {}
         self.applied: list[AppliedChange] = []
 
     def document(self, family: str = "") -> Document:
@@ -106,8 +107,8 @@ class LayeredSpec:
         """
         data = self._data
         if self.applied:
-            data = _with_existing_affects(data, self._base.data)
-            removed_names = _collect_characteristics(self._base.data) - _collect_characteristics(data)
+            data = _without_removed_paths(data, self._base.data)
+            removed_names = _names_of_characteristics(self._base.data) - _names_of_characteristics(data)
             if removed_names:
                 data = _without_steps(data, removed_names)
         if family:
@@ -126,7 +127,7 @@ class LayeredSpec:
 
         A change that cannot be applied is reported and left out.
         """
-        self._set = {}
+        self._reserved_places = {}
         for layer in layers:
             if layer.document.file != self._base.file:  # The layer of an edition is in the spec itself.
                 self._other_files[layer.document.file] = layer.document.lines
@@ -141,17 +142,15 @@ class LayeredSpec:
         kinds = [kind for kind in CHANGE_KINDS if kind in change]
         if len(kinds) == 1:
             return kinds[0]
-        fault = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
-        message = f"this change {fault}; use exactly one of 'set', 'add', 'remove', 'unknown' and 'also'"
+        problem = f"has {' and '.join(map(quoted, kinds))}" if kinds else "does nothing"
+        message = f"this change {problem}; use exactly one of 'set', 'add', 'remove', 'unknown' and 'also'"
         self._report_problem("overlay-change", layer, (change_number,), message)
         return None
 
     def _has_value(self, layer: OverlayLayer, change_number: int, change_kind: str) -> bool:
-        """Return True if a change has the key for its new value, and no key for another kind of value.
+        """Return True if a change has the key for its new value, and no other key for one. Report it otherwise.
 
-        Report it otherwise.
-
-        ``set`` needs ``to``, and ``add`` needs ``value``. Other kinds have no new value.
+        ``set`` needs ``to``, and ``add`` needs ``value``. Other kinds of changes have no new value.
         """
         change = layer.changes[change_number]
         needed_key = _VALUE_OF.get(change_kind)
@@ -166,7 +165,10 @@ class LayeredSpec:
         return True
 
     def _add_documents(self, layer: OverlayLayer) -> None:
-        """Add the documents that an overlay cites to the spec, and check its sources. An edition cites those there."""
+        """Add the documents that an overlay cites to the spec, and check the sources of the overlay.
+
+        A layer of an edition cites only documents of the spec, so nothing is done.
+        """
         if layer.kind is not LayerKind.OVERLAY:
             return
         overlay = layer.document
@@ -183,15 +185,15 @@ class LayeredSpec:
             path = ("documents", key)
             mark = from_file(mark_at(overlay.marks, path), overlay.file)
             self._data, self._marks = with_value(self._data, self._marks, path, cited_document, mark)
-        check_source_format(WrittenSpec(overlay.data), WrittenSpec(self._data), self._report.for_document(overlay))
+        overlay_as_spec = WrittenSpec(overlay.data, with_invalid_parts=WrittenSpec(self._data))
+        check_source_format(overlay_as_spec, self._report.for_document(overlay))
 
     def _apply_change(
         self, layer: OverlayLayer, change_number: int, change_kind: str, change: Mapping[str, Any]
     ) -> None:
-        """Apply a change of a kind to each place that it lists. ``also`` only records a text.
+        """Apply a change to each place of the spec that it lists. A change of the kind ``also`` only records a text.
 
-        In this class, ``change_path`` leads from the layer to the text of the place, and ``text`` is that place in the
-        spec.
+        For problems, ``change_path`` is the path, within the layer, of the text that names the place.
         """
         if change_kind == "also":
             self._record_change(
@@ -200,21 +202,21 @@ class LayeredSpec:
             return
         place_or_places = change[change_kind]
         is_list = isinstance(place_or_places, list)
-        for index, text in enumerate(place_or_places if is_list else [place_or_places]):
+        for index, path_text in enumerate(place_or_places if is_list else [place_or_places]):
             change_path: Path = (change_number, change_kind)
             if is_list:
                 change_path = (*change_path, index)
-            first_step, _, _ = text.partition(".")
+            first_step, _, _ = path_text.partition(".")
             if first_step in _UNCHANGEABLE_KEYS:
-                message = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
+                message = f"an overlay cannot change {quoted(path_text)}, only facts about the encoder"
                 self._report_problem("overlay-change", layer, change_path, message)
             elif change_kind == "add":
-                self._add_value(layer, change_path, text, change)
+                self._add_value(layer, change_path, path_text, change)
             else:
-                self._set_or_remove(layer, change_path, text, change_kind)
+                self._set_or_remove(layer, change_path, path_text, change_kind)
 
     def _add_value(self, layer: OverlayLayer, change_path: Path, path_text: str, change: Mapping[str, Any]) -> None:
-        """Add the value of a change at a new key, or at the end of a list that has no item with its label."""
+        """Add the value of a change to the spec: under a new key, or at the end of a list without such an element."""
         try:
             path = resolve(self._data, path_text)
         except MissingPath as missing_path:
@@ -241,17 +243,17 @@ class LayeredSpec:
             self._report_missing_place(layer, change_path, path_text, missing_path)
             return
         path = (*missing_path.existing_path, missing_path.step)
-        if self._is_free(layer, change_path, path):
+        if self._reserve_place(layer, change_path, path):
             self._put_value(layer, change_path, path, f"no {_shorten_path(path_text)}")
 
     def _set_or_remove(self, layer: OverlayLayer, change_path: Path, path_text: str, change_kind: str) -> None:
-        """Replace the value at an existing place by the value of a change, or remove it if it is wrong or unknown."""
+        """Replace the value at an existing place with the value of a change, or remove it if the change says so."""
         try:
             path = resolve(self._data, path_text)
         except MissingPath as missing_path:
             self._report_missing_place(layer, change_path, path_text, missing_path)
             return
-        if not self._is_free(layer, change_path, path):
+        if not self._reserve_place(layer, change_path, path):
             return
         if change_kind == "set":
             self._replace_value(layer, change_path, path_text, path)
@@ -259,10 +261,10 @@ class LayeredSpec:
             self._remove_value(layer, change_path, path_text, path, is_known=change_kind != "unknown")
 
     def _replace_value(self, layer: OverlayLayer, change_path: Path, path_text: str, path: Path) -> None:
-        """Replace the value at ``path`` by the value of a change. Report a change to the same value."""
+        """Replace the value at ``path`` with the value of a change. Report the change if both are the same."""
         current_value = value_at(self._data, path)
         current_text = _value_text(current_value, self._text_from(path))
-        if _is_equal(layer.changes[place_number(change_path)]["to"], current_value):
+        if _is_equal(layer.changes[number_of_change(change_path)]["to"], current_value):
             message = f"the spec already has {current_text} here; leave the change out"
             self._report_problem("overlay-unused", layer, change_path, message)
         else:
@@ -271,19 +273,25 @@ class LayeredSpec:
     def _remove_value(
         self, layer: OverlayLayer, change_path: Path, path_text: str, path: Path, *, is_known: bool
     ) -> None:
-        """Remove the value at ``path``, and record the removed place or, if it no longer has a name, its parent."""
+        """Remove the value at ``path`` from the spec, and record the change.
+
+        The recorded place is the value or, if nothing has its name afterwards, the part that contained it.
+        ``is_known`` is False if the value is unknown rather than absent.
+        """
         affected = as_affected(self._data, path)
-        parent_affected = as_affected(self._data, path[:-1])
+        affected_parent = as_affected(self._data, path[:-1])
         self._data, self._marks = without_value(self._data, self._marks, path)
-        # Without its name, only the parent of the removed item can still be referred to.
-        affects = affected if leads_somewhere(self._data, affected) else parent_affected
+        affects = affected if leads_somewhere(self._data, affected) else affected_parent
         self._record_change(
             layer, change_path, was=_shorten_path(path_text), now="", affects=affects, is_known=is_known
         )
 
     def _put_value(self, layer: OverlayLayer, change_path: Path, path: Path, was: str) -> None:
-        """Put the value of a change at a path, and record it. ``was`` is the text for the value before."""
-        number = place_number(change_path)
+        """Put the value of a change at a path of the spec, and record the change.
+
+        ``was`` is the text for the value before.
+        """
+        number = number_of_change(change_path)
         change_kind = str(change_path[1])
         key = _VALUE_OF[change_kind]  # 'to' or 'value'
         value = layer.changes[number][key]
@@ -300,29 +308,30 @@ class LayeredSpec:
         """Record a change with its texts before and after, and the affected path as in an erratum, or an empty one."""
         paths = (affects,) if affects else ()
         self.applied.append(
-            AppliedChange(layer, place_number(change_path), was=was, now=now, affects=paths, is_known=is_known)
+            AppliedChange(layer, number_of_change(change_path), was=was, now=now, affects=paths, is_known=is_known)
         )
 
-    def _is_free(self, layer: OverlayLayer, change_path: Path, at: Path) -> bool:
-        """Return True, and reserve the place, if no other change touches it, its parents or its children.
+    def _reserve_place(self, layer: OverlayLayer, change_path: Path, path: Path) -> bool:
+        """Reserve a place of the spec for a change, and return True.
 
-        Otherwise report the conflict, and return False.
+        If another change has reserved the place, a part of it, or a part that contains it, report the conflict and
+        return False.
         """
-        path = named_path(self._data, at)  # Indices change when an item is removed.
-        for changed_path, (first_layer, number) in self._set.items():
-            is_same_or_parent = path[: len(changed_path)] == changed_path
-            is_child = changed_path[: len(path)] == path
-            if is_same_or_parent or is_child:
+        path = named_path(self._data, path)  # Indices change when an element of a list is removed.
+        for reserved_path, (first_layer, number) in self._reserved_places.items():
+            is_in_reserved_place = path[: len(reserved_path)] == reserved_path
+            contains_reserved_place = reserved_path[: len(path)] == path
+            if is_in_reserved_place or contains_reserved_place:
                 mark = mark_at(first_layer.document.marks, (*first_layer.path, number))
                 first_place = f"{File(first_layer.document.file).name}:{mark.line}"
                 message = f"{first_place} changes the same location; keep one of the two"
                 self._report_problem("overlay-conflict", layer, change_path, message)
                 return False
-        self._set[path] = (layer, place_number(change_path))
+        self._reserved_places[path] = (layer, number_of_change(change_path))
         return True
 
     def _text_from(self, path: Path) -> str:
-        """Return the line of the file in which the value at ``path`` is, starting at the value."""
+        """Return the rest of the line in the file from the value at ``path`` on."""
         mark = mark_at(self._marks, path)
         lines = self._other_files[mark.file] if mark.file else self._base.lines
         return lines[mark.line - 1][mark.column - 1 :]
@@ -330,7 +339,7 @@ class LayeredSpec:
     def _report_missing_place(
         self, layer: OverlayLayer, change_path: Path, path_text: str, missing_path: MissingPath
     ) -> None:
-        """Report a place of a change whose path ends at an existing value, with the steps that are possible there."""
+        """Report a change of a place that does not exist, with the steps that are possible where its path ends."""
         existing_name = self._base.name_path(missing_path.existing_path)
         parent = quoted(existing_name) if existing_name else "the spec"
         hint = suggest_word(missing_path.step, missing_path.known_steps, "known")
@@ -341,12 +350,13 @@ class LayeredSpec:
         self._report.add(rule, layer.document, (*layer.path, *change_path), message)
 
 
-def _is_equal(new: Any, current: Any) -> bool:
-    return type(new) is type(current) and bool(new == current)
+def _is_equal(new_value: Any, current_value: Any) -> bool:
+    """Return True if two values are equal and have the same type."""
+    return type(new_value) is type(current_value) and bool(new_value == current_value)
 
 
-def place_number(change_path: Path) -> int:
-    """Return the number of the change that contains a place, counted from 0."""
+def number_of_change(change_path: Path) -> int:
+    """Return the index of the change in its layer, which is the first step of a path in this layer."""
     return int(change_path[0])
 
 
@@ -355,14 +365,13 @@ def _shorten_path(path_text: str) -> str:
 
 
 def _value_text(changed_value: Any, text_from_value: str) -> str:
-    """Return a value as text, shortened if it is long: maps and lists in braces and brackets.
+    """Return a value as text, shortened if it is long.
 
-    A number is written in hexadecimal if the file writes it so. ``text_from_value`` is the line of the file, starting
-    at the value.
+    ``text_from_value`` is the line of the file from the value on. A number that is hexadecimal there stays hexadecimal.
     """
     if isinstance(changed_value, int) and not isinstance(changed_value, bool):
-        words_of_line = text_from_value.split(maxsplit=1)
-        number_as_written = words_of_line[0].rstrip(",}]") if words_of_line else ""
+        first_word, *_ = text_from_value.split(maxsplit=1) or [""]
+        number_as_written = first_word.rstrip(",}]")
         return number_as_written if number_as_written.startswith("0x") else str(changed_value)
     text = _format_value(changed_value)
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
@@ -371,15 +380,15 @@ def _value_text(changed_value: Any, text_from_value: str) -> str:
 def _format_value(changed_value: Any) -> str:
     """Return a value as text: ``{key: [1, 2]}``, ``true``, or the text itself."""
     if isinstance(changed_value, dict):
-        entries = ", ".join(f"{key}: {_format_value(inner)}" for key, inner in changed_value.items())
-        return f"{{{entries}}}"
+        keys_and_values = [f"{key}: {_format_value(inner)}" for key, inner in changed_value.items()]
+        return f"{{{', '.join(keys_and_values)}}}"
     if isinstance(changed_value, list):
         return f"[{', '.join(map(_format_value, changed_value))}]"
     return str(changed_value).lower() if isinstance(changed_value, bool) else str(changed_value)
 
 
-def _collect_characteristics(spec_data: Mapping[str, Any]) -> set[str]:
-    """Return the names of the characteristics in data of any shape."""
+def _names_of_characteristics(spec_data: Mapping[str, Any]) -> set[str]:
+    """Return the names of the characteristics in the data of a spec, which may be invalid."""
     characteristics = spec_data.get("characteristics")
     if not isinstance(characteristics, list):
         return set()
@@ -388,9 +397,9 @@ def _collect_characteristics(spec_data: Mapping[str, Any]) -> set[str]:
 
 
 def _without_steps(node: Any, removed_names: Collection[str]) -> Any:
-    """Return the data without references in ``by_hand`` to manual steps, by these names, that were removed.
+    """Return the data of a spec without the names of removed characteristics in ``by_hand``.
 
-    A ``by_hand`` without references is removed.
+    ``by_hand`` lists characteristics with steps for a person. The key is removed if no name remains.
     """
     if isinstance(node, list):
         return [_without_steps(inner, removed_names) for inner in node]
@@ -409,25 +418,26 @@ def _without_steps(node: Any, removed_names: Collection[str]) -> Any:
     return cleaned
 
 
-def _with_existing_affects(erratum_data: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
-    """Return the data with errata that no longer refer to places removed by a layer.
+def _without_removed_paths(spec_data: dict[str, Any], original_data: dict[str, Any]) -> dict[str, Any]:
+    """Return the data of a spec whose errata no longer affect places that a layer has removed.
 
-    A reference that led nowhere before the layer stays, because a rule reports it.
+    A path that does not exist in the original data either stays, because a rule reports it.
     """
-    errata = erratum_data.get("errata")
+    errata = spec_data.get("errata")
     if not isinstance(errata, list):
-        return erratum_data
-    places = ErratumTargets(erratum_data)
-    places_before = ErratumTargets(before)
-    return {**erratum_data, "errata": [_affects_existing(erratum, places, places_before) for erratum in errata]}
+        return spec_data
+    targets = ErratumTargets(spec_data)
+    original_targets = ErratumTargets(original_data)
+    remaining_errata = [_erratum_without_removed_paths(erratum, targets, original_targets) for erratum in errata]
+    return {**spec_data, "errata": remaining_errata}
 
 
-def _affects_existing(erratum: Any, places: ErratumTargets, places_before: ErratumTargets) -> Any:
-    """Return an erratum without the affected paths that led somewhere before the layer and no longer do."""
+def _erratum_without_removed_paths(erratum: Any, targets: ErratumTargets, original_targets: ErratumTargets) -> Any:
+    """Return an erratum without the paths in ``affects`` that exist only in the original data."""
     affects = erratum.get("affects") if isinstance(erratum, dict) else None
     if not isinstance(affects, list):
         return erratum
-    removed_paths = {path for path in affects if places_before.at(path) and not places.at(path)}
+    removed_paths = {path for path in affects if original_targets.at(path) and not targets.at(path)}
     if not removed_paths:
         return erratum
     return {**erratum, "affects": [path for path in affects if path not in removed_paths]}

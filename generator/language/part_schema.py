@@ -52,7 +52,7 @@ _SCHEMA_FILE = Path(__file__).parent / "device.schema.json"
 
 
 def described_parts() -> dict[str, Any]:
-    """Return the classes of parts that specs contain, by the names of the classes, each from its own module only."""
+    """Return the classes that describe the parts of a spec, by name. Imported classes are returned only once."""
     classes = {}
     for module in _MODULES_WITH_PARTS:
         for member in vars(module).values():
@@ -89,23 +89,23 @@ def _key_schema(described: DescribedKey) -> JsonSchema:
 
 
 def _value_schema(value_type: KeyType, key: SpecKey) -> JsonSchema:
-    """Return the JSON Schema of a value. ``key`` contains the least and the most entries of a list or map.
+    """Return the JSON Schema of a value of this type, with the limits of ``key`` for the length of a list or map.
 
-    A part with a definition in the schema is referred to. Other parts are described inline.
+    A part that has a definition in the schema is referred to. Other parts are described inline.
     """
     if value_type.container == "list":
-        fewest: JsonSchema = {"minItems": key.least} if key.least else {}
-        items = _value_schema(value_type.inner, SpecKey(""))  # A key without a description and limits.
-        return {"type": "array"} | fewest | {"maxItems": key.most, "items": items}
+        lowest_count: JsonSchema = {"minItems": key.least} if key.least else {}
+        elements = _value_schema(value_type.inner, SpecKey(""))  # A key without a description and limits.
+        return {"type": "array"} | lowest_count | {"maxItems": key.most, "items": elements}
     if value_type.container == "one_or_more":
         return _one_or_more_schema(value_type.inner)
     if value_type.container == "map":
-        fewest = {"minProperties": key.least} if key.least else {}
-        entries = {
+        lowest_count = {"minProperties": key.least} if key.least else {}
+        keys_and_values = {
             "propertyNames": value_type.key_schema,
             "additionalProperties": _value_schema(value_type.inner, SpecKey("")),
         }
-        return {"type": "object"} | fewest | {"maxProperties": key.most} | entries
+        return {"type": "object"} | lowest_count | {"maxProperties": key.most} | keys_and_values
     if not value_type.part:
         return value_type.schema
     name = _DEFINITION_PLACES.get(value_type.class_name, value_type.part)
@@ -115,11 +115,14 @@ def _value_schema(value_type: KeyType, key: SpecKey) -> JsonSchema:
 
 
 def _one_or_more_schema(value_type: KeyType) -> JsonSchema:
-    """Return the JSON Schema of a part or a list of parts. JSON Schema applies each keyword to its type only."""
-    single = part_schema(described_parts()[value_type.class_name])
-    single.pop("description", None)
-    several = {"minItems": 1, "maxItems": _MOST_ROWS, "items": _value_schema(value_type, SpecKey(""))}
-    return single | {"type": ["object", "array"]} | several
+    """Return the JSON Schema of a value that is a part or a list of such parts.
+
+    It contains the keywords of both, because JSON Schema applies each keyword only to its own type.
+    """
+    schema_of_part = part_schema(described_parts()[value_type.class_name])
+    schema_of_part.pop("description", None)
+    schema_of_list = {"minItems": 1, "maxItems": _MOST_ROWS, "items": _value_schema(value_type, SpecKey(""))}
+    return schema_of_part | {"type": ["object", "array"]} | schema_of_list
 
 
 def _read_definitions() -> Mapping[str, Any]:
@@ -148,23 +151,29 @@ def schema_with_parts(text: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _with_block(lines: Sequence[str], begin: int, keys: Sequence[str], text_of: Callable[[int], str]) -> list[str]:
-    """Return the lines in which the block at the path ``keys``, searched after line ``begin``, is replaced.
+def _with_block(
+    lines: Sequence[str], line_before: int, keys: Sequence[str], format_value: Callable[[int], str]
+) -> list[str]:
+    """Return the lines of a schema in which the block at the path ``keys``, after ``line_before``, is replaced.
 
-    A block is the lines from ``"key": {`` to the brace with the same indentation. Each key is searched in the block of
-    the key before it: for ``["manual", "editions"]``, the block ``editions`` in ``manual`` is replaced. ``text_of``
-    returns the new value of the last key, from its opening brace, for the indentation of the block.
+    A block consists of the lines from ``"key": {`` to the brace with the same indentation. Each key is searched in the
+    block of the key before it: for ``["manual", "editions"]``, the block ``editions`` in ``manual`` is replaced.
+    ``format_value`` returns the text of the new value, from its opening brace, for a given indentation.
     """
-    end = len(lines)
+    first_line = line_before
+    last_line = len(lines)
+    indentation = 0
     for key in keys:
-        # From here on, ``begin`` and ``end`` are the first and the last line of the block of this key.
-        begin = next(number for number in range(begin + 1, end) if lines[number].strip() == f'"{key}": {{')
-        indent = len(lines[begin]) - len(lines[begin].lstrip())
-        end = next(number for number in range(begin, end) if lines[number].startswith(" " * indent + "}"))
-    # ``indent`` is now the indentation of the last key.
-    comma = "," if lines[end].endswith(",") else ""
-    new_block = f'{" " * indent}"{keys[-1]}": ' + text_of(indent) + comma
-    return [*lines[:begin], *new_block.splitlines(), *lines[end + 1 :]]
+        start_of_block = f'"{key}": {{'
+        possible_lines = range(first_line + 1, last_line)
+        first_line = next(number for number in possible_lines if lines[number].strip() == start_of_block)
+        indentation = len(lines[first_line]) - len(lines[first_line].lstrip())
+        closing_brace = " " * indentation + "}"
+        possible_lines = range(first_line, last_line)
+        last_line = next(number for number in possible_lines if lines[number].startswith(closing_brace))
+    comma = "," if lines[last_line].endswith(",") else ""
+    new_block = f'{" " * indentation}"{keys[-1]}": {format_value(indentation)}{comma}'
+    return [*lines[:first_line], *new_block.splitlines(), *lines[last_line + 1 :]]
 
 
 def _format_schema(schema: JsonSchema, indent: int) -> str:

@@ -163,7 +163,7 @@ class ProblemReport:
         for problem in self.problems:
             key = (problem.file, problem.rule, problem.cause) if problem.cause else problem
             problems_by_cause.setdefault(key, []).append(problem)
-        return tuple(_as_one(problems) for problems in problems_by_cause.values())
+        return tuple(map(_combine, problems_by_cause.values()))
 
     @property
     def faulty_files(self) -> frozenset[str]:
@@ -172,7 +172,7 @@ class ProblemReport:
 
     @property
     def shown(self) -> tuple[Problem, ...]:
-        """The problems to list: for each file the first ``MAX_PROBLEMS``, and then one that counts the others."""
+        """The problems to list: for each file at most ``MAX_PROBLEMS``, then one with the number of the others."""
         shown_problems: list[Problem] = []
         for _, problems_of_file in groupby(self.by_cause, key=lambda problem: problem.file):
             shown_problems += _first_problems(list(problems_of_file))
@@ -185,10 +185,10 @@ class ProblemReport:
         return bool(self._problems)
 
 
-def _as_one(problems: Sequence[Problem]) -> Problem:
-    """Return the first of several problems with one cause, with the lines of the others in its message.
+def _combine(problems: Sequence[Problem]) -> Problem:
+    """Return the first of several problems with the same cause, with the line numbers of the others in its message.
 
-    Problems on the line of the first one are not mentioned.
+    Other problems on the line of the first one are not mentioned.
     """
     first, *others = problems
     other_lines = dict.fromkeys(problem.line for problem in others)  # In order, each once.
@@ -200,24 +200,24 @@ def _as_one(problems: Sequence[Problem]) -> Problem:
 
 
 def joined_lines(lines: Sequence[str]) -> str:
-    """Return numbers of lines as a list, such as ``3, 5 and 9``, or the first ones and how many more there are."""
+    """Return line numbers as text, such as ``3, 5 and 9``, or the first ones and the number of the others."""
     if len(lines) > _MOST_LINES:
         return f"{', '.join(lines[:_MOST_LINES])} and {len(lines) - _MOST_LINES} more"
     return " and ".join(filter(None, (", ".join(lines[:-1]), lines[-1])))
 
 
 def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
-    """Yield the problems of one file, or the first ``MAX_PROBLEMS`` and one that counts the others."""
-    # If checking ended early, one of the problems only says so. In this case, there may be more than were counted.
+    """Yield the problems of one file or, if there are too many, the first ones and one that counts the others."""
+    # If the check ended early, one of the problems only says so. Then there may be more than were counted.
     counted_problems = [problem for problem in file_problems if problem.rule != TOO_MANY]
-    unlisted = len(counted_problems) - MAX_PROBLEMS
-    if unlisted <= 0:
+    unlisted_count = len(counted_problems) - MAX_PROBLEMS
+    if unlisted_count <= 0:
         yield from file_problems
         return
     yield from counted_problems[:MAX_PROBLEMS]
     ended_early = len(counted_problems) < len(file_problems)
-    number = f"at least {unlisted}" if ended_early else str(unlisted)
-    if unlisted == 1:
+    number = f"at least {unlisted_count}" if ended_early else str(unlisted_count)
+    if unlisted_count == 1:
         message = f"there is {number} more problem from here on; it is reported once these are fixed"
     else:
         message = f"there are {number} more problems from here on; they are reported once these are fixed"
@@ -234,7 +234,7 @@ class DocumentReport:
         self.leaves: tuple[Any, Sequence[tuple[Path, Any]]] = (None, ())
 
     def add(self, rule: str, path: Path, message: str, *, at_key: bool = False, cause: str = "") -> None:
-        """Add a problem at ``path``, as :meth:`Report.add` does."""
+        """Add a problem at ``path``, or at the key there. Problems with the same ``cause`` are shown as one."""
         self._report.add(rule, self.document, path, message, at_key=at_key, cause=cause)
 
     def mark(self, path: Path) -> None:
@@ -242,7 +242,7 @@ class DocumentReport:
         self._report.mark(self.document, [self.document.original(path)])
 
     def faults(self) -> frozenset[Path]:
-        """Return the faulty places of the document so far, like :meth:`Report.faults`."""
+        """Return the places with errors so far, as paths in the document before invalid parts were removed."""
         return self._report.faults(self.document)
 
     def __len__(self) -> int:
@@ -251,24 +251,24 @@ class DocumentReport:
 
 
 def excerpt(line_text: str, column: int, width: int = 80) -> list[str]:
-    """Return the part of a line around a column, and below it a line with a caret. Nothing for an empty line."""
+    """Return two lines: the part of a line around a column, and a caret below the column. Empty for a blank line."""
     if not line_text.strip():
         return []
     window, caret = _cut_window(line_text, column, max(width, 20) - 4)
     return [f"    {window}", f"    {' ' * caret}^"]
 
 
-def quoted(shown_value: Any) -> str:
-    """Return a value as shown in messages: text in quotes and shortened, a container by its kind, None as nothing."""
-    if isinstance(shown_value, str):
-        return f"'{shown_value}'" if len(shown_value) <= LONGEST_QUOTE else f"'{shown_value[: LONGEST_QUOTE - 3]}...'"
-    if isinstance(shown_value, bool):
-        return "true" if shown_value else "false"
-    if shown_value is None:
+def quoted(value: Any) -> str:
+    """Return a value as shown in messages: quoted text, shortened if long, a number, ``nothing`` or ``a list``."""
+    if isinstance(value, str):
+        return f"'{value}'" if len(value) <= LONGEST_QUOTE else f"'{value[: LONGEST_QUOTE - 3]}...'"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if value is None:
         return "nothing"
-    if isinstance(shown_value, dict):
+    if isinstance(value, dict):
         return "a map"
-    return "a list" if isinstance(shown_value, list) else str(shown_value)
+    return "a list" if isinstance(value, list) else str(value)
 
 
 def join_words(words: Iterable[str], last: str = "and") -> str:
@@ -287,9 +287,9 @@ def missing_keys_message(keys: Iterable[str], owner: str) -> str:
 
 
 def suggest_word(word: str, known_words: Iterable[str], otherwise: str = "known") -> str:
-    """Return the hint after an unknown word: the likely known word, a short list of all known words, or nothing.
+    """Return the hint for the end of a message about an unknown word: the known word that is probably meant.
 
-    ``otherwise`` is the text before the list of all known words, which is given if there are few.
+    Without such a word, the hint lists all known words after the text ``otherwise``, or is empty if there are many.
     """
     choices = [known_word for known_word in dict.fromkeys(known_words) if known_word != word]
     nearest_word = nearest_choice(word, choices)
@@ -301,20 +301,20 @@ def suggest_word(word: str, known_words: Iterable[str], otherwise: str = "known"
 
 
 def nearest_choice(word: str, choices: Sequence[str]) -> str:
-    """Return the one choice that ``word`` misspells or abbreviates, or an empty string.
+    """Return the one choice that ``word`` misspells or abbreviates, or an empty string if there are none or several.
 
-    The first test that any choice passes decides, and only if no other choice passes it.
+    Words that differ only in capitals and separators are preferred, then typos, then abbreviations.
     """
     if len(word) > LONGEST_QUOTE:
         return ""
-    for is_alike in (_is_spelling, is_typo, _is_abbreviation):
-        similar_choices = [choice for choice in choices if is_alike(word, choice)]
+    for is_similar in (_has_same_letters, is_typo, _is_abbreviation):
+        similar_choices = [choice for choice in choices if is_similar(word, choice)]
         if similar_choices:
             return similar_choices[0] if len(similar_choices) == 1 else ""
     return ""
 
 
-def _is_spelling(word: str, known_word: str) -> bool:
+def _has_same_letters(word: str, known_word: str) -> bool:
     """Return True if two words differ only in capitals, underscores, hyphens and spaces."""
     return _keep_letters(word) == _keep_letters(known_word)
 
@@ -322,6 +322,7 @@ def _is_spelling(word: str, known_word: str) -> bool:
 # A name is compared with each unknown word of a spec.
 @functools.lru_cache(maxsize=10_000)
 def _keep_letters(word: str) -> str:
+    """Return a word in lower case, without underscores, hyphens and spaces."""
     return _WORD_SEPARATORS.sub("", word).lower()
 
 
@@ -332,11 +333,10 @@ def _common_prefix_length(word: str, other_word: str) -> int:
 
 
 def is_typo(word: str, known_word: str) -> bool:
-    """Return True for one extra, missing or wrong letter, or two swapped neighbours, unless the word is likely another.
+    """Return True if a word is probably a typo: one extra, missing or wrong letter, or two swapped letters.
 
-    Differences in first letters, digits and units are rarely typos: reset is not preset, biss_4 not biss_6, min_khz
-    not min_hz. Two swapped letters may be the first ones. The shorter word needs 5 letters for a wrong one, 4 for the
-    others, and 3 for only an s at the end.
+    Differences in the first letter, digits or units are rarely typos: reset is not preset, biss_4 not biss_6, min_khz
+    not min_hz. The shorter word needs 5 letters for a wrong letter, 4 for other typos, and 3 for an s at the end.
     """
     if abs(len(word) - len(known_word)) > 1 or not _has_same_meaning(word, known_word):
         return False
@@ -344,19 +344,19 @@ def is_typo(word: str, known_word: str) -> bool:
     prefix_length = _common_prefix_length(word, known_word)
     # The common end is searched after the beginning, so that no letter counts for both.
     suffix_length = _common_prefix_length(word[prefix_length:][::-1], known_word[prefix_length:][::-1])
-    differing = word[prefix_length : len(word) - suffix_length]
-    known_differing = known_word[prefix_length : len(known_word) - suffix_length]
+    differing_letters = word[prefix_length : len(word) - suffix_length]
+    known_letters = known_word[prefix_length : len(known_word) - suffix_length]
     shorter_length = min(len(word), len(known_word))
-    if len(differing) == 2 and len(known_differing) == 2:
-        are_swapped = differing == known_differing[::-1]
+    if len(differing_letters) == 2 and len(known_letters) == 2:
+        are_swapped = differing_letters == known_letters[::-1]
         return are_swapped and shorter_length >= 4
-    # Now at most one letter may differ. The differing part of one word is empty for an extra or missing letter.
-    if prefix_length == 0 or len(differing) > 1 or len(known_differing) > 1:
+    # Now at most one letter may differ. For an extra or missing letter, one of the two texts is empty.
+    if prefix_length == 0 or len(differing_letters) > 1 or len(known_letters) > 1:
         return False
-    is_plural = suffix_length == 0 and "s" in (differing, known_differing)
+    is_plural = suffix_length == 0 and "s" in (differing_letters, known_letters)
     if is_plural:
         return shorter_length >= 3
-    is_wrong_letter = len(differing) == len(known_differing)
+    is_wrong_letter = len(differing_letters) == len(known_letters)
     return shorter_length >= (5 if is_wrong_letter else 4)
 
 
@@ -364,7 +364,8 @@ def _has_same_meaning(word: str, known_word: str) -> bool:
     """Return True if two words have the same digits and do not end in two different units, such as hz and khz."""
     if _DIGITS.findall(word) != _DIGITS.findall(known_word):
         return False
-    ending, known_ending = word.rpartition("_")[2], known_word.rpartition("_")[2]  # ``hz`` of ``min_hz``.
+    _, _, ending = word.rpartition("_")  # ``hz`` of ``min_hz``.
+    _, _, known_ending = known_word.rpartition("_")
     return ending == known_ending or ending not in UNITS or known_ending not in UNITS
 
 
@@ -373,9 +374,9 @@ def _is_abbreviation(word: str, known_word: str) -> bool:
     return len(word) >= 4 and known_word.startswith(word) and _has_same_meaning(word, known_word)
 
 
-def visible(any_text: str) -> str:
-    """Return the text with every character that controls a terminal written as an escape."""
-    return "".join(map(_visible_character, any_text))
+def visible(text: str) -> str:
+    """Return a text in which every character that controls a terminal is replaced by an escape such as ``\\x1b``."""
+    return "".join(map(_visible_character, text))
 
 
 def _visible_character(character: str) -> str:
@@ -392,9 +393,9 @@ def _visible_character(character: str) -> str:
 
 def _measure_columns(text: str) -> int:
     """Return the width of a text in a terminal: two columns for a wide character, none for a combining one."""
-    wide = sum(unicodedata.east_asian_width(character) in "WF" for character in text)
-    combining = sum(unicodedata.combining(character) != 0 for character in text)
-    return len(text) + wide - combining
+    wide_count = sum(unicodedata.east_asian_width(character) in "WF" for character in text)
+    combining_count = sum(unicodedata.combining(character) != 0 for character in text)
+    return len(text) + wide_count - combining_count
 
 
 def _cut_window(line_text: str, column: int, width: int) -> tuple[str, int]:
@@ -402,43 +403,44 @@ def _cut_window(line_text: str, column: int, width: int) -> tuple[str, int]:
 
     A line with more than ``width`` columns is cut so that the caret is visible, with more text before it than after.
     """
-    indent = len(line_text) - len(line_text.lstrip(" "))
+    indentation = len(line_text) - len(line_text.lstrip(" "))
     stripped = line_text.strip(" ")
-    caret_index = max(0, min(column - 1 - indent, len(stripped)))
+    caret_index = max(0, min(column - 1 - indentation, len(stripped)))
     # Each character takes at least one column, so nothing farther away can be shown. A line may have millions.
     start = max(0, caret_index - width)
-    pieces_before = [_visible_character(character) for character in stripped[start:caret_index]]
-    pieces_after = [_visible_character(character) for character in stripped[caret_index : caret_index + width + 1]]
-    is_too_long = start > 0 or _measure_columns("".join(pieces_before + pieces_after)) > width
+    characters_before = [_visible_character(character) for character in stripped[start:caret_index]]
+    characters_after = [_visible_character(character) for character in stripped[caret_index : caret_index + width + 1]]
+    is_too_long = start > 0 or _measure_columns("".join(characters_before + characters_after)) > width
     if is_too_long:
-        pieces_before = _cut_at_start(pieces_before, width * 2 // 3, is_cut_already=start > 0)
-        pieces_after = _cut_at_end(pieces_after, width - _measure_columns("".join(pieces_before)))
-    return "".join(pieces_before + pieces_after), _measure_columns("".join(pieces_before))
+        characters_before = _cut_at_start(characters_before, width * 2 // 3, is_cut_already=start > 0)
+        characters_after = _cut_at_end(characters_after, width - _measure_columns("".join(characters_before)))
+    text_before = "".join(characters_before)
+    return text_before + "".join(characters_after), _measure_columns(text_before)
 
 
-def _cut_at_start(pieces: list[str], room: int, *, is_cut_already: bool) -> list[str]:
-    """Return the last pieces that fit into ``room`` columns, after dots if any are or were omitted."""
-    fitting_count = _count_fitting(pieces[::-1], room)
-    if not is_cut_already and fitting_count == len(pieces):
-        return pieces
-    return ["...", *pieces[len(pieces) - fitting_count :]]
+def _cut_at_start(characters: list[str], width: int, *, is_cut_already: bool) -> list[str]:
+    """Return the last characters that fit in ``width`` columns, after three dots if any were omitted, now or before."""
+    fitting_count = _count_fitting(characters[::-1], width)
+    if not is_cut_already and fitting_count == len(characters):
+        return characters
+    return ["...", *characters[len(characters) - fitting_count :]]
 
 
-def _cut_at_end(pieces: list[str], room: int) -> list[str]:
-    """Return the pieces, or the first ones and dots, which fit into ``room`` columns."""
-    if _measure_columns("".join(pieces)) <= room:
-        return pieces
-    return [*pieces[: _count_fitting(pieces, room - 3)], "..."]
+def _cut_at_end(characters: list[str], width: int) -> list[str]:
+    """Return the characters if they fit in ``width`` columns, otherwise as many as fit before three dots."""
+    if _measure_columns("".join(characters)) <= width:
+        return characters
+    return [*characters[: _count_fitting(characters, width - 3)], "..."]
 
 
-def _count_fitting(pieces: Sequence[str], room: int) -> int:
-    """Return how many leading pieces fit into ``room`` columns."""
-    used = 0
-    for count, piece in enumerate(pieces):
-        used += _measure_columns(piece)
-        if used > room:
+def _count_fitting(characters: Sequence[str], width: int) -> int:
+    """Return the number of characters at the beginning that fit in ``width`` columns."""
+    used_columns = 0
+    for count, character in enumerate(characters):
+        used_columns += _measure_columns(character)
+        if used_columns > width:
             return count
-    return len(pieces)
+    return len(characters)
 
 
 TEMPLATE_SUFFIX = ".jinja"

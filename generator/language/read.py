@@ -78,21 +78,21 @@ class _Value:
 
 
 def parse(
-    yaml_text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]
+    yaml_text: str, report_error: Callable[[Unreadable], None], report_stand_in: Callable[[Path], None]
 ) -> tuple[dict[str, Any], SourceMark]:
     """Parse a YAML text and return its data and marks.
 
     Args:
         yaml_text: The text, without characters that YAML forbids.
-        complain: Called with each error that does not prevent reading the rest, such as a duplicate key.
-        stand_in: Called with the path of each value that could not be read and was replaced by None.
+        report_error: Called with each error that does not prevent reading the rest, such as a duplicate key.
+        report_stand_in: Called with the path of each value that could not be read and was replaced by None.
 
     Raises:
         Unreadable: Nothing can be read: broken syntax, a bad alias, too deep, too many values, several documents, no
             content, or not a map.
     """
     try:
-        return _Parser(yaml_text, complain, stand_in).document()
+        return _Parser(yaml_text, report_error, report_stand_in).document()
     except yaml.MarkedYAMLError as error:
         raise Unreadable(rule="yaml-syntax", **explain(error, yaml_text)._asdict()) from None
     except yaml.YAMLError as error:
@@ -100,9 +100,11 @@ def parse(
 
 
 class _Parser:
-    def __init__(self, text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]) -> None:
-        self._complain = complain
-        self._stand_in = stand_in
+    def __init__(
+        self, text: str, report_error: Callable[[Unreadable], None], report_stand_in: Callable[[Path], None]
+    ) -> None:
+        self._report_error = report_error
+        self._report_stand_in = report_stand_in
         parser_events = iter(yaml.parse(text, Loader=_YAML_LOADER))
         self._events = iter(CorrectedEvents(parser_events, LINE_BREAK.split(text), _is_text, self._report))
         #: Values by anchor. None while the value is being read.
@@ -110,7 +112,7 @@ class _Parser:
         self._count = 0
 
     def _report(self, event: Any, rule: str, message: str, path: Path = ()) -> None:
-        self._complain(_build_error(event, rule, message, path))
+        self._report_error(_build_error(event, rule, message, path))
 
     def document(self) -> tuple[dict[str, Any], SourceMark]:
         """Return the data and marks of the only document, or raise Unreadable if it is not one map."""
@@ -191,7 +193,7 @@ class _Parser:
             raise _build_error(event, "too-large", message)
 
     def _read_list(self, mark: SourceMark, path: Path, depth: int) -> _Value:
-        """Return the list whose start was read. ``depth`` is the level on which it is, counted from 1."""
+        """Return the list whose first event was read, with its values. ``depth`` is its level of nesting, from 1."""
         list_data: list[Any] = []
         count, depth_below = 1, 0
         while True:
@@ -205,7 +207,7 @@ class _Parser:
             depth_below = max(depth_below, value.depth)
 
     def _read_map(self, mark: SourceMark, path: Path, depth: int) -> _Value:
-        """Return the map whose start was read, without the keys that are unusable or repeated, which are reported."""
+        """Return the map whose first event was read, at level ``depth`` of nesting. Report and omit invalid keys."""
         map_data: dict[str, Any] = {}
         count, depth_below = 1, 0
         while True:
@@ -229,7 +231,7 @@ class _Parser:
             map_data[key] = value.data
 
     def _read_key(self, event: Any, path: Path, depth: int) -> str | None:
-        """Return the key as written, so that ``01`` stays a text, or None after a report if it is not usable."""
+        """Return a key of a map as text, so that ``01`` stays ``01``. Report an invalid key, and return None."""
         if not isinstance(event, yaml.ScalarEvent):
             self._read_value(event, (), depth + 1)  # Discarded, but its events must be read.
             self._report(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
@@ -243,7 +245,7 @@ class _Parser:
         return str(event.value)
 
     def _read_scalar(self, event: Any, path: Path) -> Any:
-        """Return a scalar by its tag, its quotes or the core schema, or None, noted as a stand-in, if invalid."""
+        """Return the value of a scalar, such as text or a number. Report an invalid one, and return None instead."""
         text, tag = event.value, event.tag
         is_quoted = bool(event.style)
         # The text of the file was searched before. Only an escape in double quotes can still produce such a character.
@@ -265,7 +267,7 @@ class _Parser:
 
     def _replace(self, event: Any, path: Path, rule: str, message: str) -> None:
         self._report(event, rule, message)
-        self._stand_in(path)
+        self._report_stand_in(path)
 
     def _check_container_tag(self, event: Any) -> None:
         container_tag = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
@@ -274,15 +276,14 @@ class _Parser:
 
 
 def _resolve_scalar(scalar_text: str) -> str | int | float | bool | None:
-    """Return the value of an unquoted scalar by the core schema of YAML 1.2."""
+    """Return the value of an unquoted scalar: None, a boolean, a number or text, by the core schema of YAML 1.2."""
     if scalar_text in _NULL_WORDS:
         return None
     if scalar_text in _BOOLEAN_WORDS:
         return _BOOLEAN_WORDS[scalar_text]
     if _INTEGER_TEXT.fullmatch(scalar_text):
-        if scalar_text.startswith(("0x", "0o")):
-            return int(scalar_text[2:], 16 if scalar_text[1] == "x" else 8)
-        return int(scalar_text)
+        base = {"0x": 16, "0o": 8}.get(scalar_text[:2], 10)
+        return int(scalar_text, base)
     if _FLOAT_TEXT.fullmatch(scalar_text):
         return float(scalar_text)
     # Python writes infinities and NaN without the point.
@@ -335,7 +336,7 @@ def document_of_text(file: str, yaml_text: str, report: ProblemReport) -> Docume
 
 
 def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: ProblemReport) -> Document | None:
-    """Return the document of a text, with the places of errors, or None if nothing can be used. Report its errors."""
+    """Return the document in a text, or None if nothing in it can be used. Report the errors in the text."""
     errors: list[Unreadable] = []
     broken_places: list[Path] = []
     data_and_marks = None
@@ -445,5 +446,5 @@ def _decode_text(content: bytes) -> str:
 
 
 def _not_text(content: bytes, problem: str) -> str:
-    """Return ``problem``, or instead that the file is binary if a NUL is near its start."""
+    """Return the message about content that is not text: ``problem``, or for a binary file that it is one."""
     return "this is a binary file; a spec is UTF-8 text" if b"\0" in content[:65536] else problem

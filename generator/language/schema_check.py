@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from .document import Document, Path
 from .messages import RENAMED, RuleFinding, explain
 from .problems import MAX_PROBLEMS, MISSING_PROSE, TOO_MANY, WORDS_ONLY, ProblemReport
-from .schema_files import is_second, load_schema
+from .schema_files import is_second, load_schema, schema_without_references
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError
@@ -36,9 +36,9 @@ _PYTHON_TYPES: Mapping[str, tuple[type, ...]] = {
 
 
 def follows_schema(checked_value: Any, schema: Mapping[str, Any]) -> bool:
-    """Return True if a value follows a schema without references, and False if it may not.
+    """Return True if a value certainly follows a JSON Schema without references. False means that it may not.
 
-    Each keyword of the schema has a test in ``_CHECKS``. A value may not follow a keyword without a test.
+    If the schema has a keyword that this quick test does not support, the result is False.
     """
     return all(key in _CHECKS and _CHECKS[key](checked_value, expected, schema) for key, expected in schema.items())
 
@@ -51,48 +51,58 @@ def matches(pattern: str, checked_text: str) -> bool:
     return re.fullmatch(pattern, checked_text.replace("\n", "\0")) is not None
 
 
-def _is_of_type(checked_value: Any, expected: str | list[str], _: object) -> bool:
-    """Return True if a value has one of the expected types. True is a boolean, not an integer."""
-    names = [expected] if isinstance(expected, str) else expected
+def _follows_type(checked_value: Any, type_names: str | list[str], _: object) -> bool:
+    """Return True if a value has one of the types under the keyword ``type``. True is a boolean, not an integer."""
+    names = [type_names] if isinstance(type_names, str) else type_names
     return any(type(checked_value) in _PYTHON_TYPES.get(name, ()) for name in names)
 
 
-def _is_one_of(checked_value: Any, expected: list[Any], _: object) -> bool:
-    """Return True if a value is one of the expected values, and of the same type."""
-    return any(
-        type(checked_value) is type(allowed_value) and checked_value == allowed_value for allowed_value in expected
-    )
+def _follows_enum(checked_value: Any, allowed_values: list[Any], _: object) -> bool:
+    """Return True if a value is one of those under the keyword ``enum``, and has the same type."""
+    allowed_values_of_type = [allowed for allowed in allowed_values if type(allowed) is type(checked_value)]
+    return checked_value in allowed_values_of_type
 
 
-def _has_properties(checked_value: Any, expected: Mapping[str, Any], _: object) -> bool:
-    """Return True if the values under known keys follow the schemas of these keys."""
+def _follows_properties(checked_value: Any, schema_by_key: Mapping[str, Any], _: object) -> bool:
+    """Return True if the values in a map follow the schemas of their keys under the keyword ``properties``.
+
+    Other keys, and values that are not maps, are accepted.
+    """
     if not isinstance(checked_value, dict):
         return True
-    return all(follows_schema(checked_value[key], expected[key]) for key in checked_value if key in expected)
+    known_keys = [key for key in checked_value if key in schema_by_key]
+    return all(follows_schema(checked_value[key], schema_by_key[key]) for key in known_keys)
 
 
-def _has_additional(checked_value: Any, expected: Any, schema: Mapping[str, Any]) -> bool:
-    """Return True if keys not in ``properties`` are allowed. ``expected`` is False, or the schema of their values."""
+def _follows_additional_properties(checked_value: Any, schema_of_others: Any, schema: Mapping[str, Any]) -> bool:
+    """Return True if the keys of a map that are not in ``properties`` follow the keyword ``additionalProperties``.
+
+    The keyword is False if no other keys are allowed, or the schema of their values.
+    """
     if not isinstance(checked_value, dict):
         return True
-    values_of_other_keys = [inner for key, inner in checked_value.items() if key not in schema.get("properties", ())]
-    if not isinstance(expected, dict):
-        return not values_of_other_keys
-    return all(follows_schema(inner, expected) for inner in values_of_other_keys)
+    known_keys = schema.get("properties", ())
+    other_values = [inner for key, inner in checked_value.items() if key not in known_keys]
+    if not isinstance(schema_of_others, dict):
+        return not other_values
+    return all(follows_schema(inner, schema_of_others) for inner in other_values)
 
 
 def _only_for_type(type_name: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
-    """Return a test that values of other types pass: in JSON Schema, a text cannot violate ``minItems``."""
+    """Return a test for a keyword that applies only to one type, such as ``minItems`` to lists.
+
+    Values of other types pass it.
+    """
     return lambda value, expected, _: type(value) not in _PYTHON_TYPES[type_name] or test(value, expected)
 
 
 _CHECKS: Mapping[str, Callable[[Any, Any, Any], bool]] = {
     **dict.fromkeys(("$schema", "$id", "title", "description"), lambda value, expected, schema: True),
-    "type": _is_of_type,
-    "enum": _is_one_of,
-    "const": lambda value, expected, schema: _is_one_of(value, [expected], schema),
-    "properties": _has_properties,
-    "additionalProperties": _has_additional,
+    "type": _follows_type,
+    "enum": _follows_enum,
+    "const": lambda value, expected, schema: _follows_enum(value, [expected], schema),
+    "properties": _follows_properties,
+    "additionalProperties": _follows_additional_properties,
     "propertyNames": _only_for_type(
         "object", lambda value, expected: all(follows_schema(key, expected) for key in value)
     ),
@@ -163,7 +173,7 @@ def check_schema(document: Document, report: ProblemReport, file_kind: FileKind 
         return None
     document.kept_indices.clear()
     unread_places = set(document.broken)
-    if not unread_places and follows_schema(document.data, shape_of(file_kind.value)):
+    if not unread_places and follows_schema(document.data, schema_without_references(file_kind.value)):
         return SchemaResult(without_places(document, frozenset()), file_kind, complete=True)
     validator = _build_validator(file_kind.value)
     findings = _collect_findings(validator, document.data, unread_places, file_kind.value)
@@ -176,10 +186,10 @@ def check_schema(document: Document, report: ProblemReport, file_kind: FileKind 
 
 
 def _places_to_remove(unread_places: set[Path], findings: Sequence[RuleFinding]) -> set[Path]:
-    """Return the places that later checks cannot use.
+    """Return the places of a document with errors that later checks cannot use.
 
-    Missing keys of a file or an interface and missing prose are tolerated. An error that its parent survives, such as
-    an extra key, removes only its own place.
+    A missing key of a file or an interface, and missing prose, are tolerated. If the part with an error can still be
+    used, as with an extra key, only the place of the error itself is removed.
     """
     places = set(map(place_to_remove, unread_places))
     for finding in findings:
@@ -190,7 +200,7 @@ def _places_to_remove(unread_places: set[Path], findings: Sequence[RuleFinding])
 
 
 def _report_findings(findings: Sequence[RuleFinding], document: Document, report: ProblemReport) -> None:
-    """Report each finding that no other finding explains, up to the largest number, and then that there are more."""
+    """Report each finding that no other finding explains. If there are too many, report only the first ones."""
     for finding in findings[:MAX_PROBLEMS]:
         if not _is_explained(finding, findings, document.data):
             in_words = _is_missing_prose(finding)
@@ -206,7 +216,7 @@ def renamed_keys(document: Document) -> list[tuple[Path, str]]:
     A key is renamed where the schema has the new name and not the old one. The keys are in the order of the file.
     """
     file_kind = FileKind.SECOND if is_second(document.file) else _kind_of(document.data)
-    if file_kind is None or follows_schema(document.data, shape_of(file_kind.value)):
+    if file_kind is None or follows_schema(document.data, schema_without_references(file_kind.value)):
         return []
     new_names: dict[Path, str] = {}
     for error in _build_validator(file_kind.value).iter_errors(document.data):
@@ -244,10 +254,10 @@ def _kind_of(file_data: dict[str, Any]) -> FileKind | None:
 def without_places(
     document: Document, cut: Collection[Path], stand_ins: Mapping[Path, Mapping[str, str]] = MappingProxyType({})
 ) -> dict[str, Any]:
-    """Return a copy of the data without these places and with these stand-ins.
+    """Return a copy of the data of a document without the places in ``cut``.
 
-    The document records the original indices of the remaining list items. ``stand_ins`` contains the values to add by
-    key, for the path of each map in the data as read.
+    The document records the original indices of the elements that remain in lists. ``stand_ins`` contains values to add
+    for missing keys, by the path of the map that lacks them.
     """
     document.kept_indices.clear()
     data: dict[str, Any] = _copy_without(document.data, cut, (), document.kept_indices)
@@ -259,7 +269,7 @@ def without_places(
 
 
 def _remove_broken_items(validator: Any, document: Document, cut: set[Path], file_kind: FileKind) -> SchemaResult:
-    """Remove the items with broken places, and all that depend on them, until the rest follows the schema.
+    """Return the data of a document without the places in ``cut`` and without further parts that break the schema.
 
     The rest is checked again after each removal, because it can cause new errors, such as a list that is too short.
     Missing prose gets stand-ins instead. A missing key of a file or an interface only makes the result incomplete.
@@ -286,7 +296,7 @@ def _remove_broken_items(validator: Any, document: Document, cut: set[Path], fil
 
 
 def _stand_ins(error: Any) -> dict[str, str]:
-    """Return a stand-in for each missing key of an error: a valid source, or ``MISSING_PROSE`` for other prose."""
+    """Return a stand-in for each missing key that an error reports: a valid source, or a marker for other prose."""
     missing_keys = [key for key in error.validator_value if key not in error.instance]
     stand_ins = dict.fromkeys(missing_keys, MISSING_PROSE)
     if "source" in stand_ins:
@@ -295,12 +305,12 @@ def _stand_ins(error: Any) -> dict[str, str]:
 
 
 def _is_missing_prose(finding: RuleFinding) -> bool:
-    """Return True for a finding about missing keys of which all are prose."""
+    """Return True for a finding about missing keys that all contain only prose, such as ``note``."""
     return finding.alone and finding.rule == "missing-key"
 
 
 def _lacks_only_prose(error: Any) -> bool:
-    """Return True if only prose is missing. With stand-ins for it, the rest of the item can be checked."""
+    """Return True if all missing keys that an error reports contain only prose, for which there are stand-ins."""
     return WORDS_ONLY.issuperset(key for key in error.validator_value if key not in error.instance)
 
 
@@ -310,10 +320,11 @@ def _can_be_incomplete(path: Path) -> bool:
 
 
 def place_to_remove(path: Path) -> Path:
-    """Return what to remove for an error at ``path``: the owner of the fields around it, or the nearest list item.
+    """Return the path of the part to remove because of an error at ``path``.
 
-    Prose, and a place outside both, is removed individually. Removing only a width or a key would cause further errors,
-    such as a missing key or bits without a field: ``("registers", 2, "fields", 0, "bits")`` removes the register.
+    It is the register, layout or group around an error in its fields: the error ``("registers", 2, "fields", 0,
+    "bits")`` removes the register, because fields without a width would cause further errors. Otherwise it is the
+    nearest element of a list. Prose, and a value outside of both, is removed by itself.
     """
     is_prose = bool(path) and path[-1] in WORDS_ONLY
     if is_prose:
@@ -328,9 +339,9 @@ def place_to_remove(path: Path) -> Path:
 
 
 def _copy_without(node: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
-    """Return a copy of the value at ``path`` without the places in ``cut``.
+    """Return a copy of ``node``, the value at ``path``, without the places in ``cut``.
 
-    ``kept_indices`` records the original indices of the remaining items of each list that loses some.
+    For each list that loses elements, the original indices of the others are added to ``kept_indices``.
     """
     if isinstance(node, dict):
         remaining_keys = [key for key in node if (*path, key) not in cut]
@@ -344,9 +355,9 @@ def _copy_without(node: Any, cut: Collection[Path], path: Path, kept_indices: di
 
 
 def value_at(root: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
-    """Return the value in pruned data at a path into the data as read, or None if it was removed.
+    """Return the value at a path of the file in data from which parts were removed, or None if it was removed itself.
 
-    ``kept_indices`` contains the original indices of the remaining items, by the path of their list.
+    ``kept_indices`` contains, by the path of each list that lost elements, the original indices of the others.
     """
     for depth, step in enumerate(path):
         if isinstance(root, list) and isinstance(step, int):
@@ -360,7 +371,10 @@ def value_at(root: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] =
 
 
 def _find_original_path(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Path:
-    """Return the path in the data as read of a path into pruned data, whose indices in shortened lists differ."""
+    """Return the path that a value has in the file, given its path in data from which parts were removed.
+
+    The indices differ in lists that lost elements. ``kept_indices`` contains their original indices.
+    """
     original_path: Path = ()
     for step in path:
         if isinstance(step, int) and original_path in kept_indices:
@@ -373,9 +387,10 @@ def _find_original_path(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -
 def _collect_findings(
     validator: Any, file_data: dict[str, Any], unread_places: set[Path], file_kind: str
 ) -> list[RuleFinding]:
-    """Return the first finding for each place, except at and below places that the reader reported.
+    """Return the first finding of the schema check for each place of a file.
 
-    At most ``MAX_PROBLEMS`` plus one are returned, so that the caller notices that there are more.
+    ``unread_places``, which the reader of the file has already reported, and places in them are left out. At most
+    ``MAX_PROBLEMS`` plus one findings are returned, so that the caller notices that there are more.
     """
     findings: dict[tuple[Path, bool], RuleFinding] = {}
     for error in validator.iter_errors(file_data):
@@ -389,9 +404,9 @@ def _collect_findings(
 
 
 def _is_explained(finding: RuleFinding, findings: Sequence[RuleFinding], file_data: dict[str, Any]) -> bool:
-    """Return True if another finding explains ``finding``.
+    """Return True if the finding follows from another one, so that it need not be reported.
 
-    That is a value under a wrong key, or the name of an interface whose key under ``interfaces`` is wrong.
+    This is the case for a value under a wrong key, and for the name of an interface whose own key is wrong.
     """
     wrong_key_paths = {key_finding.path for key_finding in findings if key_finding.at_key}
     if not finding.at_key and finding.path in wrong_key_paths and finding.rule != "missing-key":
@@ -405,7 +420,7 @@ def _is_explained(finding: RuleFinding, findings: Sequence[RuleFinding], file_da
 
 @functools.cache
 def _build_validator(file_kind: str) -> Any:
-    """Return a validator that is stricter than JSON Schema in two points.
+    """Return a validator for a kind of file, which is stricter than JSON Schema in two points.
 
     A pattern must match the whole text, and 1.0 is not an integer.
     """
@@ -421,29 +436,6 @@ def _build_validator(file_kind: str) -> Any:
 
     types = Draft202012Validator.TYPE_CHECKER.redefine("integer", integer)
     extend: Any = validators.extend  # Its stub has no types.
-    return extend(Draft202012Validator, validators={"pattern": pattern}, type_checker=types)(shape_of(file_kind))
-
-
-@functools.cache
-def shape_of(file_kind: str) -> dict[str, Any]:
-    """Return the JSON Schema of a kind of file without references. Do not modify the result."""
-    schema = load_schema(file_kind)
-    inlined: dict[str, Any] = _inline_references(schema, schema.get("$defs", {}))
-    return inlined
-
-
-def _inline_references(schema: Any, definitions: dict[str, Any]) -> Any:
-    """Return the schema with each reference replaced by its definition, which halves the time.
-
-    No definition refers to itself. The definitions themselves are left out.
-    """
-    if isinstance(schema, list):
-        return [_inline_references(inner, definitions) for inner in schema]
-    if not isinstance(schema, dict):
-        return schema
-    keywords = dict(schema)
-    if "$ref" in schema:
-        keywords |= definitions[schema["$ref"].removeprefix("#/$defs/")]
-    return {
-        key: _inline_references(value, definitions) for key, value in keywords.items() if key not in ("$ref", "$defs")
-    }
+    return extend(Draft202012Validator, validators={"pattern": pattern}, type_checker=types)(
+        schema_without_references(file_kind)
+    )

@@ -92,11 +92,12 @@ def second_reading_schema(schema: Mapping[str, Any]) -> dict[str, Any]:
     Prose and the manufacturer are optional, parts that explain or calculate are left out, and parts of second readings
     are added.
     """
-    derived: dict[str, Any] = _prose_optional(schema)
-    derived["properties"] = {key: shape for key, shape in derived["properties"].items() if key not in NO_FACTS}
-    derived["properties"] |= ONLY_SECOND
-    derived["required"] = [key for key in derived["required"] if key not in _NOT_NEEDED | NO_FACTS]
-    return derived
+    derived_schema: dict[str, Any] = _with_optional_prose(schema)
+    properties = derived_schema["properties"]
+    derived_schema["properties"] = {key: properties[key] for key in properties if key not in NO_FACTS} | ONLY_SECOND
+    optional_keys = _NOT_NEEDED | NO_FACTS
+    derived_schema["required"] = [key for key in derived_schema["required"] if key not in optional_keys]
+    return derived_schema
 
 
 def is_only_in_device_files(key: str) -> bool:
@@ -104,39 +105,38 @@ def is_only_in_device_files(key: str) -> bool:
     return key in NO_FACTS
 
 
-def _prose_optional(schema: Any) -> Any:
-    """Return a part of the schema in which no key for prose is required."""
+def _with_optional_prose(schema: Any) -> Any:
+    """Return a copy of a JSON Schema, or of a part of it, in which no key for prose, such as ``note``, is required."""
     if isinstance(schema, list):
-        return [_prose_optional(inner) for inner in schema]
+        return [_with_optional_prose(inner) for inner in schema]
     if not isinstance(schema, dict):
         return schema
-    derived = {key: _prose_optional(inner) for key, inner in schema.items()}
+    copied_schema = {keyword: _with_optional_prose(inner) for keyword, inner in schema.items()}
     if "required" in schema:
-        derived["required"] = [key for key in schema["required"] if key not in PROSE]
-    return derived
+        copied_schema["required"] = [key for key in schema["required"] if key not in PROSE]
+    return copied_schema
 
 
 def with_stand_ins(file_data: Any, schema: Mapping[str, Any]) -> Any:
-    """Return checked data of a second reading, with a stand-in for each key for prose that device files must have.
+    """Return the data of a second reading with a stand-in for each missing key for prose that device files must have.
 
-    ``schema`` is the schema of the data in device files, without references.
+    ``schema`` is the schema of the same data in device files, without references.
     """
     if isinstance(file_data, list):
         return [with_stand_ins(inner, schema.get("items", {})) for inner in file_data]
     if not isinstance(file_data, dict):
         return file_data
-    shapes_by_key = schema.get("properties", {})
-    other_shape = schema.get("additionalProperties")
-    if not isinstance(other_shape, dict):  # False: no other keys are allowed.
-        other_shape = {}
-    completed = {}
+    schema_by_key = schema.get("properties", {})
+    schema_of_other_keys = schema.get("additionalProperties")
+    if not isinstance(schema_of_other_keys, dict):  # False: no other keys are allowed.
+        schema_of_other_keys = {}
+    completed_data = {}
     for key, value in file_data.items():
-        shape = shapes_by_key.get(key) or other_shape
-        completed[key] = with_stand_ins(value, shape)
+        completed_data[key] = with_stand_ins(value, schema_by_key.get(key) or schema_of_other_keys)
     for key in schema.get("required", ()):
-        if key not in completed and key in PROSE:
-            completed[key] = _SOME_SOURCE if key == "source" else "?"
-    return completed
+        if key not in completed_data and key in PROSE:
+            completed_data[key] = _SOME_SOURCE if key == "source" else "?"
+    return completed_data
 
 
 @functools.cache
@@ -156,3 +156,28 @@ def load_schema(file_kind: str) -> dict[str, Any]:
 def keys_of(file_kind: str) -> frozenset[str]:
     """Return the keys allowed at the top level of a ``device``, ``manufacturer``, ``master`` or ``overlay`` file."""
     return frozenset(load_schema(file_kind)["properties"])
+
+
+@functools.cache
+def schema_without_references(file_kind: str) -> dict[str, Any]:
+    """Return the JSON Schema of a kind of file without references. Do not modify the result."""
+    schema = load_schema(file_kind)
+    inlined: dict[str, Any] = _inline_references(schema, schema.get("$defs", {}))
+    return inlined
+
+
+def _inline_references(schema: Any, definitions: dict[str, Any]) -> Any:
+    """Return a schema in which each reference is replaced by its definition. This halves the time of the check.
+
+    No definition may refer to itself. The definitions themselves are left out.
+    """
+    if isinstance(schema, list):
+        return [_inline_references(inner, definitions) for inner in schema]
+    if not isinstance(schema, dict):
+        return schema
+    keywords = dict(schema)
+    if "$ref" in schema:
+        keywords |= definitions[schema["$ref"].removeprefix("#/$defs/")]
+    return {
+        key: _inline_references(value, definitions) for key, value in keywords.items() if key not in ("$ref", "$defs")
+    }

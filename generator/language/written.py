@@ -76,7 +76,10 @@ class WrittenPart:
 
     @classmethod
     def keys_owned_by(cls, kind: str, *, alone: bool = False) -> tuple[str, ...]:
-        """Return the keys that this kind of the part can have, but not every kind, or ``alone`` only this kind."""
+        """Return the keys that this kind of the part can have and some other kind cannot.
+
+        With ``alone``, return only the keys that no other kind can have.
+        """
         owned_keys = []
         for described in cls.described_keys:
             owners = described.key.owners
@@ -158,9 +161,9 @@ def written(about: str, **options: Any) -> Callable[[type[T]], type[T]]:
 
 @cache
 def _find_reader(value_type: KeyType, module: str) -> Reader:
-    """Return the function that reads a value of a type, or returns None for a value of another type.
+    """Return a function that converts a value as it is written in a spec to a type. It returns None for other types.
 
-    Classes of parts are looked up in ``module``, where they are imported.
+    Classes of parts are looked up by name in ``module``, where they are imported.
     """
     if value_type.container == "list":
         return _list_reader(_find_reader(value_type.inner, module))
@@ -188,7 +191,10 @@ def _word_reader(value_type: KeyType, module: str) -> Reader:
 
 
 def _part_reader(part_class: Any) -> Reader:
-    """Return the reader of a part. A part of the model is inside another part, and has no place of its own."""
+    """Return a function that reads a part of a spec from a map, or returns None for a value that is not a map.
+
+    A part of the model is inside another part, so it has no path of its own.
+    """
 
     def read_part(value: Any, path: Path) -> Any:
         if not isinstance(value, dict):
@@ -200,7 +206,7 @@ def _part_reader(part_class: Any) -> Reader:
 
 
 def _is_of(*types: type) -> Reader:
-    """Return the reader of values of these types. A boolean is not a number."""
+    """Return a function that returns a value of one of these types, and None for others. A boolean is not a number."""
     return lambda value, _: value if type(value) in types else None
 
 
@@ -213,7 +219,10 @@ def _parse_expression(written_value: Any, _: Path) -> Expression | None:
 
 
 def _list_reader(read: Reader) -> Reader:
-    """Return the reader of lists, which returns a tuple. Items with a wrong type are left out."""
+    """Return a function that reads a list as a tuple, with ``read`` for each element.
+
+    Elements of a wrong type are left out. The result is None for a value that is not a list.
+    """
 
     def read_list(value: Any, path: Path) -> Any:
         if not isinstance(value, list):
@@ -225,7 +234,10 @@ def _list_reader(read: Reader) -> Reader:
 
 
 def _map_reader(read: Reader) -> Reader:
-    """Return the reader of maps. Values with a wrong type are left out."""
+    """Return a function that reads a map of names, with ``read`` for each value.
+
+    Values of a wrong type are left out. The result is None for a value that is not a map.
+    """
 
     def read_map(value: Any, path: Path) -> Any:
         if not isinstance(value, dict):
@@ -237,7 +249,7 @@ def _map_reader(read: Reader) -> Reader:
 
 
 def _one_or_more_parts(read: Reader) -> Reader:
-    """Return the reader of a part or a list of parts, which returns a tuple."""
+    """Return a function that reads a part, or a list of parts, as a tuple, with ``read`` for each part."""
 
     def read_parts(value: Any, path: Path) -> Any:
         if isinstance(value, list):
@@ -248,17 +260,19 @@ def _one_or_more_parts(read: Reader) -> Reader:
     return read_parts
 
 
-def _one_or_more(one_or_list: Any, path: Path) -> Any:
-    """Return a tuple of texts for a list of texts or a single text, or None."""
-    return (one_or_list,) if isinstance(one_or_list, str) else _list_reader(_text)(one_or_list, path)
+def _read_texts(value: Any, path: Path) -> Any:
+    """Return a tuple of texts for a single text or a list of texts, or None for other values."""
+    return (value,) if isinstance(value, str) else _list_reader(_text)(value, path)
 
 
-def _one_or_more_numbers(one_or_list: Any, path: Path) -> Any:
-    return (one_or_list,) if type(one_or_list) is int else _list_reader(_number)(one_or_list, path)
+def _read_numbers(value: Any, path: Path) -> Any:
+    """Return a tuple of numbers for a single number or a list of numbers, or None for other values."""
+    return (value,) if type(value) is int else _list_reader(_number)(value, path)
 
 
-def _read_cells(rows: Any, _: Path) -> Any:
-    return tuple(map(str, rows)) if isinstance(rows, list) else None
+def _read_cells(row: Any, _: Path) -> Any:
+    """Return the cells of a row of a table as texts, or None if the row is not a list."""
+    return tuple(map(str, row)) if isinstance(row, list) else None
 
 
 _text = _is_of(str)
@@ -278,15 +292,17 @@ _READERS_BY_TYPE: Mapping[str, Reader] = MappingProxyType(
         "Expression": _parse_expression,
         "Names": _map_reader(_text),
         "Joins": _map_reader(_list_reader(_text)),
-        **dict.fromkeys(("NameOrNames", "Places"), _one_or_more),
+        **dict.fromkeys(("NameOrNames", "Places"), _read_texts),
         "Anything": lambda value, _: value,
-        "ClocksInUse": _one_or_more_numbers,
+        "ClocksInUse": _read_numbers,
         "Cells": _read_cells,
     }
 )
 
 
 def _located_reader(model_class: Any) -> Reader:
+    """Return a function that reads a part of the model with its path from a map, or returns None for other values."""
+
     def read_part(value: Any, path: Path) -> Any:
         return located(model_class, value, path) if isinstance(value, dict) else None
 
@@ -318,7 +334,7 @@ def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> L
 
 
 def _empty_value(value_type: KeyType, module: str, path: Path) -> Any:
-    """Return the value of a required key that is missing: an empty part, container or text, 0 or False."""
+    """Return the value that stands for a missing required key: an empty part, container or text, 0 or False."""
     if value_type.container == "located":
         return located(_class_of(value_type.inner, module), NOTHING, path)
     if value_type.container == "one_or_more":
@@ -333,4 +349,5 @@ def _empty_value(value_type: KeyType, module: str, path: Path) -> Any:
 
 
 def _class_of(value_type: KeyType, module: str) -> Any:
+    """Return the class with the name of a type in a module."""
     return vars(sys.modules[module])[value_type.word]

@@ -93,7 +93,7 @@ class WrittenBiss(WrittenPart):
     bank_select: Name = key("Register that selects the bank of the banked area.", default="")
     profile: Prose = key("Encoder profile that the manual names.", default="")
     network: LocatedPart[Network] | None = key("", default=None)
-    timeout: OneOrMore[LocatedPart[Timeout]] = key(f"Time-out after a frame. {_BY_CODE}", default=())
+    timeout: OneOrMore[LocatedPart[Timeout]] = key(f"Timeout after a frame. {_BY_CODE}", default=())
     channels: LocatedPart[DataChannels] | None = key("", default=None)
     control_data: WrittenControlData | None = key("", default=None)
     measurement: LocatedPart[Measurement] | None = key("", default=None)

@@ -6,7 +6,7 @@ The JSON Schema follows from these classes (see ``part_schema.py``), and rules r
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Any, Literal
 
 from ..model.documents import (
     Edition,
@@ -328,6 +328,18 @@ class WrittenManualEdition(WrittenPart):
     "and errata of one encoder family."
 )
 class WrittenSpec(WrittenPart):
+    def __init__(self, data: Any, with_invalid_parts: WrittenSpec | None = None) -> None:
+        super().__init__(data)
+        self._with_invalid_parts = with_invalid_parts
+
+    @property
+    def with_invalid_parts(self) -> WrittenSpec:
+        """The same spec together with its invalid parts, which rules must not check. By default, it is this spec.
+
+        Rules look up names in it, because a name is still defined if something else about its part is wrong.
+        """
+        return self if self._with_invalid_parts is None else self._with_invalid_parts
+
     codewheel: LanguageVersion = key(
         "Version of the spec language, which is 1 since the first release. codewheel migrate updates older specs."
     )

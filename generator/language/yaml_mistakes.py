@@ -43,23 +43,23 @@ def explain(error: yaml.MarkedYAMLError, yaml_text: str) -> YamlMistake:
     context = error.context or ""
     opened: Any = error.context_mark
     stopped: Any = error.problem_mark or opened
-    odd_space = _odd_space(lines, [mark.line for mark in (opened, stopped) if mark is not None])
+    odd_space = _find_odd_space(lines, [mark.line for mark in (opened, stopped) if mark is not None])
     if odd_space is not None:
         return odd_space
     # Here the parser stopped only at the end of its search for the colon.
     if opened is not None and problem == "could not find expected ':'":
-        return _mistake_at(opened, _missing_colon(_character_at(lines, opened)))
+        return _mistake_at(opened, _message_on_missing_colon(_character_at(lines, opened)))
     if opened is not None and "quoted scalar" in context and "end of stream" in problem:
         return _mistake_at(opened, "the quote that opens here is never closed; close it on this line")
     # An earlier quote may have closed too late, so that the error is only a consequence.
-    quote = _last_quoted(yaml_text, stopped)
-    if quote is not None:
-        return _mistake_at(quote.start_mark, _about_quote(quote))
+    quoted_text = _find_last_quoted_text(yaml_text, stopped)
+    if quoted_text is not None:
+        return _mistake_at(quoted_text.start_mark, _message_on_quote(quoted_text))
     if opened is not None and "flow" in context and "expected ','" in problem:
         is_on_one_line = stopped.line == opened.line
         if is_on_one_line and not _COMMENT_START.search(lines[opened.line], opened.column):
             return _mistake_at(stopped, _NO_COMMA)
-        return _mistake_at(opened, _about_bracket(lines, opened, stopped))
+        return _mistake_at(opened, _message_on_bracket(lines, opened, stopped))
     character = _character_at(lines, stopped)
     line = 1 if stopped is None else stopped.line + 1
     is_at_end = line >= len(lines) and not character
@@ -67,8 +67,11 @@ def explain(error: yaml.MarkedYAMLError, yaml_text: str) -> YamlMistake:
     return YamlMistake(line=1, column=1, message=message) if stopped is None else _mistake_at(stopped, message)
 
 
-def _odd_space(lines: list[str], positions: list[int]) -> YamlMistake | None:
-    """Return the error for an unusual space in one of these lines, counted from 0, or in the line before, or None."""
+def _find_odd_space(lines: list[str], positions: list[int]) -> YamlMistake | None:
+    """Return the mistake of an unusual space in one of these lines, or in the line before. None if there is none.
+
+    ``positions`` are the numbers of the lines, counted from 0.
+    """
     for position in positions:
         for line in (position, position - 1):
             is_in_file = 0 <= line < len(lines)
@@ -97,18 +100,18 @@ def _character_at(lines: list[str], mark: Any) -> str:
     return line[mark.column : mark.column + 1]
 
 
-def _missing_colon(character: str) -> str:
-    """Return the message about a key without a colon. ``character`` is the first one of the open value."""
+def _message_on_missing_colon(character: str) -> str:
+    """Return the message about a key without a colon. ``character`` is the first character of its value."""
     if character in ("'", '"'):
         return "the quote that opens here is not closed on this line; close it"
     return "a key has no colon, or the text of a value continues without indentation"
 
 
-def _last_quoted(yaml_text: str, stopped: Any) -> Any:
-    """Return the token of the quoted text before the error if it may be the cause, otherwise None.
+def _find_last_quoted_text(yaml_text: str, stopped: Any) -> Any:
+    """Return the token of the last quoted text before an error if it may be the cause, otherwise None.
 
-    It must end on the line where the parser stopped, and span several lines or end exactly there. ``stopped`` is the
-    place where the parser stopped, or None.
+    ``stopped`` is the place where the parser stopped, or None. The text must end on the same line, and either span
+    several lines or end exactly there.
     """
     last = None
     try:
@@ -128,8 +131,8 @@ def _last_quoted(yaml_text: str, stopped: Any) -> Any:
     return last if spans_lines or ends_at_error else None
 
 
-def _about_quote(token: Any) -> str:
-    """Return the message about a quoted text that closes too late or too early."""
+def _message_on_quote(token: Any) -> str:
+    """Return the message about a quoted text that ends too late or too early."""
     if token.end_mark.line > token.start_mark.line:
         return f"the quote that opens here does not close until line {token.end_mark.line + 1}; close it on this line"
     if token.style == "'":
@@ -137,10 +140,10 @@ def _about_quote(token: Any) -> str:
     return 'a quote inside "..." ends the text; put the text in single quotes, or write \\" for the quote inside'
 
 
-def _about_bracket(lines: list[str], opened: Any, stopped: Any) -> str:
-    """Return the message about an open bracket. ``stopped`` is the place where the parser stopped.
+def _message_on_bracket(lines: list[str], opened: Any, stopped: Any) -> str:
+    """Return the message about a bracket that is not closed, or whose closing bracket is hidden by a comment.
 
-    A comment on its line may hide the closing bracket.
+    ``opened`` is the place of the bracket, and ``stopped`` the place where the parser stopped.
     """
     bracket = _character_at(lines, opened)
     closing_bracket = {"{": "}", "[": "]"}.get(bracket, "bracket")
@@ -258,9 +261,10 @@ class CorrectedEvents:
         return self._ahead[index]
 
     def _insert_item_end(self, key_event: Any, container: _Container) -> Iterator[Any]:
-        """Yield the end of the item and the start of the next if its keys repeat, beginning with the first one.
+        """Yield the events for the end of an element of a list and the start of the next if a dash is missing.
 
-        Two keys in a row must repeat: then a dash is missing. A single duplicate key is reported elsewhere.
+        This is assumed if two keys in a row are repeated, beginning with the first key of the element. A single
+        duplicate key is reported elsewhere.
         """
         if not container.in_list or container.flow or len(container.keys) < 2:
             return
@@ -316,7 +320,7 @@ class CorrectedEvents:
             self._take_event()  # Its empty value.
         if first_skipped is not None:
             number = value_event.value if is_number else None
-            self._complain(first_skipped, "yaml-syntax", _about_comma(first_skipped, number))
+            self._complain(first_skipped, "yaml-syntax", _message_on_comma(first_skipped, number))
 
     def _is_key_without_colon(self, key_event: Any, value_event: Any) -> bool:
         """Return True if two events are an unquoted key, after which there is no colon, and its empty value."""
@@ -333,8 +337,11 @@ def _line_of_event(event: Any) -> int:
     return int(event.start_mark.line) + 1
 
 
-def _about_comma(skipped: Any, number: str | None) -> str:
-    """Return the message about a comma in a number, given without commas, or else before the skipped text."""
+def _message_on_comma(skipped: Any, number: str | None) -> str:
+    """Return the message about a comma in a number or, if ``number`` is None, in an unquoted text.
+
+    ``number`` is the number without commas, and ``skipped`` the event of the text after the comma.
+    """
     if number is not None:
         return f"numbers are written without commas; write {number}"
     rule = "A comma ends an unquoted string inside {...}: if this is part of the string, quote the whole string"

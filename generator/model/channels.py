@@ -28,8 +28,8 @@ class ComparedField:
 class ChannelFrame:
     """A frame with several data channels. ``layouts`` are the layouts of the channels, in the order sent.
 
-    The highest ``compared_bits`` bits of the ``compared`` fields must not differ from the bits of the first field by
-    more than ``tolerance``. Their highest and lowest number are adjacent.
+    The ``compared`` fields contain the same position. Their highest ``compared_bits`` bits must not differ from those
+    of the first field by more than ``tolerance``, also where the position wraps around.
     """
 
     layouts: tuple[Layout, ...]
@@ -113,15 +113,15 @@ class PlacedChannels:
                 yield number >> lower_bits
 
     def agree(self, values: Sequence[Mapping[str, object]]) -> bool:
-        """Return whether each compared field agrees with the first one. There must be at least one.
+        """Return True if the positions in the compared fields of all channels agree with the first one.
 
-        ``values`` has the values of each channel, by field.
+        ``values`` contains the values of each channel, by field. At least one field must be compared.
         """
         first_number, *other_numbers = self.compared_numbers(values)
         return all(self._are_close(first_number, number) for number in other_numbers)
 
     def _are_close(self, position: int, other_position: int) -> bool:
-        """Return whether two numbers differ by at most the tolerance, also across the end of their range."""
+        """Return True if two positions differ by at most the tolerance, also where the position wraps around."""
         modulus = 1 << self.compared_bits
         difference = (position - other_position) % modulus
         return min(difference, modulus - difference) <= self.tolerance

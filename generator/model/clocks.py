@@ -1,4 +1,4 @@
-"""Facts about the clock of an interface: its limits, the limits with long cables, and the time-out after a frame."""
+"""Facts about the clock of an interface: its limits, the limits with long cables, and the timeout after a frame."""
 
 from __future__ import annotations
 
@@ -66,18 +66,18 @@ class Clock:
 
 @part("One value.", data="A value calculated in the manual.")
 class PrintedTimeout:
-    """Time-out given in the manual for one clock frequency."""
+    """Timeout given in the manual for one clock frequency."""
 
     clock_hz: int = key("Clock in hertz.", minimum=1)
-    timeout_ns: Count = key("Time-out in nanoseconds.")
+    timeout_ns: Count = key("Timeout in nanoseconds.")
 
 
-@part("Time-out after a frame.")
+@part("Timeout after a frame.")
 class Timeout:
-    """Time-out after a frame. ``rule`` is ``follows_clock`` or ``fixed``."""
+    """Timeout after a frame. ``rule`` is ``follows_clock`` or ``fixed``."""
 
     rule: Literal["follows_clock", "fixed"] = key(
-        "Rule of the time-out: it depends on the clock, or it is fixed.", read="time", shape="name"
+        "Rule of the timeout: it depends on the clock, or it is fixed.", read="time", shape="name"
     )
     half_clock_periods: int | None = key(
         "Length in half clock periods: 3 is one and a half periods.",

@@ -1,14 +1,10 @@
-"""Encoder family with all its facts, and the range of the numbers that it sends as its position.
-
-An offset can shift unsigned positions up to the ``highest`` of the measurement, so all of these are valid.
-Signed positions end at ``highest``, and their number is the number of positions.
-"""
+"""An encoder family with all its facts, and the order codes and releases of the family."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 from .channels import channel_frame
 from .documents import Document, Erratum, Evidence, LostFigure, Manual, ManualEdition, Manufacturer, Overlay
@@ -17,98 +13,15 @@ from .expressions import Expression
 from .facts import Alarm, Characteristic, Connector, Input, Led, Supply, Table, Timing
 from .fields import Crc, Field, PlacedField
 from .interfaces import Biss, Interface
-from .kinds import CrcValue, Flag, Number
+from .kinds import CrcValue, Flag
 from .layout import Layout, PlacedLayout
 from .lookup import first_or_raise, member_named
 from .measurement import Measurement
 from .order_codes import Alternative, OrderCode, Parameter
+from .position_range import PositionRange, narrower_range
 from .record import dataclass
 from .registers import FieldGroup, Register
 from .steps import Procedure
-
-
-class PositionRange(NamedTuple):
-    """Lowest and highest valid number in a field that could hold others.
-
-    It is the position, or the number of revolutions if another field counts one revolution in all its bits.
-    """
-
-    field: Field
-    lowest: Expression
-    highest: Expression
-
-
-def narrower_range(
-    measurement: Measurement, layout: Layout, parameter_sets: Sequence[Mapping[str, int]]
-) -> PositionRange | None:
-    """Return the range of a position if it is narrower than the width of its field for some order code, or None.
-
-    Parts of one revolution in several fields have no range, and signed positions have none without ``highest``. Decimal
-    digits have none either, nor does a number whose bits 0 represent another number. ``parameter_sets`` are the
-    parameters of the order codes.
-    """
-    fields_by_name = {field.name: field for field in layout.fields}
-    position_fields = [fields_by_name[name] for name in layout.names_in(measurement.of) if name in fields_by_name]
-    are_numbers = all(isinstance(field.kind, Number) for field in position_fields)
-    if not are_numbers:
-        return None
-    is_signed = len(position_fields) == 1 and position_fields[0].number.signed
-    if is_signed:
-        position_range = _signed_range(measurement, position_fields[0])
-    else:
-        position_range = _unsigned_range(measurement, position_fields, parameter_sets)
-    if position_range is None or position_range.field.number.zero_means:
-        return None
-    is_narrower = any(_is_narrower(position_range, parameters) for parameters in parameter_sets)
-    return position_range if is_narrower else None
-
-
-def _is_narrower(position_range: PositionRange, parameters: Mapping[str, int]) -> bool:
-    """Return True if a range has fewer numbers than the width of its field allows, but at least one.
-
-    The result is False for order codes without the field, whose width is 0.
-    """
-    width = position_range.field.width.value(parameters)
-    highest = position_range.highest.value(parameters)
-    return bool(width) and 0 <= highest - position_range.lowest.value(parameters) < (1 << width) - 1
-
-
-def _signed_range(measurement: Measurement, field: Field) -> PositionRange | None:
-    """Return the range of a signed position: as many numbers as it has counts, up to ``highest``. None if unknown."""
-    total = measurement.total
-    highest = measurement.highest
-    if total is None or highest is None:
-        return None
-    lowest = highest - total + Expression(1)
-    return PositionRange(field, lowest, highest)
-
-
-def _unsigned_range(
-    measurement: Measurement, fields: Sequence[Field], parameter_sets: Sequence[Mapping[str, int]]
-) -> PositionRange | None:
-    """Return the range of a position without a sign, or None if it has none.
-
-    A position in one field has one if its number of counts is known. A position in two fields, revolutions above one
-    full revolution, has the range of its revolutions, unless an offset shifts it up to ``highest``.
-    """
-    total = measurement.total
-    turns = measurement.turns
-    counts_per_turn = measurement.counts_per_turn
-    if total is None or any(field.number.signed for field in fields):
-        return None
-    if len(fields) == 1:
-        highest = measurement.highest or total - Expression(1)
-        return PositionRange(fields[0], lowest=Expression(0), highest=highest)
-    if len(fields) != 2 or measurement.highest is not None or counts_per_turn is None or turns is None:
-        return None
-    # The fields of a position are listed from the most significant one.
-    high_field, low_field = fields
-    for parameters in parameter_sets:
-        if counts_per_turn.value(parameters) != 1 << low_field.width.value(parameters):
-            # Both fields are parts of one revolution.
-            return None
-    return PositionRange(high_field, lowest=Expression(0), highest=turns - Expression(1))
-
 
 _Kind = TypeVar("_Kind", bound=Interface)
 
@@ -125,9 +38,11 @@ class Variant:
 
 @dataclass(frozen=True, slots=True)
 class TimesRead:
-    """Number of facts in a spec by how they were read: twice and equal, twice and different with a reason, or once.
+    """Number of facts in a spec by how they were read from the manual.
 
-    ``decided`` counts facts that no manual prints, and ``derived`` counts facts that follow from other facts.
+    ``twice`` counts facts that two readers read equally, ``explained`` those that they read differently for a stated
+    reason, and ``once`` all others that were read. ``decided`` counts facts that no manual prints, and ``derived``
+    facts that follow from others.
     """
 
     twice: int
@@ -254,8 +169,11 @@ class Device:
         """Return the questions that the user must answer before a frame of this layout can be read or written."""
         if not self.alternatives:
             return ()
-        # The parameters on which places and widths depend. All answers of a question set the same parameters.
-        needed_names = {name for field in layout.fields for name in (*field.low.parameters, *field.width.parameters)}
+        # The parameters on which the positions and widths of fields depend.
+        needed_names: set[str] = set()
+        for field in layout.fields:
+            needed_names.update(field.low.parameters, field.width.parameters)
+        # All answers to a question set the same parameters.
         return tuple(
             question for question in self.alternatives if not needed_names.isdisjoint(question.answers[0].sets)
         )
@@ -286,26 +204,32 @@ class Device:
         return member_named((layout for _, layout in self.layouts()), name, "layout")
 
     def limits(self, register: Register, meant_as: str = "") -> tuple[Expression | None, Expression | None]:
-        """Return the lowest and highest value of a register, or of its meaning ``meant_as``. None is unlimited.
+        """Return the lowest and the highest value that may be written to a register. None means no limit.
 
-        If no meaning has this name, the limits belong to the register.
+        If the register has a meaning with the name ``meant_as``, the limits are those of this meaning.
         """
-        meaning = next((meaning for meaning in register.meanings if meaning.name == meant_as), None)
-        return (meaning.min, meaning.max) if meaning is not None else (register.min, register.max)
+        for meaning in register.meanings:
+            if meaning.name == meant_as:
+                return meaning.min, meaning.max
+        return register.min, register.max
 
     @cached_property
     def identity(self) -> tuple[tuple[Register, Field], ...]:
         """Register fields that identify a device of this family: fields with a documented value."""
-        fields = ((register, field) for register in self.registers for field in register.layout.fields)
-        return tuple((register, field) for register, field in fields if field.equals is not None)
+        identifying_fields: list[tuple[Register, Field]] = []
+        for register in self.registers:
+            identifying_fields += [(register, field) for field in register.layout.fields if field.equals is not None]
+        return tuple(identifying_fields)
 
     def measurement_of(self, interface: str) -> Measurement | None:
-        """Return the measurement of the position on this interface, or else that of the device, if there is one.
+        """Return the measurement of the position over this interface or, if it has none, that of the device.
 
-        An interface can be missing while a spec with problems is checked.
+        The result is None if there is neither. The interface may be missing while a spec with problems is checked.
         """
-        own_measurements = (known.measurement for known in self.interfaces if known.name == interface)
-        return next(own_measurements, None) or self.measurement
+        own_measurements = [candidate.measurement for candidate in self.interfaces if candidate.name == interface]
+        if own_measurements and own_measurements[0] is not None:
+            return own_measurements[0]
+        return self.measurement
 
     def measurement_in(self, interface: str, layout: Layout) -> Measurement | None:
         """Return the measurement of the position in frames of this layout, or None if the interface has none.
@@ -350,10 +274,12 @@ class Device:
         position_names = {}
         for interface in self.interfaces:
             position_name = self.position_name(interface.name)
-            joins = (join for layout in interface.layouts for join in layout.joins)
-            position_names[interface.name] = frozenset(
-                {position_name}.union(*(join.fields for join in joins if join.name == position_name))
-            )
+            names = {position_name}
+            for layout in interface.layouts:
+                for join in layout.joins:
+                    if join.name == position_name:
+                        names.update(join.fields)
+            position_names[interface.name] = frozenset(names)
         return position_names
 
     def sends_position(self, interface: str, layout: Layout) -> bool:
@@ -361,9 +287,9 @@ class Device:
         return layout.sender == "encoder" and not layout.member_names.isdisjoint(self.position_names(interface))
 
     def has_verdict(self, interface: str, layout: Layout) -> bool:
-        """Return whether frames of this layout have a verdict on the position.
+        """Return True if frames of this layout have a verdict on the position: whether it is usable.
 
-        They send it, or they are a data channel of the same frame, with bits that say whether it is usable.
+        They contain the position, or they are a data channel in the same frame with bits that show this.
         """
         if self.sends_position(interface, layout):
             return True
@@ -371,11 +297,11 @@ class Device:
         return frame is not None and layout in frame.layouts and layout.judges_position
 
     def range_in(self, layout: Layout) -> PositionRange | None:
-        """Return the range of valid positions in a frame of the encoder, or None if its field holds no others.
+        """Return the range of valid positions in frames of this layout, or None if its field can hold no other numbers.
 
         The result is also None for a layout that belongs to no interface, such as the layout of a register.
         """
-        # The device holds its layouts, so no other layout can have the identity of one of them.
+        # The device keeps its layouts in memory, so no other layout can have the ``id`` of one of them.
         if id(layout) not in self._ranges_by_layout:
             interface_names = [interface.name for interface, candidate in self.layouts() if candidate is layout]
             if not interface_names:
@@ -397,11 +323,14 @@ class Device:
         return {}
 
     def signed_range(self, field: PlacedField, placed: PlacedLayout) -> tuple[int, int]:
-        """Return the lowest and the highest valid number of a signed field of a frame."""
+        """Return the lowest and the highest valid number of a signed field in a frame.
+
+        For the position, this is its range. Otherwise it is the range of two's complement in the width of the field.
+        """
         valid_range = self.range_in(placed.layout)
-        # A field without bits for the order code counts as one bit.
-        half_of_numbers = 1 << (max(field.width, 1) - 1)
         if valid_range is None or valid_range.field.name != field.name:
+            # A field without bits for the order code counts as one bit.
+            half_of_numbers = 1 << (max(field.width, 1) - 1)
             return -half_of_numbers, half_of_numbers - 1
         return valid_range.lowest.value(placed.parameters), valid_range.highest.value(placed.parameters)
 
@@ -409,7 +338,7 @@ class Device:
         return member_named(self.registers, name, "register")
 
     def registers_over(self, interface: str) -> tuple[Register, ...]:
-        """Return the registers that this interface reaches."""
+        """Return the registers that are accessed over this interface."""
         return tuple(register for register in self.registers if register.interface == interface)
 
     def bank_selector(self, register: Register) -> str:
@@ -432,12 +361,16 @@ class Device:
         return self.crc(placed_field.field.kind.crc)
 
     def reflects_input(self, crc: Crc) -> bool:
-        """Return whether the input of a CRC is reflected. In frames of bits, there are no bytes to reflect."""
+        """Return True if a CRC processes each input byte least significant bit first.
+
+        Frames of bits contain no bytes to reflect, so ``refin`` of their CRC has no effect.
+        """
         layouts = [layout for _, layout in self.layouts()]
         layouts += [register.layout for register in self.registers]
-        covers_bytes = [layout.crc_covers_bytes for layout in layouts if crc in self.crcs_of(layout)]
-        is_in_no_layout = not covers_bytes  # Then it is only used for bytes.
-        return crc.refin and (any(covers_bytes) or is_in_no_layout)
+        layouts_with_crc = [layout for layout in layouts if crc in self.crcs_of(layout)]
+        # A CRC in no layout is only used for bytes.
+        is_over_bytes = not layouts_with_crc or any(layout.crc_covers_bytes for layout in layouts_with_crc)
+        return crc.refin and is_over_bytes
 
     def procedure(self, name: str) -> Procedure:
         return member_named(self.procedures, name, "procedure")

@@ -79,9 +79,9 @@ class Expression:
         """
         if isinstance(text, int):
             return cls(text)
-        # ``total`` is the sum so far, ``factors`` the product of the current term, and ``sign`` the sign of this term.
+        # ``total`` is the sum so far, ``product`` that of the current term, and ``sign`` the sign of this term.
         total = cls()
-        factors = cls(1)
+        product = cls(1)
         position = 0
         sign = 1
         if text.startswith("-"):
@@ -91,15 +91,15 @@ class Expression:
             match = _TERM_PATTERN.match(text, position)
             if match is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
-            factors = _multiply(factors, _parse_atom(match))
+            product = _multiply(product, _parse_factor(match))
             position = match.end()
             operator = _OPERATOR_PATTERN.match(text, position)
             if position < len(text) and operator is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
             # The term ends here.
             if operator is None or operator[0] != "*":
-                total = total + factors if sign > 0 else total - factors
-                factors = cls(1)
+                total = total + product if sign > 0 else total - product
+                product = cls(1)
             if operator is None:
                 return total
             # A product keeps the sign of its term.
@@ -140,10 +140,10 @@ class Expression:
         return total
 
     def substitute(self, definitions: Mapping[str, Expression]) -> Expression:
-        """Return the expression with derived parameters replaced by their definitions.
+        """Return the expression with calculated parameters replaced by their definitions.
 
-        Parameters in powers and products stay, since two to the power of a sum is not a sum. A parameter defined by a
-        product also stays, since its name is more readable.
+        Parameters in powers and products are kept, because two to the power of a sum is not a sum. A parameter defined
+        by a product is also kept, because its name is more readable.
         """
         total = Expression(self.constant)
         for term in self.terms:
@@ -167,9 +167,10 @@ class Expression:
         return self - other == Expression()
 
     def __mul__(self, other: Expression) -> Expression:
-        products = [term * factor for term, factor in itertools.product(self._all_terms, other._all_terms)]
-        # The first product belongs to the constants. A constant of 0 leads to terms of multiple 0.
-        return _simplify(products[0].multiple, tuple(term for term in products[1:] if term.multiple))
+        term_pairs = itertools.product(self._all_terms, other._all_terms)
+        product_of_constants, *other_products = [term * other_term for term, other_term in term_pairs]
+        # A constant of 0 leads to products with the multiple 0.
+        return _simplify(product_of_constants.multiple, tuple(term for term in other_products if term.multiple))
 
     @property
     def _all_terms(self) -> tuple[Term, ...]:
@@ -210,7 +211,7 @@ class Expression:
 
 
 def _simplify(constant: int, terms: tuple[Term, ...]) -> Expression:
-    """Return the sum with terms of the same factors added up and positive terms first."""
+    """Return the sum of a constant and terms, with one term for equal factors, and with positive terms first."""
     multiples: dict[tuple[Factor, ...], int] = {}
     for term in terms:
         multiples[term.factors] = multiples.get(term.factors, 0) + term.multiple
@@ -220,16 +221,16 @@ def _simplify(constant: int, terms: tuple[Term, ...]) -> Expression:
     return Expression(constant, tuple(positive_first))
 
 
-def _parse_atom(match: re.Match[str]) -> Expression:
-    """Parse a number, a parameter, or two to the power of either.
+def _parse_factor(match: re.Match[str]) -> Expression:
+    """Return the expression for a single factor in a text: a number, a parameter, or two to the power of either.
 
     Raises:
         ExpressionError: The number or the power is out of range.
     """
     is_power = match["power"] is not None
     if match["name"] is not None:
-        factor = Factor(match["name"], is_power)
-        return Expression(0, (Term(1, (factor,)),))
+        factor = Factor(match["name"], power=is_power)
+        return Expression(constant=0, terms=(Term(multiple=1, factors=(factor,)),))
     digits = match["hex"] or match["number"]
     if len(digits) > _MOST_DIGITS:
         raise ExpressionError(f"a number of {len(digits)} characters is larger than any field can hold")
@@ -239,19 +240,19 @@ def _parse_atom(match: re.Match[str]) -> Expression:
     return Expression(2**number if is_power else number)
 
 
-def _multiply(product: Expression, atom: Expression) -> Expression:
-    """Return the product of an expression and an atom. A product of 1, which begins a term, is the atom itself.
+def _multiply(product: Expression, factor: Expression) -> Expression:
+    """Return the product of a term so far and another factor. At the beginning of a term, the product so far is 1.
 
     Raises:
         ExpressionError: A factor is a number. A 1 at the beginning of a term is accepted.
     """
     if product == Expression(1):
-        return atom
-    if product.is_constant or atom.is_constant:
+        return factor
+    if product.is_constant or factor.is_constant:
         raise ExpressionError("a product can contain only parameters and powers of two of parameters, not numbers")
-    # Both have one term, since only atoms are multiplied.
-    factors = (*product.terms[0].factors, *atom.terms[0].factors)
-    return Expression(0, (Term(1, factors),))
+    # Both have exactly one term.
+    all_factors = (*product.terms[0].factors, *factor.terms[0].factors)
+    return Expression(constant=0, terms=(Term(multiple=1, factors=all_factors),))
 
 
 def _value_of_factor(factor: Factor, parameters: Mapping[str, int]) -> int:
@@ -273,17 +274,22 @@ def _value_of_factor(factor: Factor, parameters: Mapping[str, int]) -> int:
 def resolve_parameters(known_values: Mapping[str, int], definitions: Mapping[str, Expression]) -> Mapping[str, int]:
     """Return ``known_values`` together with all parameters that can be calculated from them.
 
-    Definitions with a missing parameter, such as one that an answer sets, are omitted. A value out of range becomes 0.
+    ``definitions`` contains the expressions of the calculated parameters. A parameter is left out if another one in its
+    expression is unknown. A value that is out of range is replaced by 0, and reported where it is used.
     """
     parameters = dict(known_values)
-    pending = {name: definition for name, definition in definitions.items() if name not in parameters}
-    while pending:
-        ready = [name for name, definition in pending.items() if parameters.keys() >= set(definition.parameters)]
-        if not ready:
+    pending_definitions = {name: definition for name, definition in definitions.items() if name not in parameters}
+    while pending_definitions:
+        calculable_names = []
+        for name, definition in pending_definitions.items():
+            if parameters.keys() >= set(definition.parameters):
+                calculable_names.append(name)
+        if not calculable_names:
             break
-        for name in ready:
+        for name in calculable_names:
+            definition = pending_definitions.pop(name)
             try:
-                parameters[name] = pending.pop(name).value(parameters)
+                parameters[name] = definition.value(parameters)
             except ExpressionError:
-                parameters[name] = 0  # out of range, reported where the width is used
+                parameters[name] = 0
     return MappingProxyType(parameters)

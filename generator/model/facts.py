@@ -142,7 +142,7 @@ class Alarm:
 
 @part("One contact.", identity="contact signal")
 class Contact:
-    contact: Phrase = key("Pin number or wire colour, as text.", data="Pin number or wire colour.")
+    contact: Phrase = key("Pin number or wire color, as text.", data="Pin number or wire color.")
     signal: Phrase = key("Function as printed.", rule="contact")
     only: Phrase = only_key(
         "Order codes to which it applies, as in .../65K...:",
@@ -157,7 +157,7 @@ class Contact:
 class Connector:
     name: Name = name_key("Name of the connector or cable.")
     kind: Literal["connector", "cable"] = key(
-        "A connector with pins, or a cable with coloured wires.", data="Kind: connector or cable.", rule="contact"
+        "A connector with pins, or a cable with colored wires.", data="Kind: connector or cable.", rule="contact"
     )
     title: Phrase = key("Type and gender as printed.", rule="words")
     interfaces: tuple[InterfaceName, ...] = key(

@@ -6,7 +6,7 @@ layout.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import field, replace
 from types import MappingProxyType
 
@@ -118,7 +118,7 @@ class Crc:
     @property
     def polynomial(self) -> str:
         """Generator polynomial, such as ``x^6 + x + 1``."""
-        powers = [self.width, *(power for power in range(self.width - 1, -1, -1) if (self.poly >> power) & 1)]
+        powers = [power for power in range(self.width, -1, -1) if (self.poly_with_top_bit >> power) & 1]
         return " + ".join({0: "1", 1: "x"}.get(power, f"x^{power}") for power in powers)
 
 
@@ -165,29 +165,33 @@ class Field:
 
     @property
     def unexplained(self) -> Field:
-        """The same flag for order codes for which the manual does not explain it."""
+        """The same flag, without its texts, for order codes for which the manual does not explain it."""
         assert isinstance(self.kind, Flag)
         return replace(self, kind=self.kind.unexplained, meaning="", note="", remedy="", by_hand=())
 
     def for_parameters(self, parameters: Mapping[str, int]) -> Field:
-        """Return the field as it is for an order code with these parameters, and with the verdict that they decide.
+        """Return the field as it is for an order code with these parameters. Only flags can differ.
 
-        Only flags differ. A flag that does not exist for this order code is unexplained.
+        A flag that the manual explains only for other order codes is unexplained. An answer of the user can replace the
+        verdict on the position while the flag is active.
         """
-        if not isinstance(self.kind, Flag):
+        flag = self.kind
+        if not isinstance(flag, Flag):
             return self
-        # The parameter ``only_while`` is 0 for order codes without the flag.
-        is_absent = self.kind.only_while and not parameters.get(self.kind.only_while)
-        if is_absent:
+        # The parameter ``only_while`` is 0 for order codes for which the flag is not explained.
+        is_unexplained = bool(flag.only_while) and not parameters.get(flag.only_while)
+        if is_unexplained:
             return self.unexplained
-        has_other_verdict = self.kind.verdict_parameter and parameters.get(self.kind.verdict_parameter)
+        has_other_verdict = bool(flag.verdict_parameter and parameters.get(flag.verdict_parameter))
         if has_other_verdict:
-            return replace(self, kind=replace(self.kind, makes_position=self.kind.verdict_if_set))
+            return replace(self, kind=replace(flag, makes_position=flag.verdict_if_set))
         return self
 
     def place(self, parameters: Mapping[str, int]) -> PlacedField:
-        """Return the field at its bits, as it is for an order code with these parameters."""
-        return PlacedField(self.for_parameters(parameters), self.low.value(parameters), self.width.value(parameters))
+        """Return the field with numbers as its lowest bit and its width, for an order code with these parameters."""
+        return PlacedField(
+            field=self.for_parameters(parameters), low=self.low.value(parameters), width=self.width.value(parameters)
+        )
 
     @property
     def is_fixed(self) -> bool:
@@ -205,12 +209,12 @@ class Field:
         return self.kind.role in DATA_ROLES
 
     def documented(self, parameters: Mapping[str, int]) -> int | str | None:
-        """Return the value of ``equals`` for an order code with these parameters."""
+        """Return the value that the field always has for an order code with these parameters, or None without one."""
         return self.equals.value(parameters) if isinstance(self.equals, Expression) else self.equals
 
     @property
     def number(self) -> Number:
-        """Kind of the field if that is a number, else a plain number: limits and parameters then apply to the bits."""
+        """Kind of the field if it is a number. For other kinds, it is an unsigned number formed by the bits."""
         return self.kind if isinstance(self.kind, Number) else Number()
 
     @property
@@ -304,3 +308,66 @@ class PlacedField:
     @property
     def mask(self) -> int:
         return (1 << self.width) - 1
+
+
+def signs_of_values(field: Field) -> list[Sign]:
+    """Return the named values of a field that have a verdict on the position, each in the form of a flag.
+
+    The flag has no bits in the frame. It is active while the field has the value.
+    """
+    signs: list[Sign] = []
+    for value in field.values:
+        if value.makes_position is None:
+            continue
+        flag = Flag(
+            when_active=value.meaning or f"{field.name} is {value.name}",
+            makes_position=value.makes_position,
+        )
+        flag_field = _field_without_bits(
+            f"{field.name}_{value.name}", flag, value.printed_name, source=value.source or field.source
+        )
+        signs.append(Sign(flag_field, conditions=((field.name, value.value),)))
+    return signs
+
+
+def sign_of_combination(combination: Combination, fields: Iterable[Field]) -> Sign:
+    """Return a combination of values with a verdict on the position in the form of a flag.
+
+    The flag has no bits in the frame. It is active while all conditions hold. ``fields`` are the fields of the frame.
+    """
+    flag = Flag(when_active=combination.meaning, makes_position=combination.makes_position)
+    flag_field = _field_without_bits(
+        combination.name,
+        flag,
+        combination.printed_name,
+        note=combination.note,
+        remedy=combination.remedy,
+        source=combination.source,
+    )
+    fields_by_name = {field.name: field for field in fields}
+    conditions: list[tuple[str, int]] = []
+    for condition in combination.when:
+        # Such as ``error.active`` for a flag, and ``battery.low`` for a named value.
+        name, _, value_name = condition.partition(".")
+        field = fields_by_name[name]
+        is_flag = isinstance(field.kind, Flag)
+        number = int(value_name == "active") if is_flag else field.value_named(value_name).value
+        conditions.append((name, number))
+    return Sign(flag_field, tuple(conditions))
+
+
+def _field_without_bits(
+    name: str, flag: Flag, printed_name: str, note: str = "", remedy: str = "", source: Sources = ()
+) -> Field:
+    """Return a field that contains a flag, but no bits of the frame."""
+    return Field(
+        name=name,
+        kind=flag,
+        low=Expression(0),
+        width=Expression(0),
+        widest=0,
+        printed_name=printed_name,
+        note=note,
+        remedy=remedy,
+        source=source,
+    )

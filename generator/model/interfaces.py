@@ -69,7 +69,7 @@ _Fact = TypeVar("_Fact", bound=Restricted)
 
 
 def _common_fact(facts: Sequence[_Fact]) -> _Fact | None:
-    """Return the only fact if it applies to all order codes, otherwise None."""
+    """Return the fact that applies to all order codes, or None if there is none or they depend on the order code."""
     return facts[0] if len(facts) == 1 and not facts[0].only else None
 
 
@@ -205,16 +205,16 @@ class Biss(Clocked):
 
     @property
     def timeout(self) -> Timeout | None:
-        """The time-out of all order codes, or None if it is not known or depends on the order code."""
+        """The timeout of all order codes, or None if it is not known or depends on the order code."""
         return _common_fact(self.timeouts)
 
     @property
     def timeouts_by_code(self) -> tuple[Timeout, ...]:
-        """The time-outs if they depend on the order code, otherwise an empty tuple."""
+        """The timeouts if they depend on the order code, otherwise an empty tuple."""
         return self.timeouts if self.timeout is None else ()
 
     def timeout_of(self, code: str) -> Timeout | None:
-        """Return the time-out of an order code, or None if it is not known."""
+        """Return the timeout of an order code, or None if it is not known."""
         return next(iter(facts_for_code(self.timeouts, code)), None)
 
 

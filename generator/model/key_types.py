@@ -196,13 +196,13 @@ class KeyType(NamedTuple):
 
 
 def name_of_part(class_name: str) -> str:
-    """Return the name of the part that a class describes. ``WrittenField`` is a field as it is written in a spec."""
+    """Return the name of the part that a class describes, such as ``field`` for ``Field`` and ``WrittenField``."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name.removeprefix("Written")).lower()
 
 
 @cache
 def key_type(text: str) -> KeyType:
-    """Return the type of a key as it is written in its class, such as ``tuple[Name, ...]`` or ``Count | None``."""
+    """Return the type of a key for the annotation in its class, such as ``tuple[Name, ...]`` or ``Count | None``."""
     if text.endswith(" | None"):
         return key_type(text.removesuffix(" | None"))._replace(is_optional=True)
     choice = _LITERAL_TYPE.fullmatch(text)
@@ -232,7 +232,7 @@ def data_notation(described: DescribedKey) -> str:
 
 
 def limits_in_schema(key: SpecKey) -> JsonSchema:
-    """Return the limits of a value as JSON Schema keywords."""
+    """Return the limits of the value of a key as keywords of JSON Schema, such as ``{"minimum": 1}``."""
     limits: JsonSchema = {}
     if key.pattern:
         limits["pattern"] = key.pattern

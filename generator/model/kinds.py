@@ -2,7 +2,7 @@
 
 Each kind also states the facts that modules of all layers need, so that these need no list of kinds:
 
-- ``word`` names it in sentences about a change of the kind.
+- ``word`` is its name in sentences about a change of the kind.
 - ``role`` is its part in a frame. Only data matter to users of a decoded frame.
 - ``is_joinable`` is true if a joined number can contain the bits, because its value is the number formed by its bits.
 - ``value_at_rest`` is a valid value of a field that has no other source: the value of the bits 0 if possible.
@@ -88,11 +88,12 @@ class DigitCode(NamedTuple):
     codes: tuple[int, ...]
 
     def highest(self, width: int) -> int:
-        """Return the highest number in ``width`` bits."""
-        whole_digits, other_bits = divmod(width, self.bits)
-        possible_top_digits = [digit for digit, code in enumerate(self.codes) if code < 1 << other_bits]
+        """Return the highest number that fits in ``width`` bits, such as 399 in 10 bits of BCD."""
         base = len(self.codes)
-        return (max(possible_top_digits, default=0) + 1) * int(base**whole_digits) - 1
+        complete_digits, bits_of_top_digit = divmod(width, self.bits)
+        possible_top_digits = [digit for digit, code in enumerate(self.codes) if code < 1 << bits_of_top_digit]
+        highest_top_digit = max(possible_top_digits, default=0)
+        return (highest_top_digit + 1) * int(base**complete_digits) - 1
 
 
 #: Codes of digits, by their name in specs.
@@ -145,10 +146,11 @@ class Number:
 class Flag:
     """One bit, true when active.
 
-    ``makes_position`` is the verdict on the position in the same frame while the flag is active, or None without a
-    position. If an answer of the user sets ``verdict_parameter`` to 1, the verdict is ``verdict_if_set`` instead.
-    ``sums_up`` lists the flags that it combines. All of this applies to the order codes ``only``, for which the
-    parameter ``only_while`` is not 0. For all others, the flag is ``unexplained``.
+    ``makes_position`` is the verdict on the position in the same frame while the flag is active: whether the position
+    is usable. It is None in a frame without a position. If an answer of the user sets ``verdict_parameter`` to 1, the
+    verdict is ``verdict_if_set`` instead. ``sums_up`` lists the flags that it combines: it is active while one of them
+    is. All of this applies to the order codes ``only``, for which the parameter ``only_while`` is not 0. For all other
+    order codes, the manual does not explain the flag.
     """
 
     word: ClassVar[str] = "flag"
@@ -171,9 +173,12 @@ class Flag:
 
     @property
     def unexplained(self) -> Flag:
-        """The same flag for order codes for which the manual does not explain it."""
+        """The same flag for order codes for which the manual does not explain it.
+
+        While it is active, the position is usable with a warning.
+        """
         verdict = None if self.makes_position is None else Verdict.USABLE_WITH_WARNING
-        return Flag(self.active_low, UNEXPLAINED, makes_position=verdict)
+        return Flag(active_low=self.active_low, when_active=UNEXPLAINED, makes_position=verdict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,7 +202,7 @@ class Constant:
     """Bits that are always the same.
 
     ``padding_of`` is the name of the field that the zeros pad. Field and zeros together fill the field's ``container``
-    from the low end. Zeros that fill a gap between fields are not in the spec. They follow from the neighbouring
+    from the low end. Zeros that fill a gap between fields are not in the spec. They follow from the neighboring
     fields. Zeros that fill the first byte of a frame of bits are not on the line either.
     """
 
@@ -262,8 +267,13 @@ class Parity:
 
     @property
     def mask(self) -> int:
-        """Mask of the bits of a field that count. A field has at most 64 bits."""
-        return {"odd_bits": 0xAAAA_AAAA_AAAA_AAAA, "even_bits": 0x5555_5555_5555_5555}.get(self.over, (1 << 64) - 1)
+        """Mask of the bits that count in each covered field, which has at most 64 bits."""
+        match self.over:
+            case "odd_bits":
+                return 0xAAAA_AAAA_AAAA_AAAA
+            case "even_bits":
+                return 0x5555_5555_5555_5555
+        return 0xFFFF_FFFF_FFFF_FFFF
 
     @property
     def covers(self) -> tuple[str, ...]:
@@ -272,7 +282,7 @@ class Parity:
 
     @property
     def is_odd(self) -> bool:
-        """True if the number of all ones is odd, including the ones in constants."""
+        """True if the number of 1 bits is odd in a valid frame, counting this bit, covered fields and constants."""
         return self.odd != self.turned
 
 
@@ -374,7 +384,7 @@ class Scale:
 
     @property
     def places(self) -> int:
-        """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
+        """Number of decimal places that show every quantity exactly or, if there is none, to a tenth of a count."""
         reduced_denominator = self.denominator // gcd(self.numerator, self.offset, self.denominator)
         # Only denominators with the factors two and five have exact decimals, with fewer places than the denominator
         # has bits.
@@ -386,19 +396,19 @@ class Scale:
         return next(places for places in count() if 10**places * self.numerator >= 10 * self.denominator)
 
     def decimal(self, number: int) -> str:
-        """Return the quantity for a number as a decimal. If it is not exact, it is rounded, and halves away from 0."""
+        """Return the quantity for a number with ``places`` decimal places. Halves are rounded away from 0."""
         # The quantity is this number divided by the denominator.
         dividend = number * self.numerator + self.offset
-        # Its size in units of the last decimal place, rounded: half a unit is added before the division.
-        scaled = (2 * abs(dividend) * 10**self.places + self.denominator) // (2 * self.denominator)
-        sign = "-" if scaled and dividend < 0 else ""
+        # The size of the quantity in units of the last decimal place. Half a unit is added to round it.
+        last_places = (2 * abs(dividend) * 10**self.places + self.denominator) // (2 * self.denominator)
+        sign = "-" if last_places and dividend < 0 else ""
         # At least one digit before the decimal point.
-        digits = f"{scaled:0{self.places + 1}}"
+        digits = f"{last_places:0{self.places + 1}}"
         if not self.places:
             return sign + digits
         return f"{sign}{digits[: -self.places]}.{digits[-self.places :]}"
 
     def is_exact(self, number: int) -> bool:
-        """Return True if the decimal is exact."""
-        power: int = 10**self.places
-        return (number * self.numerator + self.offset) * power % self.denominator == 0
+        """Return True if the quantity for a number is exactly the decimal with ``places`` decimal places."""
+        units_of_last_place: int = (number * self.numerator + self.offset) * 10**self.places
+        return units_of_last_place % self.denominator == 0

@@ -13,8 +13,8 @@ from types import MappingProxyType
 
 from .documents import Sources
 from .expressions import Expression
-from .fields import Combination, Field, Join, PlacedField, Sign
-from .kinds import CrcValue, Flag, Kind, Parity, Unused, Value, Verdict
+from .fields import Combination, Field, Join, PlacedField, Sign, sign_of_combination, signs_of_values
+from .kinds import CrcValue, Flag, Kind, Parity, Unused, Verdict
 from .lookup import member_named
 from .measurement import LayoutRange
 from .record import dataclass
@@ -22,12 +22,14 @@ from .record import dataclass
 
 @dataclass(frozen=True)
 class Layout:
-    """A sequence of named fields.
+    """A sequence of named fields: a frame or a register.
 
     It is sent either ``in_bytes``, with the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or as bits, most
     significant first. ``fields`` are in transmission order for frames, and start at the most significant bit for
-    registers. ``channel`` is the BiSS data channel if there are several. ``position_range`` is the range of its
-    position if the interface has another. ``gray_excess`` is the number in Gray code for position 0, if it is not 0.
+    registers. ``selector`` is the field that identifies the frame, by the values ``selects``. The field or join
+    ``gray_of`` is sent in Gray code, always or while the parameter ``gray_when`` is not 0. ``gray_excess`` is the
+    number in Gray code for position 0, if it is not 0. ``channel`` is the BiSS data channel if there are several.
+    ``position_range`` is the range of its position if it differs from the range of the interface.
     """
 
     name: str
@@ -94,34 +96,36 @@ class Layout:
 
     @property
     def spoiling_flags(self) -> tuple[Field, ...]:
-        """Flags that make the position in this frame unusable, except those that only combine other flags in it.
+        """Flags that make the position in this frame unusable while they are active.
 
-        Such a flag is active only together with one of them. Flags that the encoder does not implement are left out.
+        A flag that only combines other flags of this frame (``sums_up``) is left out, because it is active only
+        together with one of them. Flags that the encoder does not implement are left out, too.
         """
         field_names = {field.name for field in self.fields}
-        flags_against_position = []
+        spoiling_flags = []
         for flag_field in self.fields:
             flag = flag_field.kind
             if isinstance(flag, Flag) and flag_field.implemented and flag.makes_position is Verdict.NOT_USABLE:
-                only_combines = flag.sums_up and field_names.issuperset(flag.sums_up)
+                only_combines = bool(flag.sums_up) and field_names.issuperset(flag.sums_up)
                 if not only_combines:
-                    flags_against_position.append(flag_field)
-        return tuple(flags_against_position)
+                    spoiling_flags.append(flag_field)
+        return tuple(spoiling_flags)
 
     @property
     def unused(self) -> tuple[tuple[Field, int], ...]:
-        """Unused fields, lowest first, each with the position of its lowest bit in the decoder's number ``unused``.
+        """Fields with unused bits, lowest first, each with the position of its lowest bit in the number ``unused``.
 
-        For bytes, that number has one byte for each byte of the frame with unused bits, and every bit keeps its
-        position in the byte. For words, or if the order code moves fields, the fields are adjacent.
+        Decoders return all unused bits of a frame as this number. For bytes, it has one byte for each byte of the frame
+        with unused bits, and every bit keeps its position in the byte. For words, or if the order code moves fields,
+        the fields are adjacent.
         """
         unused_fields = [field for field in self.fields if isinstance(field.kind, Unused)]
         are_fixed = all(field.low.is_constant and field.width.is_constant for field in unused_fields)
         if self.in_bytes and are_fixed:
-            return _packed_by_byte(unused_fields)
+            return _pack_by_byte(unused_fields)
         # In a word, the field sent last is the lowest. In bytes with the low byte first, it is the field sent first.
         lowest_first = unused_fields if self.byte_order == "low_byte_first" else unused_fields[::-1]
-        return _packed_by_bit(lowest_first)
+        return _pack_by_bit(lowest_first)
 
     @cached_property
     def has_unused(self) -> bool:
@@ -130,7 +134,7 @@ class Layout:
     @property
     def unused_width(self) -> int:
         """Number of bits in the decoder's number ``unused``, with the widest form of each field."""
-        return max((place + field.widest for field, place in self.unused), default=0)
+        return max((low_bit + field.widest for field, low_bit in self.unused), default=0)
 
     @property
     def status_fields(self) -> tuple[Field, ...]:
@@ -139,9 +143,10 @@ class Layout:
 
     @cached_property
     def judging_fields(self) -> tuple[Field, ...]:
-        """Fields that say in every frame whether the position is usable: flags, or fields of values with a verdict.
+        """Fields that show in every frame whether the position is usable.
 
-        A flag or value counts if its verdict is not *usable*, and if it applies to all order codes that have it.
+        These are flags, and fields with named values or combinations, whose verdict is not *usable* while they are
+        active. They must apply to all order codes that have the field.
         """
         judging_names = {field.name for field in self.fields if _is_flag_with_verdict(field.kind)}
         for sign in self.signs:
@@ -153,11 +158,10 @@ class Layout:
 
     @cached_property
     def judging_bits(self) -> Expression:
-        """Expression that is 0 for order codes whose frames have no judging field, and positive for all other codes.
+        """Expression that is positive for order codes whose frames show whether the position is usable, otherwise 0.
 
-        A judging field decides whether the position is usable. Some order codes lack it, for which its width is 0. If
-        a judging field has a constant width, all order codes have it, and the expression is 1. Otherwise it is the sum
-        of the different widths, which is 0 only if all are 0.
+        A field that shows it has the width 0 for order codes without it. If such a field has a constant width, all
+        order codes have it, and the expression is 1. Otherwise it is the sum of the different widths.
         """
         # Each width once. A dict keeps their order, which a set does not.
         widths = {field.width: None for field in self.judging_fields}
@@ -171,18 +175,17 @@ class Layout:
         return self.judging_bits != Expression(0)
 
     def with_unknown_verdicts(self) -> Layout:
-        """Return the layout with the verdict UNKNOWN for reserved bits whose verdict is a warning."""
+        """Return the layout with the verdict UNKNOWN, instead of a warning, while reserved bits have another value."""
         return replace(self, fields=tuple(map(_with_unknown_verdict_if_reserved, self.fields)))
 
     @cached_property
     def signs(self) -> tuple[Sign, ...]:
-        """Named values and combinations with a verdict on the position."""
-        # None for values without a verdict, which ``filter`` leaves out.
-        signs_of_values = (_sign_of_value(field, value) for field in self.fields for value in field.values)
-        return (
-            *filter(None, signs_of_values),
-            *(_sign_of_combination(self, combination) for combination in self.combinations),
-        )
+        """Named values and combinations with a verdict on the position, each in the form of a flag."""
+        signs: list[Sign] = []
+        for layout_field in self.fields:
+            signs += signs_of_values(layout_field)
+        signs += [sign_of_combination(combination, self.fields) for combination in self.combinations]
+        return tuple(signs)
 
     @cached_property
     def crc_fields(self) -> tuple[Field, ...]:
@@ -213,27 +216,30 @@ class Layout:
         return self.bits.value(parameters) > 0
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
-        """Return the layout for one order code, without zero-width fields. Flags of other codes are unexplained.
+        """Return the layout with numbers as positions, for an order code with these parameters.
 
-        The number in Gray code is converted always, or only if the parameter ``gray_when`` is not 0.
+        Fields without bits for the order code are left out. A flag that the manual explains only for other order codes
+        becomes an unexplained flag.
         """
         placed_fields = (field.place(parameters) for field in self.fields)
         fields_by_name = {field.name: field for field in placed_fields if field.width > 0}
-        is_switched_on = not self.gray_when or parameters.get(self.gray_when)
-        gray = bool(self.gray_of and is_switched_on)
-        remaining_unused = [(field, place) for field, place in self.unused if field.name in fields_by_name]
+        is_gray_enabled = not self.gray_when or bool(parameters.get(self.gray_when))
+        placed_unused: list[tuple[PlacedField, int]] = []
+        for unused_field, low_bit in self.unused:
+            if unused_field.name in fields_by_name:
+                placed_unused.append((fields_by_name[unused_field.name], low_bit))
         return PlacedLayout(
             layout=self,
             bits=self.bits.value(parameters),
             fields=tuple(fields_by_name.values()),
-            gray=gray,
-            unused=tuple((fields_by_name[field.name], place) for field, place in remaining_unused),
+            gray=bool(self.gray_of) and is_gray_enabled,
+            unused=tuple(placed_unused),
             parameters=parameters,
         )
 
 
-def _packed_by_byte(fields: Sequence[Field]) -> tuple[tuple[Field, int], ...]:
-    """Return the fields, lowest first, each with its lowest bit in a number of only the bytes that they occupy.
+def _pack_by_byte(fields: Sequence[Field]) -> tuple[tuple[Field, int], ...]:
+    """Return fields with fixed bits, lowest first, each with its lowest bit in a number of the bytes that they occupy.
 
     With unused bits 3 and 17 of a frame, the bytes 0 and 2 are occupied, and the bits have the positions 3 and 9.
     """
@@ -251,8 +257,8 @@ def _packed_by_byte(fields: Sequence[Field]) -> tuple[tuple[Field, int], ...]:
     return tuple(placed_fields)
 
 
-def _packed_by_bit(lowest_first: Iterable[Field]) -> tuple[tuple[Field, int], ...]:
-    """Return the fields, each with its lowest bit in a number that packs them in their widest form."""
+def _pack_by_bit(lowest_first: Iterable[Field]) -> tuple[tuple[Field, int], ...]:
+    """Return the fields, each with its lowest bit in a number in which they are adjacent, in their widest form."""
     placed_fields = []
     low_bit = 0
     for unused_field in lowest_first:
@@ -324,47 +330,51 @@ class PlacedLayout:
     def crc_covers(self) -> tuple[int, int]:
         """Lowest bit and number of bits that the CRC of a frame of bits covers. (0, 0) without a CRC.
 
-        These are the fields that the CRC lists, which are adjacent, or otherwise everything above it.
+        These are the fields that the CRC lists, which are adjacent, or otherwise all bits above the CRC.
         """
-        end = self.crc_field
-        if end is None or not isinstance(end.field.kind, CrcValue):
+        crc_field = self.crc_field
+        if crc_field is None or not isinstance(crc_field.field.kind, CrcValue):
             return (0, 0)
-        covered_fields = self.find_fields(end.field.kind.of)
+        covered_fields = self.find_fields(crc_field.field.kind.of)
         if not covered_fields:
-            return end.width, self.bits - end.width
+            return crc_field.width, self.bits - crc_field.width
         # They are listed from the highest bits to the lowest ones.
-        highest_field, lowest_field = covered_fields[0], covered_fields[-1]
+        highest_field, *_ = covered_fields
+        *_, lowest_field = covered_fields
         return lowest_field.low, highest_field.high + 1 - lowest_field.low
 
     @property
     def covers_part(self) -> bool:
         """True if the CRC lists the fields that it covers. Otherwise it covers everything before it."""
-        end = self.crc_field
-        return end is not None and isinstance(end.field.kind, CrcValue) and bool(end.field.kind.of)
+        crc_field = self.crc_field
+        return crc_field is not None and isinstance(crc_field.field.kind, CrcValue) and bool(crc_field.field.kind.of)
 
     def place_of(self, name: str) -> tuple[int, int]:
-        """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0.
+        """Return the lowest bit and the width of a field, or of a join of adjacent fields.
 
-        The field listed last in a join contains its lowest bit.
+        The result is ``(0, 0)`` for a name that does not exist for the order code.
         """
         placed_fields = self.find_fields(self.layout.names_in(name))
         if not placed_fields:
             return (0, 0)
-        return placed_fields[-1].low, sum(part.width for part in placed_fields)
+        # A join lists its fields from the highest bits to the lowest ones.
+        lowest_bit = placed_fields[-1].low
+        return lowest_bit, sum(placed_field.width for placed_field in placed_fields)
 
 
 def _is_flag_with_verdict(field_kind: Kind) -> bool:
-    """Return True if a kind is a flag with a verdict other than *usable*, for all order codes that have it.
+    """Return True if a kind is a flag for all order codes whose verdict on the position is not *usable*.
 
-    The flag of a frame without a position has the verdict None, which counts as another one.
+    The flag of a frame without a position has the verdict None, which counts as not *usable*.
     """
-    return (
-        isinstance(field_kind, Flag) and field_kind.makes_position is not Verdict.USABLE and not field_kind.only_while
-    )
+    if not isinstance(field_kind, Flag):
+        return False
+    is_for_all_codes = not field_kind.only_while
+    return is_for_all_codes and field_kind.makes_position is not Verdict.USABLE
 
 
 def _with_unknown_verdict_if_reserved(field: Field) -> Field:
-    """Return an unused field that gives a warning with the verdict UNKNOWN instead. Return others unchanged."""
+    """Return a field of unused bits with the verdict UNKNOWN if its verdict is a warning. Return others unchanged."""
     if isinstance(field.kind, Unused) and field.kind.makes_position is Verdict.USABLE_WITH_WARNING:
         return replace(field, kind=replace(field.kind, makes_position=Verdict.UNKNOWN))
     return field
@@ -376,72 +386,25 @@ def _is_status(field: Field) -> bool:
     return isinstance(field.kind, Flag) or is_unused_one
 
 
-def _sign_of_value(field: Field, value: Value) -> Sign | None:
-    """Return a named value as a sign, or None if it has no verdict on the position.
-
-    A sign is a flag without bits, which is active while its conditions hold: here while the field has the value.
-    """
-    if value.makes_position is None:
-        return None
-    meaning = value.meaning or f"{field.name} is {value.name}"
-    flag = Flag(when_active=meaning, makes_position=value.makes_position)
-    source = value.source or field.source
-    flag_field = _flag_of_sign(f"{field.name}_{value.name}", flag, value.printed_name, source=source)
-    return Sign(flag_field, conditions=((field.name, value.value),))
-
-
-def _sign_of_combination(layout: Layout, combination: Combination) -> Sign:
-    """Return a combination as a sign: a flag without bits, which is active while all its conditions hold."""
-    flag = Flag(when_active=combination.meaning, makes_position=combination.makes_position)
-    field = _flag_of_sign(
-        combination.name,
-        flag,
-        combination.printed_name,
-        note=combination.note,
-        remedy=combination.remedy,
-        source=combination.source,
-    )
-    return Sign(field, tuple(_parse_condition(layout, text) for text in combination.when))
-
-
-def _flag_of_sign(
-    sign_name: str, flag: Flag, printed_name: str, note: str = "", remedy: str = "", source: Sources = ()
-) -> Field:
-    """Return the flag of a sign. The flag has no bits in the frame."""
-    nowhere = Expression(0)
-    return Field(
-        sign_name, flag, nowhere, nowhere, 0, printed_name=printed_name, note=note, remedy=remedy, source=source
-    )
-
-
-def _parse_condition(layout: Layout, condition: str) -> tuple[str, int]:
-    """Return the field of a condition ``field.value`` and the number of its value, such as ``("warning", 1)``."""
-    name, _, value_name = condition.partition(".")
-    field = layout.field(name)
-    if isinstance(field.kind, Flag):
-        # The value of a flag is ``active`` or ``inactive``.
-        return name, int(value_name == "active")
-    return name, field.value_named(value_name).value
-
-
 def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
-    """Return True if frames of a sender on one channel have different lengths, so that bytes imply no leading zeros.
+    """Return True if the sender, ``encoder`` or ``master``, sends frames of different lengths on the same channel.
 
-    This is the case if there are more pairs of channel and length than channels.
+    The length of a frame in bytes then matters, so leading zeros must not be left out.
     """
-    frames = [layout for layout in layouts if layout.sender == sender]
-    channels = {layout.channel for layout in frames}
-    channels_and_lengths = {(layout.channel, layout.bits) for layout in frames}
-    return len(channels_and_lengths) > len(channels)
+    lengths_by_channel: dict[int | None, set[Expression]] = {}
+    for layout in layouts:
+        if layout.sender == sender:
+            lengths_by_channel.setdefault(layout.channel, set()).add(layout.bits)
+    return any(len(lengths) > 1 for lengths in lengths_by_channel.values())
 
 
 def number_from_bytes(layout: Layout, data: bytes) -> int:
-    """Return the bytes of a frame or register as one number."""
+    """Return the bytes of a frame or register as one number, read in the byte order of the layout."""
     return int.from_bytes(data, "little" if layout.byte_order == "low_byte_first" else "big")
 
 
 def number_to_bytes(layout: Layout, number: int, bits: int) -> bytes:
-    """Return a number as the bytes of a frame or register."""
+    """Return a number of ``bits`` bits as the bytes of a frame or register, in the byte order of the layout."""
     return number.to_bytes(bits // 8, "little" if layout.byte_order == "low_byte_first" else "big")
 
 

@@ -1,4 +1,4 @@
-"""Lookups and matches whose error names what is missing."""
+"""Lookups by name whose errors say what does not exist."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _T = TypeVar("_T")
 
 
 def member_named(members: Iterable[_N], name: str, kind: str) -> _N:
-    """Return the first member with this name, or raise a ``LookupError`` with the name and the ``kind`` of member."""
+    """Return the first member with this name. If there is none, raise a ``LookupError`` that names its ``kind``."""
     for member in members:
         if member.name == name:
             return member

@@ -181,18 +181,22 @@ class Measurement:
         return Fraction(self.step_um.value(parameters))
 
     def within(self, layout_range: LayoutRange | None) -> Measurement:
-        """Return the measurement with the range of one layout. The units are the same in all layouts.
+        """Return the measurement with the range that a layout has, or unchanged if the layout has no range of its own.
 
-        A position that never wraps around has no range. If the layout states only ``highest``, turns and modulus stay.
+        The units are the same in all layouts. If the position never wraps around, the result has no range. If the
+        layout states only ``highest``, the result keeps the turns or the modulus.
         """
         if layout_range is None:
             return self
         source = layout_range.source or self.source
         if not layout_range.wraps:
             return replace(self, turns=None, modulus=None, highest=None, source=source)
-        turns = layout_range.turns
-        modulus = layout_range.modulus
-        highest = layout_range.highest
-        if turns is None and modulus is None:
-            return replace(self, highest=highest, source=source)
-        return replace(self, turns=turns, modulus=modulus, highest=highest, source=source)
+        if layout_range.turns is None and layout_range.modulus is None:
+            return replace(self, highest=layout_range.highest, source=source)
+        return replace(
+            self,
+            turns=layout_range.turns,
+            modulus=layout_range.modulus,
+            highest=layout_range.highest,
+            source=source,
+        )

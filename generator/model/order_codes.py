@@ -53,10 +53,13 @@ class Parameter:
     by_code: tuple[CodedValue, ...] = ()
 
     def held_value(self, number: int) -> int | None:
-        """Return the value for the number in ``read_from``, or None if that is not one of the codes."""
+        """Return the value of the parameter for the number in its register field (``read_from``).
+
+        If the field contains codes (``by_code``), the result is None for a number that is not one of them.
+        """
         if not self.by_code:
             return number
-        return next((code_entry.value for code_entry in self.by_code if code_entry.code == number), None)
+        return next((coded.value for coded in self.by_code if coded.code == number), None)
 
     @property
     def register(self) -> str:
@@ -184,7 +187,7 @@ _Fact = TypeVar("_Fact", bound=Restricted)
 
 
 def facts_for_code(facts: Iterable[_Fact], code: str) -> tuple[_Fact, ...]:
-    """Return the facts that apply to an order code."""
+    """Return the facts that apply to an order code: those with matching patterns in ``only``, or without patterns."""
     return tuple(fact for fact in facts if fits(fact.only, code))
 
 
@@ -194,31 +197,32 @@ class _Named(Protocol):
 
 
 def repeated_names(facts: Iterable[_Named]) -> set[str]:
-    """Return the names that several facts have, each for other order codes."""
+    """Return the names that occur more than once. Facts with the same name apply to different order codes."""
     counts = Counter(fact.name for fact in facts)
     return {name for name, count in counts.items() if count > 1}
 
 
 def fits(only: str, code: str) -> bool:
-    """Return whether ``code`` is one of the order codes ``only``. An empty ``only`` means all of them.
+    """Return True if an order code matches ``only``, a list of patterns. An empty list matches all order codes.
 
-    ``...`` stands for any text and ``x`` for any one character. Commas separate several patterns. The hyphen after an
-    order code on a label counts as part of it.
+    In a pattern, ``...`` stands for any text and ``x`` for any one character. Commas separate patterns. The hyphen that
+    can follow an order code on a label counts as a part of it.
     """
     if not only:
         return True
-    texts = (code, f"{code}-")
-    return any(pattern.match(text) for pattern in _code_patterns(only) for text in texts)
+    patterns = _code_patterns(only)
+    return any(pattern.match(code) or pattern.match(f"{code}-") for pattern in patterns)
 
 
 @cache
 def _code_patterns(only: str) -> tuple[re.Pattern[str], ...]:
+    """Return the regular expressions for patterns of order codes that are separated by commas."""
     return tuple(_pattern_of_code(order_code.strip()) for order_code in only.split(","))
 
 
 def _pattern_of_code(order_code: str) -> re.Pattern[str]:
-    """Return the regular expression of an abbreviated order code, such as ``X-24x...``."""
-    # As for file names, where several "..." do not try every way to share the text between them.
+    """Return the regular expression for a pattern of order codes, such as ``X-24x...``."""
+    # The pattern is translated as one of file names, which is fast even if it contains several "...".
     wildcards = {"...": "*", "…": "*", "x": "?"}
     parts = [wildcards.get(part) or escape(part) for part in _PATTERN_PARTS.findall(order_code)]
     return re.compile(translate("".join(parts)))

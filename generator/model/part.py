@@ -170,7 +170,7 @@ class About(NamedTuple):
         about: Description of the part.
         writing: Further sentences for the author of a spec.
         data: Description for users of the data, if it is not ``about``.
-        identity: Members by which a part is recognised under another name, separated by spaces.
+        identity: Members by which a part is recognized under another name, separated by spaces.
         is_sourced: True if the part has sources in the data: its own, or those of its parent.
         needs_a_key: True if no key is required, but one must be given.
     """
@@ -190,11 +190,11 @@ def key(about: str, **options: Any) -> Any: ...
 def key(about: str, *, default: Any = MISSING, **options: Any) -> Any:
     """Describe a key of the spec language. Without a ``default``, specs must contain the key.
 
-    ``options`` are those of ``SpecKey`` and of ``Member``.
+    ``options`` are attributes of ``SpecKey``, such as ``minimum``, and of ``ModelMember``, such as ``rule``.
     """
     own_options = {name: options.pop(name) for name in list(options) if name in SpecKey._fields}
     metadata = {_KEY_METADATA: SpecKey(about, member=options, **own_options)}
-    if isinstance(default, Mapping):  # Python 3.11 refuses it as a default, because it has no hash.
+    if isinstance(default, Mapping):  # Python 3.11 rejects it as a default, because it has no hash.
         return field(default_factory=lambda: default, metadata=metadata)
     return field(default=default, metadata=metadata)
 
@@ -271,7 +271,7 @@ def source_key(**options: Any) -> Any:
     ),
 )
 def part(about: str, *, kw_only: bool = True, **options: Any) -> Callable[[type[T]], type[T]]:
-    """Return the decorator of a part of the language. ``options`` are those of ``About`` and of data classes."""
+    """Return the decorator for a class that describes a part of the language, with attributes of ``About``."""
 
     def decorate(part_class: type[T]) -> type[T]:
         described: Any = dataclass(frozen=True, slots=True, kw_only=kw_only)(part_class)

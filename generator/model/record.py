@@ -43,7 +43,7 @@ def _values_of(part_class: type) -> Callable[[Any], Any]:
 
 
 def _is_equal(self: Any, other: Any) -> Any:
-    """Return whether the compared members of two objects are equal, or NotImplemented if the classes differ."""
+    """Return True if the compared members of two objects are equal. NotImplemented if their classes differ."""
     part_class = self.__class__
     if other.__class__ is not part_class:
         return NotImplemented
@@ -78,8 +78,8 @@ def _late_init(part_class: Any) -> Callable[..., None]:
 def _init_of(part_class: type) -> Any:
     """Return an ``__init__`` for a class, as ``dataclasses`` would generate it.
 
-    Its source is built as text. A default is in its namespace as ``_NAME``. For a default that a function makes,
-    ``_NAME`` is MISSING, and the body calls the function, ``_of_NAME``, if it receives this.
+    Its source is built as text. The default of a field is in its namespace as ``_NAME``. If a function creates the
+    default, ``_NAME`` is a marker, and the body calls the function ``_of_NAME`` if it receives this marker.
     """
     namespace: dict[str, Any] = {"_set": object.__setattr__}
     positional_parameters = ["self"]

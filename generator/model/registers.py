@@ -120,14 +120,14 @@ def name_with_limits(register: Register) -> str:
 
 
 def bounded_width(register: Register, placed: PlacedLayout) -> int:
-    """Return the width of the limited field, join or register."""
+    """Return the width of the field or join of a register to which its limits apply, or of the whole register."""
     _, width_of_field = placed.place_of(name_with_limits(register))
     # The width is 0 if the limits apply to the whole register.
     return width_of_field or 8 * register.length
 
 
 def numbers_that_fit(register: Register, placed: PlacedLayout) -> tuple[int, int]:
-    """Return the lowest and highest number that fit in the limited field, join or register.
+    """Return the lowest and the highest number that fit in the part of a register to which its limits apply.
 
     With 8 bits, these are -128 and 127 for a signed field, and 0 and 255 otherwise.
     """

@@ -125,19 +125,22 @@ _FEWEST_LISTED_STEPS = 3
 
 
 def steps_of(characteristic_value: str) -> tuple[str, ...]:
-    """Return the text before the first step, then each step. Without steps numbered from 1, return only the value."""
-    numbers = list(_NUMBER_IN_LIST.finditer(characteristic_value))
-    counts_from_one = [int(match[1]) for match in numbers] == list(range(1, len(numbers) + 1))
-    # Numbers that do not count from 1 are not numbers of steps.
-    if not numbers or not counts_from_one:
+    """Return the text before the first numbered step in a text, then the text of each step.
+
+    If the text contains no steps that are numbered from 1, the result contains only the text.
+    """
+    matches = list(_NUMBER_IN_LIST.finditer(characteristic_value))
+    numbers = [int(match[1]) for match in matches]
+    are_numbers_of_steps = numbers == list(range(1, len(numbers) + 1))
+    if not numbers or not are_numbers_of_steps:
         return (characteristic_value,)
-    texts = [characteristic_value[: numbers[0].start()].strip()]
-    ends_of_steps = [*(match.start() for match in numbers[1:]), len(characteristic_value)]
-    for number, end in zip(numbers, ends_of_steps, strict=True):
-        texts.append(characteristic_value[number.end() : end].strip())
+    texts = [characteristic_value[: matches[0].start()].strip()]
+    ends_of_steps = [*(match.start() for match in matches[1:]), len(characteristic_value)]
+    for match, end in zip(matches, ends_of_steps, strict=True):
+        texts.append(characteristic_value[match.end() : end].strip())
     return tuple(texts)
 
 
 def has_steps(characteristic_value: str) -> bool:
-    """Return whether a string has enough numbered steps to be a list."""
+    """Return True if a text contains enough numbered steps to be shown as a list."""
     return len(steps_of(characteristic_value)) > _FEWEST_LISTED_STEPS

@@ -22,7 +22,7 @@ from ..model import (
     Variant,
     number_from_bytes,
 )
-from ..model.device import PositionRange
+from ..model.position_range import PositionRange
 from ..model.record import dataclass
 from ..say import report
 from ..say.layout import as_one_number

@@ -154,8 +154,8 @@ def test_hints_for_unknown_keys_end(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 def test_values_of_a_part_are_collected_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     collected_parts: list[str] = []
-    fits = order_code._value_test
-    monkeypatch.setattr(order_code, "_value_test", lambda part: collected_parts.append(part.name) or fits(part))
+    fits = order_code._label_test
+    monkeypatch.setattr(order_code, "_label_test", lambda part: collected_parts.append(part.name) or fits(part))
     values = ", ".join(f"A{index}: {{}}" for index in range(300))
     _, report = load_spec(tmp_path, with_codes(f"{{name: part, meaning: Part, values: {{{values}}}}}"))
     assert not report

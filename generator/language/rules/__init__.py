@@ -1,8 +1,8 @@
 """The rules beyond the schema, for errors in specs whose single keys and values are all valid.
 
-A rule is a function of the spec without broken parts, the spec as read, and the report of the document.
-It adds problems under a stable name and never raises. To add a rule, write the function in the module of its subject,
-list it here, and add a broken spec in ``tests/check/broken``.
+A rule is a function of a spec that contains only valid parts, and of the report of the document. It adds problems under
+a stable name and never raises. To add a rule, write the function in the module of its subject, list it here, and add a
+broken spec in ``tests/check/broken``.
 """
 
 from __future__ import annotations
@@ -42,7 +42,6 @@ from . import procedures as banks
 from . import procedures as saving
 from . import values as bases
 from . import values as clocks
-from .order_code import check_order_code_references
 from .parts import Rule
 from .references import (
     check_alarm_references,
@@ -63,7 +62,7 @@ from .references import (
 #: Rules on order codes and parameters, on which every width depends. If they find an error, the build omits order codes
 #: and parameters.
 FOUNDATIONS: tuple[Rule, ...] = (
-    check_order_code_references,
+    code_meanings.check_order_code_references,
     parameters.check_alternative_references,
     parameters.check_parameter_origin,
     parameters.check_alternative_use,
@@ -169,11 +168,11 @@ RULES: tuple[Rule, ...] = (
     shapes.check_example_arguments,
     measurement_shapes.check_measurement_shape,
     measurement_shapes.check_position_range_shape,
-    quantities.check_table_shape,
+    table_agreement.check_table_shape,
     quantities.check_quantity_text,
     quantities.check_repeated_quantities,
     quantities.check_repeated_times,
-    quantities.check_column_units,
+    table_agreement.check_column_units,
     agreement.check_misspelt_name,
     agreement.check_number_in_meaning,
     agreement.check_polynomial_in_note,
@@ -236,8 +235,8 @@ RULES: tuple[Rule, ...] = (
     repetitions.check_alignment,
     repetitions.check_serial_port,
     repetitions.check_bounds,
-    flag_agreement.check_summands,
-    flag_agreement.check_summed_verdicts,
+    flag_agreement.check_combined_flags,
+    flag_agreement.check_combined_verdicts,
     flag_agreement.check_explained_flags,
     flag_agreement.check_read_only_registers,
     repetitions.check_numbers_of_conditions,

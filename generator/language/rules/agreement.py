@@ -54,9 +54,12 @@ class _Printed(Protocol):
     def names(self) -> Mapping[str, str]: ...
 
 
-def check_misspelt_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no printed name differs by one letter from an entry of the contents, or an alarm's from its flag's."""
-    _compare_with_contents(spec, as_read, report)
+def check_misspelt_name(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no name in the manual differs by one letter from an entry of its contents, which would be a typo.
+
+    The names of an alarm are also compared with the names of its flag.
+    """
+    _compare_with_contents(spec, report)
     for alarm in spec.alarms:
         owner = owner_of_alarm(spec, alarm)
         flag = by_name(owner.fields).get(alarm.part.field) if owner is not None else None
@@ -71,24 +74,27 @@ def check_misspelt_name(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                 report.add("misspelt-name", (*alarm.path, *name_path), message)
 
 
-def _compare_with_contents(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Report the printed names that differ by one letter from an entry of the contents, and are not in an erratum.
+def _compare_with_contents(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Report each printed name that differs by one letter from an entry of the manual's table of contents.
 
-    Only names in the manual's language are compared. Very long contents are not searched.
+    An erratum with this name explains it. Names in other languages are not compared, and very long contents are not
+    searched.
     """
+    manual = spec.with_invalid_parts.manual
     titles: dict[str, str] = {}  # Titles as printed, by their lower case.
-    for section in as_read.manual.contents.values():
+    for section in manual.contents.values():
         titles |= {title.casefold(): title for title in section.names_in("entries")}
     if len(titles) > _MOST_ENTRIES:
         return
     texts_of_errata = "\n".join(erratum.used for erratum in spec.errata).casefold()
     for path, name in leaves_of(spec.data, report):
         # A name in another language can differ by one letter too: temperature, temperatura.
-        is_name = path[-1] == "printed_name" or path[-2:] == ("names", as_read.manual.language)
+        is_name = path[-1] == "printed_name" or path[-2:] == ("names", manual.language)
         if not is_name or not isinstance(name, str):
             continue
         similar_titles = [title for title in titles if _misspells(name, title)]
-        if similar_titles and name.casefold() not in titles and name.casefold() not in texts_of_errata:
+        is_known = name.casefold() in titles or name.casefold() in texts_of_errata
+        if similar_titles and not is_known:
             message = (
                 f"the table of contents has {quoted(titles[similar_titles[0]])}; correct one of the two, "
                 "or add an erratum whose 'used' has this name"
@@ -97,9 +103,9 @@ def _compare_with_contents(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
 
 def _misspells(printed_name: str, correct_name: str) -> bool:
-    """Return True if two names differ in one word, which is a typo of the word in the correct name.
+    """Return True if two names differ in only one word, and by only one letter in it.
 
-    A word that is short in the correct name, or differs only in a plural s, is not counted as misspelt.
+    Short words, which may be different words, and words that differ only in a plural s are not counted as misspelt.
     """
     if abs(len(printed_name) - len(correct_name)) > 1:
         return False
@@ -122,8 +128,8 @@ def _printed_names(part: _Printed) -> Iterator[tuple[Path, str]]:
         yield ("names", language), name
 
 
-def check_printed_number(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a value whose printed name is a number, such as ``0Ah``, has that number."""
+def check_printed_number(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a named value has the number that is its name in the manual, if that is a number such as ``0Ah``."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, value in field.values.items():
@@ -148,10 +154,11 @@ def _printed_number(printed_name: str, width: int | None) -> int | None:
     return int(with_suffix[1], 16) if with_suffix is not None else None
 
 
-def check_number_in_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the only hexadecimal number in the meaning of a field with a fixed number is this number.
+def check_number_in_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a hexadecimal number in the meaning of a field is the number that the field always has.
 
-    A meaning that speaks of a register or an address is not checked, because its number may be an address.
+    Only fields with such a number and a single number in the meaning are checked. A meaning that names a register or an
+    address is not checked, because its number may be an address.
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -172,13 +179,13 @@ def check_number_in_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 
 def _fixed_numbers(field: WrittenField) -> list[tuple[str, int]]:
-    """Return the numbers that a field always has, each with its key: ``("constant", 5)``."""
-    numbers_by_key = (("constant", field.constant), ("equals", field.equals), ("unused", field.unused))
-    return [(key, value) for key, value in numbers_by_key if isinstance(value, int)]
+    """Return the numbers that a field always has according to its keys, each with its key: ``("constant", 5)``."""
+    numbers_by_key = {"constant": field.constant, "equals": field.equals, "unused": field.unused}
+    return [(key, number) for key, number in numbers_by_key.items() if isinstance(number, int)]
 
 
-def check_polynomial_in_note(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the polynomial of a CRC is among the polynomials in its note, if there are any.
+def check_polynomial_in_note(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the polynomial of a CRC is one of those in its note, if the note contains any.
 
     A note gives a polynomial with its top bit, which ``poly`` omits.
     """
@@ -197,10 +204,10 @@ def check_polynomial_in_note(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 
 
 def _printed_polynomials(note: str, width: int) -> dict[str, int]:
-    """Return the polynomials of this width in a note, with their top bit, by their text: ``{"x^2 + 1": 0x5}``.
+    """Return the polynomials of a CRC of this width in a note, with their top bit, by their text: ``{"x^2 + 1": 0x5}``.
 
-    A hexadecimal number is a polynomial if it is odd and has one bit more than the CRC, in a note that does not name a
-    place.
+    An odd hexadecimal number with one bit more than the CRC counts as a polynomial, unless the note mentions a register
+    or an address.
     """
     polynomials: dict[str, int] = {}
     top_bit = 1 << width
@@ -217,29 +224,28 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     return polynomials
 
 
-def check_unused_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_unused_bits(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register has no field at bits that its note calls unused.
 
-    A constant, unused bits and a field whose ``equals`` is 0 have no content, so they may be there.
+    A constant, unused bits and a field that is always 0 carry no data, so they may be there.
     """
     for field_list in field_lists(spec):
-        unused_in_note = set(_unused_bits_in(field_list.owner.note))
-        if field_list.kind is not FieldOwner.REGISTER or not unused_in_note:
+        unused_bits = set(_unused_bits_in(field_list.owner.note))
+        if field_list.kind is not FieldOwner.REGISTER or not unused_bits:
             continue
         for field in field_list.fields:
-            bits_of_field = _bits_at(field.at)  # Empty without ``at``.
-            used_bits = [bit for bit in unused_in_note if bit in bits_of_field]
-            is_without_content = field.constant is not None or field.unused is not None or field.equals == 0
-            if used_bits and not is_without_content:
+            contradicting_bits = unused_bits.intersection(_bits_at(field.at))
+            carries_data = field.constant is None and field.unused is None and field.equals != 0
+            if contradicting_bits and carries_data:
                 message = (
-                    f"the note says that bit {min(used_bits)} is not used, but {quoted(field.name)} uses it; "
+                    f"the note says that bit {min(contradicting_bits)} is not used, but {quoted(field.name)} uses it; "
                     "one of the two is wrong"
                 )
                 report.add("unused-bits", field.place_of("at"), message)
 
 
 def _bits_at(at: int | str | None) -> range:
-    """Return the bits of a place such as ``7:6`` or ``5``, or none if it is not a place, which another rule reports."""
+    """Return the bits of a place such as ``7:6`` or ``5``. Empty for None, and for text that is not a place."""
     place = _FIELD_BITS.fullmatch(str(at))
     if place is None:
         return range(0)
@@ -249,17 +255,17 @@ def _bits_at(at: int | str | None) -> range:
     return range(low, high + 1)
 
 
-def _unused_bits_in(field_text: str) -> Iterator[int]:
-    """Yield the bits that a text calls unused, such as 7, 6 and 2 in ``bits 7:6 and 2 are not used``."""
-    for match in _CALLED_UNUSED.finditer(field_text):
+def _unused_bits_in(note: str) -> Iterator[int]:
+    """Yield the bits that a note calls unused, such as 6, 7 and 2 for ``bits 7:6 and 2 are not used``."""
+    for match in _CALLED_UNUSED.finditer(note):
         for high, low in re.findall(r"(\d{1,3})(?::(\d{1,3}))?", match[1]):
             yield from range(int(low or high), int(high) + 1)
 
 
-def check_repeated_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a register with fixed contents is not writable, and that registers have the access that errata state.
+def check_repeated_access(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a register whose fields all have a fixed value (``equals``) is not writable.
 
-    A note or an erratum explains a writable register with fixed contents.
+    A note or an erratum can explain it. Also check that registers have the access that errata about them state.
     """
     for register in spec.registers:
         is_fixed = bool(register.fields) and all(field.equals is not None for field in register.fields)
@@ -276,10 +282,10 @@ def check_repeated_access(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 
 def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report: DocumentReport) -> None:
-    """Check that the registers affected by an erratum have its access, if it says ``read only`` or ``write only``.
+    """Check that the registers that an erratum affects have the access that it states, ``read only`` or ``write only``.
 
-    The key ``used`` of an erratum is the text about what applies instead. An erratum about bits or fields, or with both
-    accesses, is not compared.
+    The key ``used`` of an erratum is its text about what applies instead of the manual. A text about bits or fields, or
+    with both accesses, is not compared.
     """
     registers = by_name(spec.registers)
     is_about_bits = re.search(r"\b(?:bit|field)", erratum.used, re.IGNORECASE) is not None
@@ -294,22 +300,27 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
             report.add("access-mismatch", erratum.place_of("used"), message)
 
 
-def check_zero_within_limits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the number for which zero stands is at most one more than the highest one of its register."""
+def check_zero_within_limits(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check ``zero_means``, the number for which a stored 0 stands, against the highest number of its register.
+
+    It may be at most one higher: in 16 bits, 0 can stand for 65536. A highest number that depends on the order code is
+    not compared.
+    """
     for register in spec.registers:
         for field in register.fields:
-            zero = field.zero_means
+            meaning_of_zero = field.zero_means
             highest = register.max
             is_limited = register.limits_of in ("", field.name)
-            if not is_limited or not isinstance(zero, int) or not isinstance(highest, int):
-                continue  # Without 'zero_means' or 'max', or with a 'max' that depends on the order code.
-            # 0 can stand for the number after the highest number, such as 65536 in 16 bits.
-            if zero > highest + 1:
-                message = f"zero stands for {zero}, which is above 'max' ({highest}); one of the two is wrong"
+            if not is_limited or not isinstance(meaning_of_zero, int) or not isinstance(highest, int):
+                continue
+            if meaning_of_zero > highest + 1:
+                message = (
+                    f"zero stands for {meaning_of_zero}, which is above 'max' ({highest}); one of the two is wrong"
+                )
                 report.add("limit-does-not-fit", register.place_of("max"), message)
 
 
-def check_repeated_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_requests(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a text of a procedure with one step has the number of requests that the step sends."""
     for procedure in spec.procedures:
         times = procedure.steps[0].times if len(procedure.steps) == 1 else None
@@ -331,7 +342,7 @@ def _number_of(cell_text: str) -> int:
     return int(cell_text) if cell_text.isdigit() else _NUMBER_WORDS.index(cell_text.casefold()) + 2
 
 
-def check_repeated_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_tables(spec: WrittenSpec, report: DocumentReport) -> None:
     """Report two tables with common columns whose numbers agree in all cells but one.
 
     Rows belong together if a column whose cells are all different in each table contains the same cell in both.
@@ -368,23 +379,23 @@ class _CellPair:
 
 
 def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
-    """Return the only pair of numbers that differs in the common columns of two tables, or None.
+    """Return the pair of cells that differs if two tables have the same numbers in all common cells but one.
 
-    Rows are paired by each possible key column in turn. A column in which most pairs differ is left out, and enough
-    pairs must remain for a comparison.
+    Rows belong together if they have the same cell in a column that identifies rows. A column in which most numbers
+    differ is left out, because it is about something else. The result is None if no number or several numbers differ,
+    or if too few are equal.
     """
     common_columns = [name for name in table.columns if name in earlier_table.columns]
     for key_column in common_columns:
-        if not _is_key(table, key_column) or not _is_key(earlier_table, key_column):
+        if not _identifies_rows(table, key_column) or not _identifies_rows(earlier_table, key_column):
             continue
         compared_pairs: list[_CellPair] = []
         for column in common_columns:
             if column == key_column:
                 continue
             pairs = _number_pairs(table, earlier_table, key_column, column)
-            # A column that mostly differs, such as one of texts, is about something else.
-            is_about_the_same = 2 * len(_differing_cells(pairs)) <= len(pairs)
-            if is_about_the_same:
+            are_mostly_equal = 2 * len(_differing_cells(pairs)) <= len(pairs)
+            if are_mostly_equal:
                 compared_pairs += pairs
         differing_pairs = _differing_cells(compared_pairs)
         if len(differing_pairs) == 1 and len(compared_pairs) > _LEAST_EQUAL_CELLS:
@@ -393,7 +404,7 @@ def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
 
 
 def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: str) -> list[_CellPair]:
-    """Return the pairs of cells in a column that are numbers, from the rows with the same cell in the key column."""
+    """Return the pairs of cells with numbers in a column, from the rows with the same cell in ``key_column``."""
     earlier_cells: dict[str, str] = {}  # The cells in the column by the cells in the key column.
     for row in earlier_table.rows:
         key_cell = _text_of_cell(earlier_table, row, key_column)
@@ -423,7 +434,7 @@ def _text_of_cell(table: Table, row: Sequence[str], column: str) -> str:
     return row[index] if index < len(row) else ""
 
 
-def _is_key(table: Table, column: str) -> bool:
+def _identifies_rows(table: Table, column: str) -> bool:
     """Return True if all cells of a column are different, so that each identifies its row."""
     cells = [_text_of_cell(table, row, column) for row in table.rows]
     return len(cells) == len(set(cells))

@@ -41,10 +41,10 @@ _ACCESS_BITS = {"write": 0b01, "read": 0b10}
 _CRC_WIDTH_BY_XOROUT = {0x3F: 6, 0xFFFF: 16}
 
 
-def check_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers with names fixed by BiSS are at their fixed place, with its length.
+def check_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the registers of the BiSS profile, such as ``serial_number``, have the address and length of BiSS.
 
-    The register that selects banks has such a place under any name. Registers in a bank may have these names.
+    The register that selects banks has a fixed address under any name. Other registers in a bank are not checked.
     """
     for register in spec.registers:
         name = register.name
@@ -67,19 +67,18 @@ def check_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             report.add("biss-protocol", register.place_of("length"), message)
 
 
-def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no other register is at a place fixed by BiSS, unless an erratum explains it.
+def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no register with another name is at an address of the BiSS profile, unless an erratum explains it.
 
-    A read-only register inside that place is accepted as a part of it under another name. The same applies to any
-    register inside it whose name begins with the fixed name, such as ``profile_id_low``. Manuals use 40h and 41h for
-    other purposes if there are no banks.
+    A part of a register of the profile is accepted: one that is read-only, or whose name begins with the fixed name,
+    such as ``profile_id_low``. Manuals use 40h and 41h for other purposes if there are no banks.
     """
     for register in spec.registers:
         name = register.name
         has_fixed_name = name in _STANDARD_REGISTERS or name == bank_select(spec)
         if interface_of(register) != Biss.name or register.bank is not None or has_fixed_name:
             continue
-        fixed_name = _taken_place(register)
+        fixed_name = _profile_register_at(register)
         if fixed_name is None or has_erratum_at(report.document, "registers", name, "address"):
             continue
         first_address = register.address
@@ -95,11 +94,10 @@ def check_taken_biss_places(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
         report.add("biss-protocol", register.place_of("address"), f"{problem}; {remedy}")
 
 
-def _taken_place(register: WrittenRegister) -> str | None:
-    """Return the name of the register that BiSS has at the addresses of another register.
+def _profile_register_at(register: WrittenRegister) -> str | None:
+    """Return the name of the BiSS profile's register at the addresses of ``register``, which has another name.
 
-    Return None if there is no such register, or if the other register may be there: a part of that register, or any
-    register at 41h.
+    The result is None if there is no such register, or if ``register`` may be there: as a part of it, or at 41h.
     """
     first_address = register.address
     end_address = register.address + register.length
@@ -114,8 +112,8 @@ def _taken_place(register: WrittenRegister) -> str | None:
     return None
 
 
-def check_biss_byte_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers fixed by BiSS have their most significant byte first, unless an erratum explains it."""
+def check_biss_byte_order(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that registers of the BiSS profile have their highest byte first, unless an erratum explains it."""
     for register in spec.registers:
         name = register.name
         if name not in _STANDARD_REGISTERS or interface_of(register) != Biss.name or register.bank is not None:
@@ -129,13 +127,14 @@ def check_biss_byte_order(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             report.add("biss-protocol", register.place_of("byte_order"), message)
 
 
-def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that nE and nW are active low, in this order after the position, and that a frame has an inverted CRC.
+def check_biss_frame(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check frames with the error bit nE or the warning bit nW of BiSS.
 
-    A frame without either is not checked. An erratum explains what the manual prints differently.
+    Both must be active low and follow the position, nE before nW, and the frame must end with an inverted CRC. An
+    erratum explains what the manual prints differently.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
-    crcs = by_part_name(as_read.crcs)
+    groups = by_name(spec.with_invalid_parts.field_groups)
+    crcs = by_part_name(spec.with_invalid_parts.crcs)
     for frame in layouts_of_interfaces(spec):
         layout = frame.layout
         if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
@@ -144,77 +143,89 @@ def check_biss_frame(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
         if _ERROR_AND_WARNING.isdisjoint(field.name for _, field in sent_fields):
             continue
         frame_path = f"interfaces.{Biss.name}.{layout.name}"
-        faults = [
-            *_field_faults(sent_fields, crcs, frame_path),
-            *_order_faults(sent_fields, layout.place_of("name"), frame_path),
+        contradictions = [
+            *_contradictions_of_fields(sent_fields, crcs, frame_path),
+            *_contradictions_of_order(sent_fields, layout.place_of("name"), frame_path),
             *_late_positions(sent_fields, position_names(spec, Biss.name), frame_path),
         ]
-        for fault in faults:
-            if not has_erratum_at(report.document, fault.affected):
-                hint = f"If this is what the manual says, add an erratum that affects {fault.affected}"
-                report.add("biss-protocol", fault.path, f"{fault.problem}. {hint}")
+        for contradiction in contradictions:
+            affected_path = contradiction.path_for_erratum
+            if not has_erratum_at(report.document, affected_path):
+                hint = f"If this is what the manual says, add an erratum that affects {affected_path}"
+                report.add("biss-protocol", contradiction.path, f"{contradiction.problem}. {hint}")
 
 
 @dataclass(frozen=True, slots=True)
-class _Fault:
-    """A contradiction to BiSS: its place, and the path that an erratum must affect if the manual prints it."""
+class _Contradiction:
+    """A contradiction to BiSS, with its place, and the path that an erratum must affect to explain it."""
 
     path: Path
-    affected: str
+    path_for_erratum: str
     problem: str
 
 
 SentFields = list[tuple[Path, WrittenField]]
 
 
-def _field_faults(sent_fields: SentFields, crcs: Mapping[str, LocatedPart[Crc]], frame_path: str) -> Iterator[_Fault]:
-    """Yield the errors of single fields of a frame: nE or nW active high, ``crc_of``, and the numbers of the CRC."""
+def _contradictions_of_fields(
+    sent_fields: SentFields, crcs: Mapping[str, LocatedPart[Crc]], frame_path: str
+) -> Iterator[_Contradiction]:
+    """Yield the contradictions of single fields of a frame to BiSS.
+
+    These are an nE or nW that is active high, a CRC that covers only some fields (``crc_of``), and other numbers of the
+    CRC.
+    """
     for path, field in sent_fields:
         name = field.name
         if name in _ERROR_AND_WARNING and field.active == "high":
             problem = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
-            yield _Fault((*path, "active"), f"{frame_path}.{name}.active", problem)
+            yield _Contradiction((*path, "active"), f"{frame_path}.{name}.active", problem)
         if field.crc_of:
             problem = f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; remove 'crc_of'"
-            yield _Fault((*path, "crc_of"), f"{frame_path}.{name}", problem)
+            yield _Contradiction((*path, "crc_of"), f"{frame_path}.{name}", problem)
         if field.crc not in crcs:
             continue
-        for key, problem in _crc_faults(crcs[field.crc]):
-            yield _Fault((*path, "crc"), f"crcs.{field.crc}.{key}", problem)
+        for key, problem in _contradictions_of_crc(crcs[field.crc]):
+            yield _Contradiction((*path, "crc"), f"crcs.{field.crc}.{key}", problem)
 
 
-def _order_faults(sent_fields: SentFields, frame_name: Path, frame_path: str) -> Iterator[_Fault]:
-    """Yield the errors of a frame with nW before nE, or without a CRC. ``frame_name`` is the place of its name."""
+def _contradictions_of_order(sent_fields: SentFields, place_of_name: Path, frame_path: str) -> Iterator[_Contradiction]:
+    """Yield a contradiction to BiSS if a frame has nW before nE, and one if it has no CRC.
+
+    A missing CRC is reported at the name of the frame.
+    """
     names = [field.name for _, field in sent_fields]
     has_both = "error" in names and "warning" in names
     if has_both and names.index("error") > names.index("warning"):
         path, _ = sent_fields[names.index("warning")]
         problem = "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
-        yield _Fault(path, f"{frame_path}.warning", problem)
-    if not any(field.crc for _, field in sent_fields):
+        yield _Contradiction(path, f"{frame_path}.warning", problem)
+    has_crc = any(field.crc for _, field in sent_fields)
+    if not has_crc:
         correction = "add a last field such as {name: crc, crc: NAME}"
         problem = f"the frame has no CRC, but a BiSS frame ends with one; {correction}"
-        yield _Fault(frame_name, f"{frame_path}.fields", problem)
+        yield _Contradiction(place_of_name, f"{frame_path}.fields", problem)
 
 
-def _late_positions(sent_fields: SentFields, positions: set[str], frame_path: str) -> Iterator[_Fault]:
-    """Yield an error for the first part of the position that is sent after nE or nW.
+def _late_positions(sent_fields: SentFields, names: set[str], frame_path: str) -> Iterator[_Contradiction]:
+    """Yield a contradiction to BiSS for the first field of the position that is sent after nE or nW, if there is one.
 
-    ``positions`` are the names of fields and joined numbers that form the position.
+    ``names`` are the names of the fields and joined numbers that form the position.
     """
-    first_flag = None
+    first_flag = ""
     for path, field in sent_fields:
         name = field.name
-        if first_flag is None:
-            first_flag = name if name in _ERROR_AND_WARNING else None  # Fields before the first flag are in order.
-        elif name in positions and name not in _ERROR_AND_WARNING:
+        if not first_flag:
+            # The position may be before the first flag.
+            first_flag = name if name in _ERROR_AND_WARNING else ""
+        elif name in names and name not in _ERROR_AND_WARNING:
             problem = f"{quoted(name)} is after {quoted(first_flag)}, but BiSS sends the position before nE and nW"
-            yield _Fault(path, f"{frame_path}.{name}", f"{problem}; move it before {quoted(first_flag)}")
+            yield _Contradiction(path, f"{frame_path}.{name}", f"{problem}; move it before {quoted(first_flag)}")
             return
 
 
-def _inverts_another_width(crc: Crc) -> str:
-    """Return the message about a CRC whose ``xorout`` inverts 6 or 16 bits, but not all bits of its width."""
+def _message_on_inverted_bits(crc: Crc) -> str:
+    """Return the message about a CRC whose ``xorout`` inverts 6 or 16 bits, as BiSS does, but has another width."""
     inverted_bits = _CRC_WIDTH_BY_XOROUT[crc.xorout]
     width = crc.width
     problem = (
@@ -228,17 +239,18 @@ def _all_ones(width: int) -> int:
     return (1 << width) - 1
 
 
-def _crc_faults(located_crc: LocatedPart[Crc]) -> Iterator[tuple[str, str]]:
-    """Yield the keys of a CRC that contradict BiSS, each with the message: not inverted, or reflected.
+def _contradictions_of_crc(located_crc: LocatedPart[Crc]) -> Iterator[tuple[str, str]]:
+    """Yield each key of a CRC that contradicts BiSS, with a message.
 
-    The data may have any structure.
+    BiSS inverts all bits of a CRC (``xorout``), and sends it most significant bit first (neither ``refin`` nor
+    ``refout``).
     """
     crc = located_crc.part
     is_valid = 0 < crc.width <= 64 and located_crc.is_valid("xorout")
-    # A larger number is reported as too wide.
+    # Another rule reports a larger number as too wide.
     if is_valid and crc.xorout < _all_ones(crc.width):
         if crc.xorout in _CRC_WIDTH_BY_XOROUT:
-            yield "xorout", _inverts_another_width(crc)
+            yield "xorout", _message_on_inverted_bits(crc)
         else:
             value = f"{crc.xorout:#x}" if crc.xorout else "0"
             problem = f"the CRC {quoted(crc.name)} has 'xorout' {value}, but BiSS sends the CRC inverted"
@@ -251,12 +263,12 @@ def _crc_faults(located_crc: LocatedPart[Crc]) -> Iterator[tuple[str, str]]:
             yield key, f"{problem}; write '{key}: false'"
 
 
-def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the control frame has the widths, the directions and the CRC of BiSS.
+def check_biss_control(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the control frame has the widths, the codes for reading and writing, and the CRC of BiSS.
 
     Every master relies on them, so a spec has these numbers even if an erratum records others that the manual prints.
     """
-    crcs = by_part_name(as_read.crcs)  # Including invalid parts, which ``spec`` lacks.
+    crcs = by_part_name(spec.with_invalid_parts.crcs)
     interface = spec.interfaces.biss
     control_data = interface.control_data if interface is not None else None
     for field in control_data.fields if control_data is not None else ():
@@ -265,7 +277,7 @@ def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: Document
             message = f"{quoted(field.name)} has {field.bits} bits; in the BiSS control frame it has {width}"
             report.add("biss-protocol", field.place_of("bits"), message)
         if field.name == "rw":
-            _check_directions(field, report)
+            _check_access_codes(field, report)
         crc = crcs.get(field.crc)
         if crc is not None and not _is_control_crc(crc):
             problem = (
@@ -276,15 +288,16 @@ def check_biss_control(spec: WrittenSpec, as_read: WrittenSpec, report: Document
 
 
 def _is_control_crc(crc: LocatedPart[Crc]) -> bool:
-    """Return True for the CRC of the control frame: x^4 + x + 1 (``poly`` 0x3 in 4 bits), start 0, sent inverted."""
+    """Return True for the CRC of the BiSS control frame: x^4 + x + 1 (0x3), start value 0, not reflected, inverted."""
     part = crc.part
-    parameters = (part.width, part.poly, part.init, part.refin, part.refout, part.xorout)
+    numbers = (part.width, part.poly, part.init, part.xorout)
+    is_reflected = part.refin or part.refout
     is_complete = all(map(crc.is_valid, ("init", "refin", "refout")))
-    return is_complete and parameters == (4, 0x3, 0, False, False, 0xF)
+    return is_complete and not is_reflected and numbers == (4, 0x3, 0, 0xF)
 
 
-def _check_directions(field: WrittenField, report: DocumentReport) -> None:
-    """Check that ``write`` is 01 and ``read`` is 10 in the field of a control frame that selects one of them."""
+def _check_access_codes(field: WrittenField, report: DocumentReport) -> None:
+    """Check that the field of a control frame for the kind of access has 01 for ``write`` and 10 for ``read``."""
     for name, value in field.values.items():
         if name in _ACCESS_BITS and value.value != _ACCESS_BITS[name]:
             problem = f"{quoted(name)} is {value.value:02b}; in the BiSS control frame, 01 means write and 10"

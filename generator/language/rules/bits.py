@@ -30,77 +30,88 @@ _ERROR_WORDS = re.compile(r"(?<![A-Za-z])(?:nE|n?Err|(?i:errors?|faults?|failure
 _NO_ERROR = re.compile(r"(?i:\b(?:no|not|without|free)\b)")
 
 
-def check_missing_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a flag in a frame with a position gives the verdict on the position while it is active.
+def check_missing_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that each flag in a frame with a position has ``makes_position``: the verdict on it while active.
 
-    The flags that an interface itself defines have a known verdict.
+    That is, whether the position is usable. The verdicts of flags that the interface itself defines are known.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     positions = {interface: position_names(spec, interface) for interface, _ in interfaces(spec)}
     for frame in layouts_of_interfaces(spec):
         has_position = not positions[frame.interface].isdisjoint(field_names(frame, groups))
         if not frame.is_from_encoder or not has_position:
             continue
         flags_with_known_verdict = INTERFACES[frame.interface].flags
-        for field in _with_groups(frame, spec):
-            if not field.active or field.makes_position or not field.name:
-                continue
-            if field.name not in flags_with_known_verdict:
-                problem = f"{quoted(field.name)} is in a frame that contains the position; set 'makes_position'"
-                problem += " to the verdict on the position while this flag is active:"
-                remedy = "not_usable, usable_with_warning or usable"
-                report.add("makes-position-missing", field.path, f"{problem} {remedy}")
+        for field in _yield_fields(frame, spec):
+            is_flag = bool(field.active)
+            has_verdict = bool(field.makes_position) or field.name in flags_with_known_verdict
+            if is_flag and field.name and not has_verdict:
+                message = (
+                    f"{quoted(field.name)} is in a frame that contains the position; set 'makes_position'"
+                    " to the verdict on the position while this flag is active:"
+                    " not_usable, usable_with_warning or usable"
+                )
+                report.add("makes-position-missing", field.path, message)
 
 
-def check_usable_errors(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_usable_errors(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a flag or value called an error does not leave the position usable, unless a note explains it."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            report_usable_values(field, report)
-            is_error = field.active and names_error(field.name, field.printed_name)
+            _report_usable_values(field, report)
+            is_flag = bool(field.active)
+            is_error = is_flag and names_error(field.name, field.printed_name)
             if is_error and field.makes_position == "usable" and not field.note:
-                problem = (
+                message = (
                     f"{quoted(field.name)} leaves the position usable while it is active; "
-                    "write 'makes_position: not_usable'"
+                    "write 'makes_position: not_usable', or usable_with_warning. "
+                    "If the position is usable, explain it in a 'note' of the flag"
                 )
-                remedy = "or usable_with_warning. If the position is usable, explain it in a 'note' of the flag"
-                report.add("error-usable", field.place_of("makes_position"), f"{problem}, {remedy}")
+                report.add("error-usable", field.place_of("makes_position"), message)
 
 
-def report_usable_values(field: WrittenField, report: DocumentReport) -> None:
+def _report_usable_values(field: WrittenField, report: DocumentReport) -> None:
     """Report named values that are errors but leave the position usable, unless a note of the field explains it."""
     for name, value in field.values.items():
         is_usable = value.makes_position == "usable"
         if is_usable and names_error(name, value.printed_name) and not field.note:
-            problem = f"the value {quoted(name)} leaves the position usable; write 'makes_position: not_usable'"
-            remedy = "or usable_with_warning. If the position is usable, explain it in a 'note' of the field"
-            report.add("error-usable", value.place_of("makes_position"), f"{problem}, {remedy}")
+            message = (
+                f"the value {quoted(name)} leaves the position usable; write 'makes_position: not_usable', "
+                "or usable_with_warning. If the position is usable, explain it in a 'note' of the field"
+            )
+            report.add("error-usable", value.place_of("makes_position"), message)
 
 
-def names_error(field_name: str, printed_name: str) -> bool:
-    """Return True if the name of a flag or value, or its name in the manual, says that it is an error."""
-    texts = (field_name.replace("_", " "), printed_name)
+def names_error(name: str, printed_name: str) -> bool:
+    """Return True if the name of a flag or value, or its name in the manual, has a word such as "error" or "fault".
+
+    The result is False for a name that denies the error, such as "No error".
+    """
+    texts = (name.replace("_", " "), printed_name)
     return any(_ERROR_WORDS.search(text) and not _NO_ERROR.search(text) for text in texts)
 
 
-def check_flag_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the flags that another flag combines exist in some list of fields."""
-    flags: list[str] = []
-    for field_list in field_lists(as_read):
-        flags += [field.name for field in field_list.fields if field.is_flag and field.name]
+def check_flag_sums(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the flags listed in ``sums_up``, which another flag combines, exist in some layout, register or group.
+
+    The combining flag is active while one of them is.
+    """
+    flag_names: list[str] = []
+    for field_list in field_lists(spec.with_invalid_parts):
+        flag_names += [field.name for field in field_list.fields if field.is_flag and field.name]
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            other_flags = [name for name in dict.fromkeys(flags) if name != field.name]
+            other_flags = [name for name in dict.fromkeys(flag_names) if name != field.name]
             for index, name in enumerate(field.sums_up):
                 if name not in other_flags:
                     problem = f"there is no other flag {quoted(name)}{suggest_word(name, other_flags)}"
                     report.add("undefined-reference", (*field.place_of("sums_up"), index), problem, cause=name)
 
 
-def check_alarm_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an alarm with the name of a flag in its group or register is about that flag.
+def check_alarm_name(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that an alarm with the name of a flag in its group or register describes that flag, and not another one.
 
-    ``field`` is the flag of an alarm. Without it, it is the flag of the same name.
+    The key ``field`` of an alarm names its flag. Without this key, the flag has the same name as the alarm.
     """
     for located_alarm in spec.alarms:
         alarm = located_alarm.part
@@ -117,10 +128,13 @@ def check_alarm_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             report.add("alarm-name", (*located_alarm.path, "field"), problem)
 
 
-def _with_groups(fields: FieldList, spec: WrittenSpec) -> Iterator[WrittenField]:
-    """Yield the fields. Fields of a group have their path inside the group."""
+def _yield_fields(field_list: FieldList, spec: WrittenSpec) -> Iterator[WrittenField]:
+    """Yield the fields of a layout, with the fields of a group instead of the field that includes the group.
+
+    The path of each field from a group is the path inside the group.
+    """
     groups = {group.name: group for group in spec.field_groups}
-    for field in fields.fields:
+    for field in field_list.fields:
         if field.use in groups:
             yield from groups[field.use].fields
         else:
@@ -133,10 +147,10 @@ _PARITY_NAME = re.compile(r"(?:(?:even|odd)_)?(?:par|parity)(?:_bit)?")
 _KEYS_OF_PLAIN_NUMBER = frozenset(("name", "printed_name", "names", "bits", "at", "meaning", "source"))
 
 
-def check_plain_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a bit of an encoder's frame that is called error or parity is described as such.
+def check_plain_bits(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a bit of an encoder's frame called error or parity is described as a flag or as a parity bit.
 
-    A plain number has no effect on the verdict, and no decoder checks it. A note explains a bit that is neither.
+    Without that, it would be a plain number, which decoders do not check. A note can explain a bit that is neither.
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
@@ -146,7 +160,7 @@ def check_plain_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
         for field in field_list.fields:
             name = field.name
             is_plain_bit = _width_of_field(field) == 1 and _KEYS_OF_PLAIN_NUMBER.issuperset(field.data)
-            if not is_plain_bit or _is_fixed(field_list, name):
+            if not is_plain_bit or _is_defined_by_interface(field_list, name):
                 continue
             problem = f"{quoted(name)} is a plain number, so decoders ignore it"
             if _PARITY_NAME.fullmatch(name):
@@ -159,74 +173,78 @@ def check_plain_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
                 report.add("plain-bit", field.path, f"{problem}; {remedy}")
 
 
-def _is_fixed(fields: FieldList, field_name: str) -> bool:
+def _is_defined_by_interface(field_list: FieldList, field_name: str) -> bool:
     """Return True for a flag that the interface itself defines, such as the error bit of BiSS."""
-    return fields.interface in INTERFACES and field_name in INTERFACES[fields.interface].flags
+    return field_list.interface in INTERFACES and field_name in INTERFACES[field_list.interface].flags
 
 
 def _width_of_field(field: WrittenField) -> int | str | None:
-    """Return the number of bits of a field, given by its width or as the place of one bit, or None if neither is."""
-    # ``at`` is the number of one bit, or a text such as 7:6.
+    """Return the number of bits of a field: its width, or 1 if it is placed at a single bit.
+
+    The width is text if it depends on the order code. The result is None if the field has no width, or a range of bits.
+    """
+    # ``at`` is the number of a bit, or text such as 7:6.
     is_at_one_bit = isinstance(field.at, int)
     return 1 if is_at_one_bit else field.bits
 
 
 _GRAY_WORD = re.compile(r"\bGray\b", re.IGNORECASE)
-#: Gray can also be a colour, except in the meaning of an interface.
+#: Gray can also be a color, except in the meaning of an interface.
 _GRAY_CODE = re.compile(r"\bGray[ -]code\b", re.IGNORECASE)
 _BINARY_WORD = re.compile(r"\bbinary\b", re.IGNORECASE)
 #: Placeholder for the name of the position in a message.
 _UNKNOWN_POSITION = "POSITION"
 
 
-def check_output_code(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that ``output_code`` of SSI is the code in which its layouts send the position, up to the first error."""
-    for kind, interface in interfaces(spec):
+def check_output_code(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that ``output_code`` of SSI, Gray or binary, is the code in which its layouts send the position.
+
+    Only the first layout with another code is reported.
+    """
+    for interface_name, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi) or not interface.output_code:
             continue
-        position_layouts = _with_position(spec, as_read, kind)
+        position_layouts = _layouts_with_position(spec, interface_name)
         has_gray = any(_gray_of(frame) is not None for frame in position_layouts)
         for frame in position_layouts:
-            contradiction = _find_contradiction(interface.output_code, frame, spec, as_read, has_gray=has_gray)
+            contradiction = _explain_contradiction(interface.output_code, frame, spec, has_gray=has_gray)
             if contradiction:
                 message = f"'output_code' is {interface.output_code}, but {quoted(frame.name)} {contradiction}"
                 report.add("output-code", interface.place_of("output_code"), message)
                 break
 
 
-def _gray_of(fields: FieldList) -> WrittenGray | None:
-    """Return the number of a layout that is sent in Gray code, or None."""
-    return fields.layout.gray if fields.layout is not None else None
+def _gray_of(field_list: FieldList) -> WrittenGray | None:
+    """Return the key ``gray`` of a layout, which names the number that is sent in Gray code, or None without it."""
+    return field_list.layout.gray if field_list.layout is not None else None
 
 
-def _find_contradiction(
-    code: str, fields: FieldList, spec: WrittenSpec, as_read: WrittenSpec, *, has_gray: bool
-) -> str:
-    """Return how a layout contradicts ``output_code``, such as ``has no 'gray', …``, or an empty string.
+def _explain_contradiction(output_code: str, layout: FieldList, spec: WrittenSpec, *, has_gray: bool) -> str:
+    """Return how a layout contradicts ``output_code`` of its interface, with the fix. Empty if it does not.
 
-    ``gray`` of a layout means that it is in Gray code, always or if the parameter in ``when`` is not 0. ``has_gray`` is
-    True if any layout of the interface has it: with ``by_order_code``, another layout may then have none.
+    The key ``gray`` of a layout means that the position is in Gray code, either always or, with ``when``, if that
+    parameter of the order code is not 0. ``has_gray`` is True if any layout of the interface has this key.
     """
-    gray = _gray_of(fields)
+    gray = _gray_of(layout)
     if gray is None:
-        if code == "gray":
-            example = f"'gray: {{of: {_find_position(fields, spec, as_read)}}}'"
-            return f"has no 'gray', so decoders read the position as binary; add {example} to it"
-        if code == "by_order_code" and not has_gray:
-            example = f"'gray: {{of: {_find_position(fields, spec, as_read)}, when: PARAMETER}}'"
-            return f"has no 'gray', so decoders read the position as binary; add {example} to it"
-        return ""
-    if code == "binary":
-        correct_code = "by_order_code" if gray.when else "gray"
-        return f"has 'gray'; write 'output_code: {correct_code}', or remove 'gray'"
-    if code == "by_order_code" and not gray.when:
-        return "is always in Gray code; write 'output_code: gray', or add 'when' to 'gray'"
-    if code == "gray" and 0 in _numbers_set(spec, fields.interface, gray.when):
-        return f"is binary where {quoted(gray.when)} is 0; write 'output_code: by_order_code'"
+        # With ``by_order_code``, it is enough if another layout has the key.
+        if output_code == "binary" or (output_code == "by_order_code" and has_gray):
+            return ""
+        condition = ", when: PARAMETER" if output_code == "by_order_code" else ""
+        example = f"'gray: {{of: {_find_position(layout, spec)}{condition}}}'"
+        return f"has no 'gray', so decoders read the position as binary; add {example} to it"
+    match output_code:
+        case "binary":
+            correct_code = "by_order_code" if gray.when else "gray"
+            return f"has 'gray'; write 'output_code: {correct_code}', or remove 'gray'"
+        case "by_order_code" if not gray.when:
+            return "is always in Gray code; write 'output_code: gray', or add 'when' to 'gray'"
+        case "gray" if 0 in _numbers_set_by_codes(spec, layout.interface, gray.when):
+            return f"is binary where {quoted(gray.when)} is 0; write 'output_code: by_order_code'"
     return ""
 
 
-def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_named_gray_code(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an interface whose order codes name Gray code has a layout in Gray code.
 
     A value of an order code belongs to the interface that it selects, or to the only interface. If it selects none of
@@ -240,7 +258,7 @@ def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                 continue
             # No layout has an empty interface name, so the result then contains no layouts.
             interface_name = value.interface or only_interface
-            position_layouts = _with_position(spec, as_read, interface_name)
+            position_layouts = _layouts_with_position(spec, interface_name)
             if position_layouts and all(_gray_of(frame) is None for frame in position_layouts):
                 message = (
                     f"the meaning of {quoted(label)} says Gray, but no layout of {interface_name} has 'gray', "
@@ -252,7 +270,7 @@ def check_named_gray_code(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 def _names_gray(code_value: WrittenCodeValue) -> bool:
     """Return True if the meaning of an order code value names Gray code, and not binary code too.
 
-    If the value selects no interface, "Gray" alone may be a colour.
+    If the value selects no interface, "Gray" alone may be a color.
     """
     gray_pattern = _GRAY_WORD if code_value.interface else _GRAY_CODE
     says_gray = gray_pattern.search(code_value.meaning) is not None
@@ -260,33 +278,36 @@ def _names_gray(code_value: WrittenCodeValue) -> bool:
     return says_gray and not says_binary
 
 
-def _with_position(spec: WrittenSpec, as_read: WrittenSpec, interface_name: str) -> list[FieldList]:
-    """Return the layouts of the encoder that contain the position, or all of its layouts if none is known to do so."""
+def _layouts_with_position(spec: WrittenSpec, interface_name: str) -> list[FieldList]:
+    """Return the layouts that the encoder sends over an interface and that contain the position.
+
+    If no layout has a field with the name of the position, all layouts that the encoder sends are returned.
+    """
     sent_layouts = [
         frame for frame in layouts_of_interfaces(spec) if frame.interface == interface_name and frame.is_from_encoder
     ]
-    with_position = [frame for frame in sent_layouts if _find_position(frame, spec, as_read) != _UNKNOWN_POSITION]
+    with_position = [frame for frame in sent_layouts if _find_position(frame, spec) != _UNKNOWN_POSITION]
     return with_position or sent_layouts
 
 
-def _find_position(fields: FieldList, spec: WrittenSpec, as_read: WrittenSpec) -> str:
+def _find_position(field_list: FieldList, spec: WrittenSpec) -> str:
     """Return the name of the joined number or field for the position in a layout, or ``POSITION`` if there is none."""
-    known_names = position_names(spec, fields.interface)
-    for name in (*fields.joins, *field_names(fields, by_name(as_read.field_groups))):
+    known_names = position_names(spec, field_list.interface)
+    for name in (*field_list.joins, *field_names(field_list, by_name(spec.with_invalid_parts.field_groups))):
         if name in known_names:
             return name
     return _UNKNOWN_POSITION
 
 
-def _numbers_set(spec: WrittenSpec, interface_name: str, parameter: str) -> set[int]:
-    """Return the numbers to which the order codes of an interface set a parameter.
+def _numbers_set_by_codes(spec: WrittenSpec, interface_name: str, parameter: str) -> set[int]:
+    """Return the numbers to which the order codes for an interface set a parameter.
 
-    A value that selects no interface applies to all of them.
+    A value of an order code that selects no interface applies to every interface.
     """
-    set_numbers: set[int] = set()
+    numbers: set[int] = set()
     for part in spec.order_code.parts:
         for value in part.values.values():
             applies = not value.interface or value.interface == interface_name
             if applies and parameter in value.sets:
-                set_numbers.add(value.sets[parameter])
-    return set_numbers
+                numbers.add(value.sets[parameter])
+    return numbers

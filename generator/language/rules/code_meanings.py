@@ -1,16 +1,18 @@
-"""Rules for order code values whose meaning repeats their settings in words, and for labels that are numbers."""
+"""Rules for the values of order codes: the names in them, their settings in words, and labels that are numbers."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from ...model.expressions import Expression, ExpressionError
+from ..document import Path
 from ..problems import DocumentReport, quoted
-from ..written_codes import WrittenCodeValue
+from ..written_codes import WrittenCodePart, WrittenCodeValue
 from ..written_parts import WrittenSpec
-from .parts import layouts_of_interfaces
+from .name_resolver import NameResolver
+from .parts import by_name, layouts_of_interfaces
 
 #: Names of interfaces in manuals, without RS-485, which is also the name of the signals.
 _INTERFACE_NAMES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
@@ -31,7 +33,41 @@ _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
 MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_differs'"
 
 
-def check_value_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_order_code_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the parameters, interfaces, parts and labels named by order code values exist."""
+    resolver = NameResolver(spec, report)
+    parts = by_name(spec.with_invalid_parts.order_code.parts)
+    for part in spec.order_code.parts:
+        # A part cannot be combined with itself.
+        other_parts = [name for name in parts if name != part.name]
+        _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)
+        for value in part.values.values():
+            for name in value.sets:
+                resolver.refer((*value.path, "sets", name), "parameter", name)
+            resolver.refer_if_given(value.place_of("interface"), "interface", value.interface)
+            _check_combinations(resolver, value.place_of("only_with"), value.only_with, parts, other_parts)
+
+
+def _check_combinations(
+    resolver: NameResolver,
+    path: Path,
+    labels_by_part: Mapping[str, Sequence[str]],
+    parts_by_name: Mapping[str, WrittenCodePart],
+    other_parts: Sequence[str],
+) -> None:
+    """Check that the other parts with which a value of the order code can be combined exist, and have these labels.
+
+    ``labels_by_part`` is the map at ``path``, such as ``{"output": ["S", "B"]}`` under ``only_with``.
+    """
+    for part_name, labels in labels_by_part.items():
+        labels_path = (*path, part_name)
+        resolver.refer(labels_path, "other part", part_name, known_names=other_parts)
+        if part_name in parts_by_name:
+            known_labels = parts_by_name[part_name].names_in("values")
+            resolver.refer_to_each(labels_path, part_name, labels, known_labels)
+
+
+def check_value_words(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the meaning of an order code value agrees with its settings: Gray or binary code, length and supply.
 
     A value with ``meaning_differs`` explains a difference.
@@ -41,7 +77,7 @@ def check_value_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             if not value.meaning_differs:
                 says = f"the meaning of {quoted(label)} says"
                 _check_code(value, says, spec, report)
-                _check_lengths(value, says, as_read, report)
+                _check_lengths(value, says, spec, report)
                 _check_supply(value, says, report)
 
 
@@ -57,14 +93,14 @@ def _check_code(code_value: WrittenCodeValue, says: str, spec: WrittenSpec, repo
             report.add("meaning-mismatch", (*code_value.path, "sets", name), message)
 
 
-def _check_lengths(code_value: WrittenCodeValue, says: str, as_read: WrittenSpec, report: DocumentReport) -> None:
+def _check_lengths(code_value: WrittenCodeValue, says: str, spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each length that a value sets is in its meaning, if this names any."""
     lengths = _lengths_named(code_value.meaning)
     if not lengths:
         return
+    parameters = spec.with_invalid_parts.parameters
     for name, number in code_value.sets.items():
-        # ``as_read`` also contains the parameters that ``spec`` lacks as invalid.
-        unit = as_read.parameters[name].unit if name in as_read.parameters else ""
+        unit = parameters[name].unit if name in parameters else ""
         if unit in _NANOMETRES_PER_UNIT and number * _NANOMETRES_PER_UNIT[unit] not in lengths:
             first_length, *_ = lengths.values()
             message = f"{says} {first_length}, but {quoted(name)} is {number} {unit}{MEANING_DIFFERS}"
@@ -145,7 +181,7 @@ def _to_millivolts(volts: str, per_cent: Fraction | int) -> int:
     return int(Fraction(volts) * per_cent * 10)  # 1000 mV per V, and 1 / 100 for the percentage.
 
 
-def check_named_interface(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_named_interface(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an order code value selects the interface that its meaning names, if it names only one.
 
     RS-485 also names the signals, so it is not compared, but next to SSI or BiSS it makes the meaning unclear.
@@ -164,7 +200,7 @@ def check_named_interface(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                 report.add("interface-mismatch", value.place_of("interface"), problem)
 
 
-def check_labels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_labels(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a label that is a number has the number of the expression in ``label_is`` of its part.
 
     Only labels whose value sets all parameters of the expression are checked.

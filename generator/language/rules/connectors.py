@@ -27,8 +27,8 @@ _SHAREABLE_SIGNAL = re.compile(
 )
 _IN_PARENTHESES = re.compile(r"\(([^()]*)\)")
 _OPPOSITE_SIGN = {"+": "-", "-": "+"}
-#: Index in the list and number of each numbered contact.
-Numbered = Sequence[tuple[int, int]]
+#: Index in the list of contacts, and number of each contact that has a number.
+NumberedContacts = Sequence[tuple[int, int]]
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class _Connector:
         return not {*self.part.interfaces}.isdisjoint(other_connector.part.interfaces)
 
 
-def check_repeated_signals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_repeated_signals(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two contacts of a connector have the same signal for the same order codes.
 
     Supplies, grounds and shields may be on several contacts.
@@ -97,22 +97,21 @@ def check_repeated_signals(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
         for contact in connector.contacts:
             if contact.is_shared:
                 continue
-            same_signal = next((earlier for earlier in earlier_contacts if _has_signal_of(contact, earlier)), None)
+            contacts_with_signal = [earlier for earlier in earlier_contacts if _share_signal(contact, earlier)]
             earlier_contacts.append(contact)
-            if same_signal is not None:
+            if contacts_with_signal:
                 message = (
-                    f"contact {quoted(same_signal.name)} has this signal too; correct one of the two, or give each its"
-                    " order codes with 'only'"
+                    f"contact {quoted(contacts_with_signal[0].name)} has this signal too; correct one of the two, or"
+                    " give each its order codes with 'only'"
                 )
                 report.add("signal-twice", (*contact.path, "signal"), message)
 
 
-def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
-    """Return True if two contacts have a signal in common, unless each is only for other order codes.
+def _share_signal(contact: _Contact, earlier: _Contact) -> bool:
+    """Return True if two contacts have a signal in common, as a whole or by one of its names outside parentheses.
 
-    A signal is compared as a whole and by its names outside parentheses.
+    The result is False if each contact is restricted to different order codes (``only``).
     """
-    # ``only`` names the order codes to which a contact is restricted. It is empty for all of them.
     if contact.only and earlier.only and contact.only != earlier.only:
         return False
     contact_names = set(map(_normalise_signal, (*contact.main_names, contact.signal)))
@@ -120,12 +119,12 @@ def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
     return not contact_names.isdisjoint(earlier_names)
 
 
-def check_incomplete_pair(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_incomplete_pair(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that both lines of a differential pair are on a connector: ``MA +`` and ``MA -``, ``A`` and ``/A``.
 
-    A note that names the missing line explains it. A second reading has no notes.
+    A note of the connector that names the missing line explains it.
     """
-    if is_second(report.document.file):
+    if is_second(report.document.file):  # It has no notes.
         return
     for connector in _collect_connectors(spec):
         names = {name.casefold() for contact in connector.contacts for name in contact.names}
@@ -141,12 +140,12 @@ def check_incomplete_pair(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                     report.add("incomplete-pair", (*contact.path, "signal"), message)
 
 
-def check_connector_and_cable(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a connector and a cable for the same interface have the same signals, or a note on missing signals.
+def check_connector_and_cable(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a connector and a cable for the same interface have the same signals.
 
-    A second reading has no notes.
+    A note that names the missing signals explains a difference.
     """
-    if is_second(report.document.file):
+    if is_second(report.document.file):  # It has no notes.
         return
     connectors_and_cables = _collect_connectors(spec)
     connectors = [candidate for candidate in connectors_and_cables if candidate.part.kind == "connector"]
@@ -159,9 +158,9 @@ def check_connector_and_cable(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 
 def _report_missing_signals(incomplete: _Connector, complete: _Connector, report: DocumentReport) -> None:
-    """Report the signals of a connector or cable that another, ``incomplete``, neither has nor names in its note.
+    """Report the signals of ``complete``, a connector or cable, that ``incomplete`` neither has nor names in its note.
 
-    A part has a signal if it has one of the signal's names, such as ``MA +`` of ``CLOCK IN + / MA +``.
+    A signal with several names, such as ``CLOCK IN + / MA +``, is present if one of its names is.
     """
     names: set[str] = set()
     for contact in incomplete.contacts:
@@ -191,17 +190,17 @@ def _collect_connectors(spec: WrittenSpec) -> list[_Connector]:
 
 
 def _normalised_names(contact: _Contact) -> set[str]:
-    """Return the names of a contact, and its signal, as they are compared."""
+    """Return the signal of a contact, and each of its names, in the form in which signals are compared."""
     return set(map(_normalise_signal, (contact.signal, *contact.names)))
 
 
 def _normalise_signal(signal: str) -> str:
-    """Return a signal as it is compared: in lower case, without spaces before signs, and with plain minus signs."""
+    """Return a signal in the form for comparison: lower case, with plain minus signs and no spaces before signs."""
     return _close_signs(signal).casefold()
 
 
 def _close_signs(signal: str) -> str:
-    """Return a signal with plain minus signs, and without spaces before signs."""
+    """Return a signal with plain minus signs, and without spaces before signs: ``MA-`` for ``MA −``."""
     return re.sub(r"\s+(?=[+-])", "", " ".join(signal.replace("−", "-").split()))
 
 
@@ -213,10 +212,10 @@ def _yield_names(signal_text: str) -> Iterator[str]:
 
 
 def partner_of(signal_name: str, has_inverted: bool) -> str:
-    """Return the name of the other line of a differential pair, or an empty string.
+    """Return the name of the other line of a differential pair: ``MA-`` for ``MA+``, and ``A`` for ``/A``.
 
-    It is ``MA-`` for ``MA+``, and ``A`` for ``/A``. A single letter is the plain line of a pair if the connector has
-    an inverted line.
+    If a connector has an inverted line (``has_inverted``), such as ``/A``, any single letter is the plain line of a
+    pair. The result is empty for a line that does not belong to a pair.
     """
     sign = signal_name[-1:]
     if len(signal_name) > 1 and sign in _OPPOSITE_SIGN:
@@ -228,9 +227,9 @@ def partner_of(signal_name: str, has_inverted: bool) -> str:
 
 
 def signal_names(signal: str) -> list[str]:
-    """Return the names of a signal in lower case: ``a``, ``req+`` and ``sd+`` of ``A (REQ+ / SD+)``.
+    """Return the names of a signal in lower case: ``a``, ``req+`` and ``sd+`` for ``A (REQ+ / SD+)``.
 
-    A contact that is free has none.
+    The list is empty for a contact that is not connected.
     """
     if _UNCONNECTED_SIGNAL.fullmatch(signal.strip()):
         return []
@@ -238,10 +237,11 @@ def signal_names(signal: str) -> list[str]:
     return [name.casefold() for name in _Contact((), "", signal, "").names]
 
 
-def check_contact_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that contacts are numbered consecutively from 1, unless a note explains why not.
+def check_contact_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that contacts are numbered consecutively from 1, unless a note explains a gap.
 
-    A cable whose wires all have numbers is likely a connector, unless its note says that they are numbered.
+    A cable whose wires all have numbers is also reported, because it is probably a connector, unless its note says that
+    the wires are numbered.
     """
     if is_second(report.document.file) or report.document.family:  # The note belongs to the newest edition.
         return
@@ -261,22 +261,25 @@ def check_contact_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         _check_order(connector, numbered_contacts, report)
 
 
-def _check_order(connector: LocatedPart[Connector], numbered: Numbered, report: DocumentReport) -> None:
-    """Report the first contact whose number does not follow the number of the contact before it, or has a leading zero.
+def _check_order(
+    connector: LocatedPart[Connector], numbered_contacts: NumberedContacts, report: DocumentReport
+) -> None:
+    """Report the first contact that has a leading zero, or a number that does not follow the number before it.
 
-    The number may repeat. A note that contains the expected number explains a gap.
+    A number may repeat, because a contact can have several signals, for different order codes. A note that contains the
+    expected number explains a gap.
     """
     # The first contact is compared with an imaginary one that has the number 0.
-    for (_, earlier_number), (index, number) in pairwise([(-1, 0), *numbered]):
+    for (_, earlier_number), (index, number) in pairwise([(-1, 0), *numbered_contacts]):
+        contact_text = connector.part.contacts[index].contact
         expected_number = earlier_number + 1
         is_explained = re.search(rf"\b{expected_number}\b", connector.part.note) is not None
-        # One contact can have several signals, for different order codes.
         is_repeated = number == earlier_number > 0
-        is_next = number == expected_number or is_repeated
-        has_leading_zero = connector.part.contacts[index].contact != str(number)
-        if has_leading_zero or not (is_next or is_explained):
+        is_in_order = number == expected_number or is_repeated
+        has_leading_zero = contact_text != str(number)
+        if has_leading_zero or not (is_in_order or is_explained):
             message = (
-                f"contact {quoted(connector.part.contacts[index].contact)} is where {quoted(str(expected_number))}"
+                f"contact {quoted(contact_text)} is where {quoted(str(expected_number))}"
                 " should be; list all contacts in order, including unconnected contacts, or say in a 'note' of"
                 f" {quoted(connector.part.name)} that there is no contact {expected_number}"
             )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...model import Connector
@@ -16,7 +16,7 @@ from .connectors import partner_of, signal_names
 from .parts import has_erratum_at
 
 _COLOURS = "white|black|brown|green|yellow|grey|gray|pink|blue|red|violet|orange|purple"
-#: A wire with one colour or two: ``White``, ``Brown_Green``.
+#: A wire with one color or two: ``White``, ``Brown_Green``.
 _WIRE_COLOURS = re.compile(rf"(?:{_COLOURS})(?:[-_/ ](?:{_COLOURS}))?", re.IGNORECASE)
 _SHIELD_WORDS = re.compile(r"shield|screen|braid|drain", re.IGNORECASE)
 #: Lines that only one interface has, by the names that its standard gives them.
@@ -56,13 +56,13 @@ class _Pair(NamedTuple):
         return self.inverted if self.is_plain_first else self.plain
 
 
-def check_kinds_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that only wires of a cable have colours, and that a contact named after a shield carries no signal."""
+def check_kinds_of_contacts(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that only wires of a cable have colors as names, and that a contact named as a shield carries no signal."""
     for connector in spec.connectors:
         for index, contact in enumerate(connector.part.contacts):
             path = (*connector.path, "contacts", index)
             if connector.part.kind == "connector" and _WIRE_COLOURS.fullmatch(contact.contact):
-                message = f"{quoted(contact.contact)} is the colour of a wire, but the kind is 'connector'"
+                message = f"{quoted(contact.contact)} is the color of a wire, but the kind is 'connector'"
                 report.add("contact-kind", (*connector.path, "kind"), f"{message}; write 'kind: cable'")
                 break
             if _SHIELD_WORDS.fullmatch(contact.contact) and not _SHIELD_WORDS.search(contact.signal):
@@ -70,10 +70,10 @@ def check_kinds_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
                 report.add("contact-kind", (*path, "signal"), message)
 
 
-def check_numbered_cables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that not all wires of a cable have numbers, unless a note says so. Its shield or case is not a wire.
+def check_numbered_cables(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a cable with a shield or case has wires without numbers as names, unless its note mentions numbers.
 
-    A cable without a shield or case is left to another rule.
+    Numbers are the names of the contacts of a connector. Another rule checks cables without a shield or case.
     """
     if is_second(report.document.file):  # It has no notes.
         return
@@ -90,8 +90,8 @@ def _is_case(contact_name: str) -> bool:
     return contact_name.casefold() in ("case", "housing", "shell") or _SHIELD_WORDS.fullmatch(contact_name) is not None
 
 
-def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a connector with a line that only one interface has, such as ``MA +``, is for this interface."""
+def check_interfaces_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a connector with a line of only one interface, such as ``MA +`` of BiSS, lists this interface."""
     for connector in spec.connectors:
         names = {name for contact in connector.part.contacts for name in signal_names(contact.signal)}
         for interface, lines in _LINES_OF_INTERFACES.items():
@@ -105,11 +105,11 @@ def check_interfaces_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: D
                 report.add("contact-interface", (*connector.path, "interfaces"), message)
 
 
-def check_wires_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a contact and a wire with the same line have the same line over every interface.
+def check_wires_of_contacts(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the contacts of a connector and the wires of its cable are assigned consistently for all interfaces.
 
-    A signal that occurs once in a connector and once in a cable belongs to a contact and a wire of one line. If another
-    connector and cable of the spec have the same titles, these two must also have the same signal there.
+    A contact and a wire with the same signal are one line. A connector and a cable with the same titles can be listed
+    once for each interface. There, the same contact and wire must have a common signal, too.
     """
     # A connector and a cable with the same titles occur once for each interface.
     for connections in _connections_by_titles(spec).values():
@@ -121,7 +121,7 @@ def check_wires_of_contacts(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 
 def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Connection]]:
-    """Return each connector with each cable for the same interfaces, by the titles of the two."""
+    """Return the pairs of a connector and a cable with an interface in common, by the titles of the two."""
     connections: dict[tuple[str, str], list[_Connection]] = {}
     connectors_and_cables = spec.connectors[:_MOST_CONNECTORS]
     connectors = [located for located in connectors_and_cables if located.part.kind == "connector"]
@@ -136,7 +136,10 @@ def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Con
 
 
 def _wires_by_contact(connector: Connector, cable: Connector) -> dict[str, str]:
-    """Return the wire of each contact, by the signals that occur once in both: ``{"2": "Pink"}``."""
+    """Return the wire for each contact with the same signal: ``{"2": "Pink"}``.
+
+    Only signals that occur exactly once in the connector and once in the cable are used.
+    """
     counts_of_contacts = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
     counts_of_wires = Counter(_plain_signal(wire.signal) for wire in cable.contacts)
     wire_by_signal = {_plain_signal(wire.signal): wire.contact for wire in cable.contacts}
@@ -155,7 +158,10 @@ def _plain_signal(signal: str) -> str:
 def _compare_signals(
     wires: Mapping[str, str], connector: LocatedPart[Connector], cable: LocatedPart[Connector], report: DocumentReport
 ) -> None:
-    """Report each contact whose wire has another signal, unless an erratum affects the contact or the wire."""
+    """Report each contact that has another signal than its wire, unless an erratum affects the contact or the wire.
+
+    ``wires`` contains the wire for each contact, as it follows from the connector and cable for another interface.
+    """
     signals_of_wires = {wire.contact: wire.signal for wire in cable.part.contacts}
     for index, contact in enumerate(connector.part.contacts):
         wire = wires.get(contact.contact, "")
@@ -175,32 +181,32 @@ def _compare_signals(
             report.add("contact-wire", (*connector.path, "contacts", index, "signal"), message)
 
 
-def check_order_of_pairs(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the two lines of each pair are next to each other, and in the same order as in the first pair.
+def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the two lines of each differential pair are on adjacent contacts, in the same order for all pairs.
 
-    If all of three or more pairs are apart, or the only pair is, they are compared by their order alone. A note such as
-    "MA - is on a lower contact than MA +" explains another order. The note must be true.
+    The first pair decides the order. If all of three or more pairs are apart, or the only pair is, adjacency is not
+    required. A note such as "MA - is on a lower contact than MA +" explains an unusual pair. The note must be true.
     """
     if is_second(report.document.file):  # It has no notes.
         return
     for connector in spec.connectors:
-        contacts_by_name = _index_contacts(connector.part)
-        statements = list(_stated_pairs(connector, contacts_by_name, report))
-        pairs = list(_yield_pairs(connector.part, contacts_by_name))
+        index_by_line = _index_lines(connector.part)
+        explained_pairs = _check_statements_of_note(connector, index_by_line, report)
+        pairs = list(_yield_pairs(index_by_line))
         for pair in pairs:
-            problem = _wrong_order(pair, pairs)
+            problem = _describe_unusual_order(pair, pairs)
             indices = {pair.plain_index, pair.inverted_index}
-            if problem and indices not in statements:
+            if problem and indices not in explained_pairs:
                 statement = f"{pair.first} is on a lower contact than {pair.second}"
                 message = f"{problem}; correct it, or say in a 'note' that {statement}"
                 path = (*connector.path, "contacts", min(indices), "signal")
                 report.add("pair-order", path, message)
 
 
-def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
-    """Return why the order of a pair is unusual, or an empty string.
+def _describe_unusual_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
+    """Return the problem of a pair whose lines are not adjacent, or not in the order of the first pair.
 
-    Its lines are not adjacent although another pair's lines are, or are not in the order of the first pair.
+    ``pairs`` are all pairs of the connector. The result is empty if there is no problem.
     """
     first_pair = pairs[0]
     # If both pairs are apart, that is unusual as well.
@@ -213,48 +219,58 @@ def _wrong_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
     return ""
 
 
-def _index_contacts(connector: Connector) -> dict[str, int]:
-    """Return the index of the contact of each line. Lines with several contacts are left out."""
-    names = [(name, index) for index, contact in enumerate(connector.contacts) for name in signal_names(contact.signal)]
-    counts = Counter(name for name, _ in names)
-    return {name: index for name, index in names if counts[name] == 1}
+def _index_lines(connector: Connector) -> dict[str, int]:
+    """Return the index of the contact of each line. Lines on several contacts are left out."""
+    lines: list[tuple[str, int]] = []
+    for index, contact in enumerate(connector.contacts):
+        lines += [(line, index) for line in signal_names(contact.signal)]
+    counts = Counter(line for line, _ in lines)
+    return {line: index for line, index in lines if counts[line] == 1}
 
 
-def _yield_pairs(connector: Connector, indexes: Mapping[str, int]) -> Iterator[_Pair]:
-    """Yield the pairs of a connector, in the order of its contacts. Several names of the same lines are one pair."""
-    has_inverted = any(name.startswith("/") for name in indexes)
+def _yield_pairs(index_by_line: Mapping[str, int]) -> Iterator[_Pair]:
+    """Yield the differential pairs among lines, in the order of their contacts.
+
+    Two contacts are yielded once, even if their lines have several names.
+    """
+    has_inverted = any(line.startswith("/") for line in index_by_line)
     contact_pairs: set[tuple[int, int]] = set()
-    for name in indexes:
-        partner = partner_of(name, has_inverted)
-        if partner not in indexes:
+    for line in index_by_line:
+        partner = partner_of(line, has_inverted)
+        if partner not in index_by_line:
             continue
-        is_inverted = name.endswith("-") or name.startswith("/")
-        plain, inverted = (partner, name) if is_inverted else (name, partner)
-        contact_pair = (indexes[plain], indexes[inverted])
+        is_inverted = line.endswith("-") or line.startswith("/")
+        plain, inverted = (partner, line) if is_inverted else (line, partner)
+        contact_pair = (index_by_line[plain], index_by_line[inverted])
         if contact_pair not in contact_pairs:
             contact_pairs.add(contact_pair)
-            yield _Pair(plain, inverted, *contact_pair)
+            plain_index, inverted_index = contact_pair
+            yield _Pair(plain=plain, inverted=inverted, plain_index=plain_index, inverted_index=inverted_index)
 
 
-def _stated_pairs(
-    connector: LocatedPart[Connector], indexes: Mapping[str, int], report: DocumentReport
-) -> Iterator[set[int]]:
-    """Yield the contacts of each statement of the note about their order, and report a statement that is not true.
+def _check_statements_of_note(
+    connector: LocatedPart[Connector], index_by_line: Mapping[str, int], report: DocumentReport
+) -> list[set[int]]:
+    """Return the pairs of contacts whose order the note of a connector states, and report each false statement.
 
-    For "MA - is on a lower contact than MA +", these are the indices of the two contacts, such as ``{2, 3}``.
+    For "MA - is on a lower contact than MA +", the pair consists of the indices of both contacts, such as ``{2, 3}``.
     """
+    stated_pairs: list[set[int]] = []
     for match in _PAIR_ORDER_NOTE.finditer(connector.part.note):
-        names = [_last_line(match[key], indexes) for key in ("first", "second")]
-        if not all(names):
+        lower_text, higher_text = match.groups()
+        lower_line = _find_line(lower_text, index_by_line)
+        higher_line = _find_line(higher_text, index_by_line)
+        if not lower_line or not higher_line:
             continue
-        first, second = names
-        if indexes[first] > indexes[second]:
-            message = f"the note says that {first} is on a lower contact than {second}, but it is on a higher one"
-            report.add("pair-order", (*connector.path, "note"), f"{message}; correct one of the two")
-        yield {indexes[first], indexes[second]}
+        if index_by_line[lower_line] > index_by_line[higher_line]:
+            problem = f"the note says that {lower_line} is on a lower contact than {higher_line}"
+            message = f"{problem}, but it is on a higher one; correct one of the two"
+            report.add("pair-order", (*connector.path, "note"), message)
+        stated_pairs.append({index_by_line[lower_line], index_by_line[higher_line]})
+    return stated_pairs
 
 
-def _last_line(text: str, indexes: Mapping[str, int]) -> str:
-    """Return the line that a text names, perhaps after "but" or "and", or an empty string."""
+def _find_line(text: str, lines: Iterable[str]) -> str:
+    """Return the line that a text names, perhaps after "but" or "and". Empty if it names none of the lines."""
     plain_text = re.sub(r"\s+(?=[+-])", "", text.strip()).casefold()
-    return next((name for name in indexes if plain_text in (name, f"but {name}", f"and {name}")), "")
+    return next((line for line in lines if plain_text in (line, f"but {line}", f"and {line}")), "")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator
 
 from ...model import Alarm, Biss
 from ..problems import DocumentReport, quoted
@@ -19,13 +19,13 @@ _LEVEL_IN_TEXT = re.compile(r"\b(?:[01]|low|high)\b", re.IGNORECASE)
 #: Number of flags with the same level from which another one in the same register is suspicious.
 _LEAST_FLAGS_OF_A_LEVEL = 4
 #: Number of flags of a group from which one that no other flag combines is suspicious.
-_FLAGS_OF_GROUP = 4
+_LEAST_FLAGS_OF_GROUP = 4
 
 
-def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no single flag has another active level than at least four others of its list, unless a text says so.
+def check_lone_levels(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no flag is the only one of its layout or register that is active low (or high) among four or more.
 
-    Flags that combine others are not counted.
+    A text of the flag that states its level explains it. Flags that only combine others (``sums_up``) do not count.
     """
     if is_second(report.document.file):  # It has no texts.
         return
@@ -35,13 +35,10 @@ def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         if len(levels) != 2:
             continue  # All flags have the same level, or there are none.
         (usual_level, usual_count), (_, rarer_count) = levels.most_common()
+        if rarer_count > 1 or usual_count < _LEAST_FLAGS_OF_A_LEVEL:
+            continue
         for flag in flags:
-            if (
-                rarer_count == 1
-                and usual_count >= _LEAST_FLAGS_OF_A_LEVEL
-                and flag.active != usual_level
-                and not _gives_level(flag)
-            ):
+            if flag.active != usual_level and not _states_level(flag):
                 message = (
                     f"{quoted(flag.name)} is active {flag.active}, but the other {usual_count} flags of"
                     f" {quoted(field_list.name)} are active {usual_level}; correct it, or say in its 'meaning' that it"
@@ -50,25 +47,29 @@ def check_lone_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                 report.add("level-differs", flag.place_of("active"), message)
 
 
-def _gives_level(flag: WrittenField) -> bool:
-    """Return True if a text states the level of a flag, or its name negates the meaning of the bit."""
+def _states_level(flag: WrittenField) -> bool:
+    """Return True if a text of a flag contains its level, such as "low" or "0", or its name begins with ``not_``."""
     if flag.name.startswith("not_"):
         return True
     texts = (flag.meaning, flag.note, flag.when_active, flag.when_inactive)
     return any(_LEVEL_IN_TEXT.search(text) for text in texts)
 
 
-def check_repeated_flags(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that flags with the same name in groups or in layouts of an interface have the same level and verdict.
+def check_repeated_flags(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that flags with the same name have the same active level and the same verdict on the position.
 
-    Flags of groups are compared with flags of other groups. Verdicts are compared if both flags have a verdict.
+    Flags in layouts are compared within an interface, and flags in groups with other groups. Verdicts are compared only
+    if both flags have one.
     """
     first_flags: dict[tuple[str, str], WrittenField] = {}
     for field_list in field_lists(spec):
         if field_list.interface == Biss.name:
             continue  # Another rule checks the flags of BiSS.
-        flags = [field for field in _sent_fields(field_list) if field.active]
+        if field_list.kind not in (FieldOwner.GROUP, FieldOwner.LAYOUT):
+            continue
+        flags = [field for field in field_list.fields if field.active]
         for flag in flags:
+            # Groups have an empty interface name.
             first_flag = first_flags.setdefault((field_list.interface, flag.name), flag)
             for key, value, first_value in _yield_differences(flag, first_flag):
                 line, _ = report.document.position(first_flag.path)
@@ -79,11 +80,6 @@ def check_repeated_flags(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
                 report.add("flag-differs", flag.place_of(key), message)
 
 
-def _sent_fields(fields: FieldList) -> Sequence[WrittenField]:
-    """Return the fields of a group or a layout, and none for a register or control data."""
-    return fields.fields if fields.kind in (FieldOwner.GROUP, FieldOwner.LAYOUT) else ()
-
-
 def _yield_differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple[str, str, str]]:
     """Yield each key in which two flags differ, with both values: ``("active", "low", "high")``."""
     if flag.active != first_flag.active:
@@ -92,8 +88,8 @@ def _yield_differences(flag: WrittenField, first_flag: WrittenField) -> Iterator
         yield "makes_position", flag.makes_position, first_flag.makes_position
 
 
-def check_cleared_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an alarm that does not latch, and so clears itself, names no procedures that clear it."""
+def check_cleared_alarms(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that an alarm with ``latch: false``, which clears itself, lists no procedures that clear it."""
     for alarm in spec.alarms:
         if alarm.part.latch is False and alarm.part.cleared_by:
             message = (
@@ -103,10 +99,10 @@ def check_cleared_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
             report.add("alarm-latch", (*alarm.path, "latch"), message)
 
 
-def check_implemented_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an alarm is implemented if its flag is, and only then."""
+def check_implemented_alarms(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that an alarm and its flag are either both implemented by the encoder or both not implemented."""
     for alarm in spec.alarms:
-        flag = _flag_of(spec, alarm)
+        flag = _find_flag(spec, alarm)
         if flag is not None and flag.implemented != alarm.part.implemented:
             flag_text = "is implemented" if flag.implemented else "is not implemented"
             message = (
@@ -116,8 +112,8 @@ def check_implemented_alarms(spec: WrittenSpec, as_read: WrittenSpec, report: Do
             report.add("alarm-implemented", (*alarm.path, key), message)
 
 
-def _flag_of(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField | None:
-    """Return the flag of an alarm in its group or register, or None if there is none."""
+def _find_flag(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField | None:
+    """Return the flag that an alarm names in its group or register, or None if the alarm names no existing flag."""
     owner = owner_of_alarm(spec, alarm)
     for field in owner.fields if owner is not None else ():
         if alarm.part.field and field.name == alarm.part.field:
@@ -125,13 +121,13 @@ def _flag_of(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField | Non
     return None
 
 
-def check_cleared_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_cleared_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register that clears itself returns to 0, unless its note gives another number."""
     if is_second(report.document.file):  # It has no notes.
         return
     for register in spec.registers:
         default = register.default
-        if register.clears_itself and default and not _gives_number(register.note, default):
+        if register.clears_itself and default and not _contains_number(register.note, default):
             message = (
                 f"{quoted(register.name)} clears itself, but its default is {default:#04x}; correct one of the two, or"
                 f" say in a 'note' that it returns to {default:02X}h"
@@ -139,70 +135,77 @@ def check_cleared_registers(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             report.add("default-mismatch", register.place_of("default"), message)
 
 
-def _gives_number(meaning: str, number: int) -> bool:
-    """Return True if a text has a number, in decimal or in hexadecimal."""
-    return re.search(rf"\b(?:{number}|{number:02X}h|0x{number:02x})\b", meaning, re.IGNORECASE) is not None
+def _contains_number(text: str, number: int) -> bool:
+    """Return True if a text contains a number, in decimal or in hexadecimal."""
+    return re.search(rf"\b(?:{number}|{number:02X}h|0x{number:02x})\b", text, re.IGNORECASE) is not None
 
 
-def check_summands(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that at most one flag of a list combines each flag, and that no single flag of a group is omitted there."""
+def check_combined_flags(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that each flag is combined by at most one other flag, and that flags of a group are combined together.
+
+    A flag combines the flags in its ``sums_up``: it is active while one of them is.
+    """
     groups = by_name(spec.field_groups)
     for field_list in field_lists(spec):
-        combining_flags: dict[str, str] = {}  # For each combined flag, the first one that combines it.
+        combining_flags: dict[str, str] = {}  # For each combined flag, the first flag that combines it.
         for flag in field_list.fields:
-            for index, name in enumerate(flag.sums_up):
-                if name in combining_flags and flag.name != combining_flags[name]:
+            for index, combined_name in enumerate(flag.sums_up):
+                combining_name = combining_flags.setdefault(combined_name, flag.name)
+                if flag.name != combining_name:
                     message = (
-                        f"{quoted(combining_flags[name])} also combines {quoted(name)}; remove it from one of the two"
+                        f"{quoted(combining_name)} also combines {quoted(combined_name)}; remove it from one of the two"
                     )
                     report.add("summed-twice", (*flag.place_of("sums_up"), index), message)
-                combining_flags.setdefault(name, flag.name)
         for group in groups.values():
-            _report_unsummed(group, combining_flags, field_list, report)
+            _report_flag_not_combined(group, combining_flags.keys(), field_list, report)
 
 
-def _report_unsummed(
-    group: WrittenFieldGroup, summed_by: Mapping[str, str], fields: FieldList, report: DocumentReport
+def _report_flag_not_combined(
+    group: WrittenFieldGroup, combined_names: Collection[str], field_list: FieldList, report: DocumentReport
 ) -> None:
-    """Report the only flag of a group that no flag of a list combines, if the group has at least four flags.
+    """Report a flag of a group if it is the only one that is not combined, and the group has at least four flags.
 
-    ``summed_by`` contains the name of the combining flag for each one. A meaning with the word "combine" explains the
-    omission.
+    ``combined_names`` are the flags that the flags in ``field_list`` combine. A meaning with the word "combine"
+    explains the omission.
     """
     flags = [field for field in group.fields if field.active]
-    unsummed_flags = [flag for flag in flags if flag.name not in summed_by]
-    if len(unsummed_flags) != 1 or len(flags) < _FLAGS_OF_GROUP:
+    flags_not_combined = [flag for flag in flags if flag.name not in combined_names]
+    if len(flags_not_combined) != 1 or len(flags) < _LEAST_FLAGS_OF_GROUP:
         return
-    (unsummed_flag,) = unsummed_flags
-    if not _mentions_word(unsummed_flag.meaning, "combine"):
+    (flag,) = flags_not_combined
+    if not _mentions_word(flag.meaning, "combine"):
         message = (
-            f"{quoted(unsummed_flag.name)} is not combined by any flag of {quoted(fields.name)}, unlike the rest of"
+            f"{quoted(flag.name)} is not combined by any flag of {quoted(field_list.name)}, unlike the rest of"
             f" {quoted(group.name)}; add it to 'sums_up' of a flag, or say in its 'meaning' that no flag combines it"
         )
-        report.add("not-summed", unsummed_flag.place_of("name"), message)
+        report.add("not-summed", flag.place_of("name"), message)
 
 
 def _mentions_word(text: str, word: str) -> bool:
     return word in text.casefold()
 
 
-#: Verdicts in order, with the most severe one last.
-_VERDICTS_BY_SEVERITY = ("usable", "usable_with_warning", "not_usable")
+#: Verdicts on the position in ascending order of severity.
+_MILDEST_FIRST = ("usable", "usable_with_warning", "not_usable")
 
 
-def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the verdict of a flag that combines others is not milder than theirs, if all have a verdict."""
-    flags: dict[str, WrittenField] = {}
+def check_combined_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a flag that combines others has a verdict on the position that is at least as severe as theirs.
+
+    A flag is checked only if it and all flags in its ``sums_up`` have a verdict.
+    """
+    single_flags: dict[str, WrittenField] = {}
     for field_list in field_lists(spec):
-        flags |= {field.name: field for field in field_list.fields if field.active and not field.sums_up}
+        single_flags |= {field.name: field for field in field_list.fields if field.active and not field.sums_up}
     for field_list in field_lists(spec):
         for flag in field_list.fields:
-            verdicts = [flags[name].makes_position for name in flag.sums_up if name in flags]
-            all_have_verdict = all(verdict in _VERDICTS_BY_SEVERITY for verdict in (flag.makes_position, *verdicts))
+            verdicts = [single_flags[name].makes_position for name in flag.sums_up if name in single_flags]
+            all_have_verdict = all(verdict in _MILDEST_FIRST for verdict in (flag.makes_position, *verdicts))
             if not verdicts or not all_have_verdict:
                 continue
-            most_severe = max(verdicts, key=_VERDICTS_BY_SEVERITY.index)
-            if _VERDICTS_BY_SEVERITY.index(flag.makes_position) < _VERDICTS_BY_SEVERITY.index(most_severe):
+            most_severe = max(verdicts, key=_MILDEST_FIRST.index)
+            is_milder = _MILDEST_FIRST.index(flag.makes_position) < _MILDEST_FIRST.index(most_severe)
+            if is_milder:
                 message = (
                     f"{quoted(flag.name)} makes the position {flag.makes_position}, but the most severe of the flags"
                     f" that it combines makes it {most_severe}; correct one of them"
@@ -210,8 +213,8 @@ def check_summed_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                 report.add("summed-verdict", flag.place_of("makes_position"), message)
 
 
-def check_explained_flags(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a diagnostic bit explains only one flag of a register."""
+def check_explained_flags(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no diagnostic bit is listed in ``explained_by`` of two flags of a register, whose details it gives."""
     for register in spec.registers:
         flags_by_bit: dict[str, str] = {}  # For each diagnostic bit, the first flag that it explains.
         for flag in register.fields:
@@ -224,27 +227,28 @@ def check_explained_flags(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
                 flags_by_bit.setdefault(bit, flag.name)
 
 
-def check_read_only_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a writable register with only flags of alarms, or with the position, has something to write.
+def check_read_only_registers(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a register with only flags of alarms, or with the position, is writable only with a reason.
 
-    That is a named value, a step that writes it, a key that matters only for writing, or a text with "writ" in it.
+    The reason is a named value, a procedure that writes it, a key that matters only for writing, or a text with "writ".
     """
     if is_second(report.document.file):  # It has no notes.
         return
     written_names: set[str] = set()
     for procedure in spec.procedures:
         written_names.update(step.register for step in procedure.steps if step.do == "write")
-    flag_registers = {alarm.part.register for alarm in spec.alarms} | set(_explaining_registers(spec))
+    names_with_flags = {alarm.part.register for alarm in spec.alarms} | set(_explaining_registers(spec))
     for register in spec.registers:
         if register.access != "read_write":
             continue
         has_values = any(field.values for field in register.fields)
         is_used = has_values or register.name in written_names or register.has(*_KEYS_OF_WRITABLE)
         is_explained = _mentions_word(register.meaning, "writ") or _mentions_word(register.note, "writ")
-        has_flag_of_alarm = register.name in flag_registers or any(field.explained_by for field in register.fields)
+        has_flag_of_alarm = register.name in names_with_flags or any(field.explained_by for field in register.fields)
         has_only_flags = has_flag_of_alarm and all(map(_is_flag_or_fixed, register.fields))
         has_position = register.name in position_names(spec, interface_of(register))
-        if (has_only_flags or has_position) and not is_used and not is_explained:
+        is_doubtful = has_only_flags or has_position
+        if is_doubtful and not is_used and not is_explained:
             content_text = "flags of alarms" if has_only_flags else "the position"
             message = (
                 f"{quoted(register.name)} has {content_text}, and nothing says what to write there; write 'access:"
@@ -258,7 +262,10 @@ def _is_flag_or_fixed(field: WrittenField) -> bool:
 
 
 def _explaining_registers(spec: WrittenSpec) -> Iterator[str]:
-    """Yield the registers whose bits explain flags, written as ``register.bit``. They may repeat."""
+    """Yield the name of the register of each bit, written as ``register.bit``, that gives details of a flag.
+
+    Names may repeat.
+    """
     for register in spec.registers:
         for field in register.fields:
             for bit_path in field.explained_by:
@@ -275,8 +282,8 @@ _RETURNS_BY_ITSELF = re.compile(
 )
 
 
-def check_returning_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a register that returns to 0 in its note clears itself."""
+def check_returning_registers(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a register whose note says that it returns to 0 by itself has ``clears_itself: true``."""
     for register in spec.registers:
         if _RETURNS_BY_ITSELF.search(register.note) and not register.clears_itself:
             message = "the note says that the register returns to 0; write 'clears_itself: true', or correct the note"
@@ -284,8 +291,11 @@ def check_returning_registers(spec: WrittenSpec, as_read: WrittenSpec, report: D
             report.add("words-contradict", register.place_of(key), message)
 
 
-def check_equal_answers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the answers of an alternative with two answers do not set the same numbers."""
+def check_equal_answers(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the two answers to a question that the manual leaves open do not set the same numbers.
+
+    Such answers would have the same effect. Questions with more answers are not checked.
+    """
     for alternative in spec.alternatives:
         answers = list(alternative.values.items())
         if len(answers) != 2:

@@ -21,8 +21,8 @@ _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
 _OF_MEMORY = frozenset(("read", "write"))
 
 
-def check_layouts_without_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the encoder sends every layout of an interface without requests."""
+def check_layouts_without_requests(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that every layout over BiSS and SSI is sent by the encoder, because the master sends no frames there."""
     for frame in layouts_of_interfaces(spec):
         layout = frame.layout
         if layout is not None and frame.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
@@ -30,11 +30,10 @@ def check_layouts_without_requests(spec: WrittenSpec, as_read: WrittenSpec, repo
             report.add("sender", layout.place_of("from"), message)
 
 
-def check_parities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the parity bits of a word of bits cover its other fields, unless a note names those left out.
+def check_parities(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the parity bits of a frame cover all of its fields, except the fields that a note names.
 
-    A word that always has a CRC is checked as a whole. A CRC whose width depends on the order code may be missing, so
-    it does not count.
+    Frames over RS-485 and frames with a CRC for all order codes are skipped, because the CRC covers them.
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that name the fields.
         return
@@ -50,7 +49,10 @@ def check_parities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
 
 
 def _parities_sent_together(layout: WrittenLayout) -> Iterator[list[WrittenField]]:
-    """Yield the parity bits that every word has, and then each parity bit that only some order codes have."""
+    """Yield lists of parity bits: the list of all bits that every frame has, then each other bit in its own list.
+
+    The other bits exist only for some order codes.
+    """
     parity_fields = [field for field in layout.fields if field.parity_of]
     # A width that is a text is an expression over parameters, so some order codes may have no such bit.
     permanent_fields = [field for field in parity_fields if not isinstance(field.bits, str)]
@@ -64,18 +66,20 @@ def _parities_sent_together(layout: WrittenLayout) -> Iterator[list[WrittenField
 def _report_uncovered_fields(
     layout: WrittenLayout, parity_fields: Sequence[WrittenField], report: DocumentReport
 ) -> None:
-    """Report the fields of a word that none of its parity bits covers and no note names."""
-    explained_names: set[str] = set()
+    """Report the fields of a frame that none of its parity bits covers, unless a note of a parity bit names them."""
+    covered_or_noted_names: set[str] = set()
     for parity_field in parity_fields:
-        explained_names.update(_covered_fields(layout, parity_field.parity_of))
-        explained_names.update(re.findall(r"\w+", parity_field.note))
-    possible_fields = [field for field in layout.fields if _can_change_parity(field)]
-    left_out = [field.name for field in possible_fields if explained_names.isdisjoint(_names_of(field))]
-    if left_out:
+        covered_or_noted_names.update(_covered_fields(layout, parity_field.parity_of))
+        covered_or_noted_names.update(re.findall(r"\w+", parity_field.note))
+    uncovered_names: list[str] = []
+    for field in layout.fields:
+        if _can_change_parity(field) and covered_or_noted_names.isdisjoint(_names_of(field)):
+            uncovered_names.append(field.name)
+    if uncovered_names:
         parity_field = parity_fields[0]
-        pronoun = "it" if len(left_out) == 1 else "them"
+        pronoun = "it" if len(uncovered_names) == 1 else "them"
         message = (
-            f"{quoted(parity_field.name)} does not cover {join_words(map(quoted, left_out))}; "
+            f"{quoted(parity_field.name)} does not cover {join_words(map(quoted, uncovered_names))}; "
             f"add {pronoun} to 'parity_of', or name {pronoun} in a 'note' if the manual excludes {pronoun}"
         )
         report.add("parity-coverage", parity_field.place_of("parity_of"), message)
@@ -87,26 +91,29 @@ def _names_of(field: WrittenField) -> set[str]:
 
 
 def _can_change_parity(field: WrittenField) -> bool:
-    """Return True for a field that changes the number of ones. Zeros cannot, and the check bits are the result."""
+    """Return True for a field that a parity bit can cover: any named field except check bits and constant zeros."""
     is_check = bool(field.crc or field.parity_of)
     return bool(field.name) and not is_check and field.constant != 0
 
 
 def _covered_fields(layout: WrittenLayout, parity_of: Sequence[str]) -> Iterator[str]:
-    """Yield the fields that a parity bit covers. A joined number represents its fields."""
+    """Yield the names of the fields that a parity bit covers. A joined number stands for the fields in it."""
     for name in parity_of:
         yield from layout.join.get(name, [name])
 
 
-def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a bus has several slaves, and another topology has one slave, unless an erratum explains it."""
+def check_slaves(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a BiSS bus can have several slaves, and a point-to-point connection only one.
+
+    An erratum can explain a manual that says otherwise.
+    """
     biss = spec.interfaces.biss
     network = biss.network if biss is not None else None
     if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
         return
     is_bus = network.part.topology == "bus"
-    fits = is_bus == network.part.multiple_slaves
-    if not fits and not has_erratum_at(report.document, *map(str, network.path)):
+    is_consistent = is_bus == network.part.multiple_slaves
+    if not is_consistent and not has_erratum_at(report.document, *map(str, network.path)):
         slaves_text = "several slaves" if network.part.multiple_slaves else "one slave"
         message = (
             f"the topology is {quoted(network.part.topology)}, but the interface has {slaves_text}; correct one of"
@@ -115,25 +122,27 @@ def check_slaves(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
         report.add("network-mismatch", (*network.path, "multiple_slaves"), message)
 
 
-def check_layouts_by_data_id(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a data ID with a request has a reply, and the other way round.
+def check_layouts_by_data_id(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that each data ID of RS-485 has both a request and a reply, or neither.
 
-    This is checked if there are requests and replies, and all layouts give their data IDs in ``when``.
+    A layout lists in ``when`` the data IDs for which it is sent. Nothing is checked if some layout has no such list, or
+    if no request or no reply has a data ID.
     """
     rs485 = spec.interfaces.rs485
     if rs485 is None or not rs485.data_ids:
         return
     requests = [layout for layout in rs485.layouts if layout.from_ == "master"]
     replies = [layout for layout in rs485.layouts if layout.from_ == "encoder"]
-    requested_ids, replied_ids = set(_selected_ids(requests)), set(_selected_ids(replies))
-    all_give_data_ids = all(layout.has("when") for layout in rs485.layouts)
-    if requested_ids and replied_ids and all_give_data_ids:
+    requested_ids = set(_selected_ids(requests))
+    replied_ids = set(_selected_ids(replies))
+    all_list_data_ids = all(layout.has("when") for layout in rs485.layouts)
+    if requested_ids and replied_ids and all_list_data_ids:
         for data_id in rs485.data_ids:
             _report_missing_frame(data_id, requested_ids, replied_ids, report)
 
 
 def _selected_ids(sent_layouts: Sequence[WrittenLayout]) -> Iterator[int]:
-    """Yield the numbers of the data IDs in ``when`` of these layouts."""
+    """Yield the numbers of the data IDs for which these layouts are sent, as listed in their ``when``."""
     for layout in sent_layouts:
         for numbers in layout.when.values():
             yield from numbers
@@ -142,7 +151,10 @@ def _selected_ids(sent_layouts: Sequence[WrittenLayout]) -> Iterator[int]:
 def _report_missing_frame(
     data_id: LocatedPart[DataId], requested_ids: set[int], replied_ids: set[int], report: DocumentReport
 ) -> None:
-    """Report a data ID that has only a request or only a reply, except data IDs of memory accesses."""
+    """Report a data ID that has only a request or only a reply, unless it reads or writes memory.
+
+    ``requested_ids`` and ``replied_ids`` are the numbers of the data IDs that layouts of requests and replies list.
+    """
     number = data_id.part.id
     has_request = number in requested_ids
     has_reply = number in replied_ids
@@ -156,17 +168,18 @@ def _report_missing_frame(
         report.add("data-id-frames", (*data_id.path, "id"), message)
 
 
-def check_purposes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a request that reads or writes the memory, and so needs an address, has more than its data ID."""
+def check_purposes(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a request that reads or writes the memory has fields besides its data ID: it needs an address."""
     rs485 = spec.interfaces.rs485
     if rs485 is None:
         return
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for data_id in rs485.data_ids:
-        request = _request_with(data_id, rs485)
+        request = _find_request(data_id, rs485)
         if request is None or data_id.part.purpose not in _OF_MEMORY:
             continue
-        if not any(_carries_data(field) for field in _fields_of(request, groups)):
+        has_data = any(_carries_data(field) for field in _fields_of(request, groups))
+        if not has_data:
             message = (
                 f"{quoted(data_id.part.name)} has the purpose {quoted(data_id.part.purpose)}, but its request"
                 f" {quoted(request.name)} carries only the data ID; correct one of the two"
@@ -174,8 +187,8 @@ def check_purposes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
             report.add("request-purpose", (*data_id.path, "purpose"), message)
 
 
-def _request_with(data_id: LocatedPart[DataId], rs485: WrittenRs485) -> WrittenLayout | None:
-    """Return the layout of the master that is selected by a data ID, or None."""
+def _find_request(data_id: LocatedPart[DataId], rs485: WrittenRs485) -> WrittenLayout | None:
+    """Return the layout of the request that the master sends for a data ID, or None if no layout lists the data ID."""
     for layout in rs485.layouts:
         selected_ids = [number for selected in layout.when.values() for number in selected]
         if layout.from_ == "master" and data_id.part.id in selected_ids:
@@ -190,14 +203,17 @@ def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
 
 
 def _carries_data(field: WrittenField) -> bool:
-    """Return True for a field with data of the request, other than its data ID, fixed bits and check bits."""
+    """Return True for a field with data. The data ID of the request, fixed bits and check bits are not data."""
     is_fixed = field.constant is not None or field.unused is not None
     is_check = bool(field.crc or field.parity_of)
     return bool(field.name) and not is_fixed and not is_check and not field.values_of
 
 
-def check_sent_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a step sends no request that reads or writes the memory, because it cannot give the address."""
+def check_sent_requests(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no step of a procedure sends a request that reads or writes the memory.
+
+    Such a request needs an address, which a step cannot contain.
+    """
     rs485 = spec.interfaces.rs485
     purpose_by_name = {data_id.part.name: data_id.part.purpose for data_id in rs485.data_ids} if rs485 else {}
     for procedure in spec.procedures:
@@ -211,8 +227,8 @@ def check_sent_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                 report.add("request-purpose", step.place_of("data_id"), message)
 
 
-def check_memory_accesses(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no two rows on the replies to memory accesses have the same access and busy flag."""
+def check_memory_accesses(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no two rows of ``memory_access`` describe the same reply: the same access with the same busy flag."""
     rs485 = spec.interfaces.rs485
     replies = [reply for reply in rs485.memory_access if reply.is_valid("busy")] if rs485 is not None else []
     earlier_cases: set[tuple[str, int]] = set()

@@ -35,25 +35,27 @@ _NAME_IN_BRACES = re.compile(r"\{(\w+)\}")
 _Numbers = Mapping[str, int | None]
 
 
-def check_start_values(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_start_values(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a start value in the note of a CRC, or in an erratum about it, is the ``init`` of the CRC."""
     for crc in spec.crcs:
-        own_value = {crc.part.name: crc.part.init}
-        _check_words((*crc.path, "note"), crc.part.note, _START_VALUE, "init", own_value, report)
+        start_value = {crc.part.name: crc.part.init}
+        _check_number_in_text((*crc.path, "note"), crc.part.note, _START_VALUE, "init", start_value, report)
     # Reversed, so that the first of several CRCs with one name counts.
     start_values = {crc.part.name: crc.part.init for crc in reversed(spec.crcs)}
     for erratum in spec.errata:
-        affected = _collect_affected(erratum, "crcs", start_values, "init")
-        _check_words(erratum.place_of("used"), erratum.used, _START_VALUE, "init", affected, report)
+        affected_values = _numbers_affected_by(erratum, "crcs", start_values, "init")
+        _check_number_in_text(erratum.place_of("used"), erratum.used, _START_VALUE, "init", affected_values, report)
 
 
-def check_defaults(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_defaults(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a default in the text of an erratum, or shown by an example, is the ``default`` of its register."""
     registers = by_name(spec.registers)
     defaults = {name: register.default for name, register in registers.items()}
     for erratum in spec.errata:
-        affected = _collect_affected(erratum, "registers", defaults, "default")
-        _check_words(erratum.place_of("used"), erratum.used, _DEFAULT_IN_TEXT, "default", affected, report)
+        affected_defaults = _numbers_affected_by(erratum, "registers", defaults, "default")
+        _check_number_in_text(
+            erratum.place_of("used"), erratum.used, _DEFAULT_IN_TEXT, "default", affected_defaults, report
+        )
     for example in spec.examples:
         register = registers.get(example.register)
         if register is not None and _shows_default(example):
@@ -61,17 +63,17 @@ def check_defaults(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
 
 
 def _shows_default(example: WrittenExample) -> bool:
-    """Return True for an example of a register whose name has the word default, defaults or delivered.
+    """Return True for an example that shows the bytes of a register and has "default" or "delivered" in its name.
 
-    It also has bytes, but no erratum, which would explain a difference.
+    The result is False for an example with an erratum, which explains a difference.
     """
     is_called_default = not _AS_DELIVERED.isdisjoint(example.name.split("_"))
     return example.kind == "register" and bool(example.bytes) and is_called_default and not example.erratum
 
 
 def _check_shown_default(example: WrittenExample, register: WrittenRegister, report: DocumentReport) -> None:
-    """Check that the bytes of an example are the default of the register. Its byte order must be known for that."""
-    default_digits = _bytes_of(register)
+    """Check that the bytes of an example are the default of a register, if the byte order of the register is known."""
+    default_digits = _default_in_hexadecimal(register)
     shown_digits = example.bytes.replace(" ", "").casefold()
     if not default_digits or shown_digits == default_digits:
         return
@@ -84,10 +86,11 @@ def _check_shown_default(example: WrittenExample, register: WrittenRegister, rep
     report.add("left-behind", example.place_of("bytes"), message)
 
 
-def _collect_affected(erratum: WrittenErratum, section: str, numbers: _Numbers, key: str) -> _Numbers:
-    """Return the numbers of the parts of a section that an erratum affects as a whole or by the key.
+def _numbers_affected_by(erratum: WrittenErratum, section: str, numbers: _Numbers, key: str) -> _Numbers:
+    """Return those of ``numbers`` that an erratum affects. They are the values of ``key`` in the parts of a section.
 
-    For the section ``crcs`` and the key ``init``, these are the paths ``crcs.word`` and ``crcs.word.init``.
+    For the section ``crcs`` and the key ``init``, an erratum affects the number of the CRC ``word`` if it affects
+    ``crcs.word`` or ``crcs.word.init``.
     """
     affected_numbers: dict[str, int | None] = {}
     for affected in erratum.affects:
@@ -101,12 +104,12 @@ def _collect_affected(erratum: WrittenErratum, section: str, numbers: _Numbers, 
     return affected_numbers
 
 
-def _check_words(
+def _check_number_in_text(
     path: Path, text: str, pattern: re.Pattern[str], key: str, numbers: _Numbers, report: DocumentReport
 ) -> None:
-    """Report the first part whose number differs from the number that ``pattern`` finds in the text.
+    """Report a text whose number, found with ``pattern``, differs from one of ``numbers``, the values of ``key``.
 
-    A text without a match says nothing about the number. A part whose number is None is not compared.
+    Only the first difference is reported. Numbers that are None are not compared.
     """
     match = pattern.search(text)
     if match is None:
@@ -122,7 +125,7 @@ def _check_words(
 
 
 def _possible_numbers(text: str) -> set[int]:
-    """Return the number that a text can be: ``0x3F``, ``3Fh`` or ``63``. Several zeros and ones can be binary, too."""
+    """Return the numbers that a text can be: 63 for ``0x3F``, ``3Fh`` and ``63``, but 10 and 2 for ``10``."""
     if text.endswith("h"):
         return {int(text[:-1], 16)}
     if text[:2].lower() == "0x":
@@ -131,7 +134,7 @@ def _possible_numbers(text: str) -> set[int]:
     return {int(text), int(text, 2)} if may_be_binary else {int(text)}
 
 
-def _bytes_of(register: WrittenRegister) -> str:
+def _default_in_hexadecimal(register: WrittenRegister) -> str:
     """Return the default of a register as hexadecimal digits in byte order: ``"3412"`` for 0x1234, low byte first.
 
     The result is empty if there is no default, if there are several bytes without a byte order, or if the default does
@@ -148,17 +151,17 @@ def _bytes_of(register: WrittenRegister) -> str:
         return ""
 
 
-def check_order_codes_in_texts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that tables and other texts name no part of an order code that the order code does not have.
+def check_order_codes_in_texts(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that order codes in tables and other texts contain only values that the spec lists for their parts.
 
     A text may leave parts open, such as ``TV62-xxx-0050-...``, and may end after any part.
     """
     pattern = spec.order_code.pattern
     starts = _list_starts(spec.order_code)
-    pieces = _split_pattern(spec.order_code)
     # An older edition is derived with its own order codes and with today's texts, so the two need not agree.
     if not starts or report.document.family:
         return
+    pieces = _split_pattern(spec.order_code)
     if pattern.startswith("{"):  # The start is a label of the first part, so it is already matched.
         pieces = pieces[1:]
     code_in_text = re.compile(rf"(?<![\w-])({'|'.join(starts)})([\w.…/*-]+)")
@@ -175,10 +178,11 @@ def check_order_codes_in_texts(spec: WrittenSpec, as_read: WrittenSpec, report: 
 
 
 def _list_starts(order_code: WrittenOrderCode) -> list[str]:
-    """Return expressions for the start of an order code: the text of the pattern, or the labels of its first part.
+    """Return regular expressions for the beginning of an order code, such as ``TV62``, to find order codes in texts.
 
-    If all labels begin and end with the same letters, an x may replace what is between: ENx10 for EN10 and ENB10. The
-    list is empty if a start is too short, or a label begins with a digit, because it would match other words.
+    It is the text before the first part of the pattern or, without such text, a label of the first part. If all labels
+    begin and end with the same letters, an x may replace the letters between them: ENx10 for ENA10 and ENB10. The list
+    is empty if a beginning is too short, or begins with a digit, because it would also match other words.
     """
     start, _, from_first_name = order_code.pattern.partition("{")
     if start:
@@ -200,7 +204,8 @@ def _list_starts(order_code: WrittenOrderCode) -> list[str]:
 
 def _common_start(texts: Sequence[str]) -> str:
     """Return the letters with which all texts begin."""
-    equal_letters = takewhile(lambda letters: len(set(letters)) == 1, zip(*texts, strict=False))
+    letters_by_position = zip(*texts, strict=False)
+    equal_letters = takewhile(lambda letters: len(set(letters)) == 1, letters_by_position)
     return "".join(letters[0] for letters in equal_letters)
 
 
@@ -211,7 +216,7 @@ _SECTIONS_WITH_OTHER_CODES = frozenset(("documents", "manual", "order_code", "ed
 
 
 def _is_text_about_own_codes(path: Path) -> bool:
-    """Return True if the value at a path is a text that must use the order codes of the spec."""
+    """Return True if the text at a path is about the encoder itself, so that order codes in it must be the spec's."""
     section, key = path[0], path[-1]
     if section in _SECTIONS_WITH_OTHER_CODES:
         return False
@@ -228,9 +233,8 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
     no labels or an empty label, or is open with an invalid expression. The text is not checked from there on.
     """
     parts = by_name(order_code.parts)
-    literals_and_names = _NAME_IN_BRACES.split(
-        order_code.pattern
-    )  # Literals are at even indices, names at odd indices.
+    # Literals are at even indices, names at odd indices.
+    literals_and_names = _NAME_IN_BRACES.split(order_code.pattern)
     pieces: list[tuple[str, re.Pattern[str] | None]] = []
     for index in range(1, len(literals_and_names), 2):
         part = parts.get(literals_and_names[index])

@@ -55,7 +55,7 @@ def check_master(master_data: dict[str, object], report: DocumentReport) -> None
     master = WrittenMaster(master_data)
     _check_name(master, report)
     for path, node in _yield_maps(master_data, ()):
-        # What a map is follows from its keys. Each view of it has empty values for keys that the map lacks.
+        # The keys of a map decide what it is. Keys that it lacks have empty values.
         cited_part = _CitedPart(node, path)
         condition = WrittenCondition(node, path)
         if cited_part.source:
@@ -68,13 +68,13 @@ def check_master(master_data: dict[str, object], report: DocumentReport) -> None
     for note in master.notes:
         _check_braces(note.text, _ITEM_NAMES, note.place_of("text"), report)
     for index, setting in enumerate(master.settings):
-        _check_setting(setting, _written_setting(index, report), report)
+        _check_setting(setting, _with_invalid_keys(index, report), report)
     _check_writing(master, report)
     _check_files(master, report)
 
 
 def _check_files(master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that each file format is listed once, and that each file has what its format needs."""
+    """Check that each file format is listed only once, and that each file has the keys that its format needs."""
     listed_formats: set[str] = set()
     for file in master.files:
         if file.format in listed_formats:
@@ -83,10 +83,10 @@ def _check_files(master: WrittenMaster, report: DocumentReport) -> None:
         _check_file(file, master, report)
 
 
-def _written_setting(index: int, report: DocumentReport) -> WrittenSetting:
-    """Return a setting with all its keys, including keys whose values the schema check removed.
+def _with_invalid_keys(index: int, report: DocumentReport) -> WrittenSetting:
+    """Return a setting of the file with all its keys, including keys that were removed because they are invalid.
 
-    ``index`` is the index in the checked data, from which invalid settings may be missing.
+    ``index`` is its index in the list of valid settings.
     """
     original_indices = report.document.kept_indices.get(("settings",))
     if original_indices is not None:
@@ -114,38 +114,38 @@ def _yield_maps(node: object, path: Path) -> Iterator[tuple[Path, dict[str, obje
 
 
 def _check_source(source_text: str, path: Path, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that the documents of a source, such as ``manual:6.4; errata``, are listed. The places are not checked."""
+    """Check that the documents that a source cites, as in ``manual:6.4; errata``, are listed under ``documents``."""
     documents = master.documents
-    for piece in source_text.split(";"):
-        key_text, _, _ = piece.partition(":")
+    for citation in source_text.split(";"):
+        key_text, _, _ = citation.partition(":")
         key = key_text.strip()
         if key not in documents:
-            report.add(
-                "undefined-reference", path, f"{quoted(key)} is not in 'documents'{suggest_word(key, documents)}"
-            )
+            message = f"{quoted(key)} is not in 'documents'{suggest_word(key, documents)}"
+            report.add("undefined-reference", path, message)
 
 
-def _is_item(item_name: str, path: Path, report: DocumentReport, valid_items: tuple[str, ...] = _ITEM_NAMES) -> bool:
-    """Return True if ``item_name`` is one of the valid items of a record, otherwise report it.
+def _check_item_name(name: str, path: Path, report: DocumentReport, valid_names: tuple[str, ...] = _ITEM_NAMES) -> bool:
+    """Return True if an item with this name exists in records, and report the name otherwise.
 
-    A record describes an encoder for a master. Its items are words and numbers.
+    A record describes an encoder for a master. Its items are words and numbers. ``valid_names`` are all of them, or
+    only the names of numbers.
     """
-    if item_name in valid_items:
+    if name in valid_names:
         return True
-    if item_name in _ITEM_NAMES:
-        message = f"{quoted(item_name)} of the record is a word, not a number"
+    if name in _ITEM_NAMES:
+        message = f"{quoted(name)} of the record is a word, not a number"
     else:
-        noun = "number" if valid_items is not _ITEM_NAMES else "item"
-        message = f"the record has no {noun} {quoted(item_name)}{suggest_word(item_name, valid_items)}"
+        noun = "number" if valid_names is not _ITEM_NAMES else "item"
+        message = f"the record has no {noun} {quoted(name)}{suggest_word(name, valid_names)}"
     report.add("undefined-reference", path, message)
     return False
 
 
 def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
-    """Check that a condition or limit lists words for a text, and bounds or numbers for a number."""
+    """Check that a condition lists the words that an item can be, or for a number its bounds or possible numbers."""
     name = condition.item
     path = condition.path
-    if not _is_item(name, condition.place_of("item"), report):
+    if not _check_item_name(name, condition.place_of("item"), report):
         return
     is_word = name in WORDS
     kind, allowed_keys = ("word", ("is",)) if is_word else ("number", _FOR_NUMBERS)
@@ -159,7 +159,8 @@ def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
     if is_word:
         for index, word in enumerate(condition.is_ or ()):
             _check_word(word, name, (*path, "is", index), report)
-    lowest, highest = _Bound("at_least", condition.at_least), _Bound("at_most", condition.at_most)
+    lowest = _Bound("at_least", condition.at_least)
+    highest = _Bound("at_most", condition.at_most)
     _check_bounds(lowest, highest, path, report)
 
 
@@ -171,30 +172,30 @@ class _Bound(NamedTuple):
 
 
 def _check_bounds(lowest: _Bound, highest: _Bound, path: Path, report: DocumentReport) -> None:
-    """Check that the highest number is not less than the lowest one. Without a lowest one, it is not less than 0."""
+    """Check that the highest number is at least the lowest one, or at least 0 if there is no lowest number."""
     low = lowest.number if lowest.number is not None else 0
     if highest.number is not None and highest.number < low:
         message = f"'{highest.key}' is less than '{lowest.key}', which is {low}"
         report.add("value-clash", (*path, highest.key), message)
 
 
-def _check_word(word: int | str, setting_word: str, path: Path, report: DocumentReport) -> bool:
-    """Return True if the item can be this word, otherwise report it."""
-    words = WORDS[setting_word]
+def _check_word(word: int | str, item_name: str, path: Path, report: DocumentReport) -> bool:
+    """Return True if this item of a record can be this word, and report the word otherwise."""
+    words = WORDS[item_name]
     if word not in words:
-        message = f"'{setting_word}' cannot be {quoted(word)}{suggest_word(str(word), words, 'use one of')}"
+        message = f"'{item_name}' cannot be {quoted(word)}{suggest_word(str(word), words, 'use one of')}"
         report.add("undefined-reference", path, message)
     return word in words
 
 
-def _check_setting(setting: WrittenSetting, as_written: WrittenSetting, report: DocumentReport) -> None:
-    """Check that a setting has one kind of value, and that the value is possible.
+def _check_setting(setting: WrittenSetting, with_invalid_keys: WrittenSetting, report: DocumentReport) -> None:
+    """Check that a setting of a master has exactly one kind of value, and that the value is possible.
 
-    The kinds are counted in the setting as written, so that an invalid value is not reported as missing.
+    ``with_invalid_keys`` is the same setting with its invalid keys, so that an invalid value does not count as missing.
     """
     _check_braces(setting.name, _ITEM_NAMES, setting.place_of("name"), report)
     _check_braces(setting.at, _ITEM_NAMES, setting.place_of("at"), report)
-    kinds = [kind for kind in _KINDS_OF_SETTINGS if as_written.has(kind)]
+    kinds = [kind for kind in _KINDS_OF_SETTINGS if with_invalid_keys.has(kind)]
     if len(kinds) > 1:
         message = f"{quoted(setting.name)} has {join_words(map(quoted, kinds))}; keep one of them"
         report.add("setting-shape", setting.path, message)
@@ -206,7 +207,10 @@ def _check_setting(setting: WrittenSetting, as_written: WrittenSetting, report: 
 
 
 def _check_setting_value(setting: WrittenSetting, value_type: str, report: DocumentReport) -> None:
-    """Check the value of a setting, and that the keys ``as`` and ``bound`` are only next to a ``value``."""
+    """Check the value of a setting, and that ``as`` and ``bound`` are used only with the key ``value``.
+
+    ``value_type`` is the key of the value, such as ``value`` or ``choice``.
+    """
     for key, text in (("as", setting.as_), ("bound", setting.bound)):
         if text and value_type != "value":
             report.add("setting-shape", setting.place_of(key), f"'{key}' needs 'value'", at_key=True)
@@ -225,12 +229,16 @@ def _check_setting_value(setting: WrittenSetting, value_type: str, report: Docum
 
 def _check_clocks(clocks: WrittenAnyClock, report: DocumentReport) -> None:
     """Check that the highest clock is not below the lowest one."""
-    lowest, highest = _Bound("at_least_hz", clocks.at_least_hz), _Bound("at_most_hz", clocks.at_most_hz)
+    lowest = _Bound("at_least_hz", clocks.at_least_hz)
+    highest = _Bound("at_most_hz", clocks.at_most_hz)
     _check_bounds(lowest, highest, clocks.path, report)
 
 
 def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a place is given, or only ``where``, which says that none is known, and that its devices are known."""
+    """Check that a place of a setting in a master is given, such as an address, and that its devices exist.
+
+    A place with ``where``, which says that no place is known, must have no other key for a place.
+    """
     path = place.path
     place_keys = [key for key in _KEYS_OF_PLACES if place.has(key)]
     if not place_keys:
@@ -246,8 +254,9 @@ def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentRep
 
 
 def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
-    """Check that an index has a subindex, that the type ``bits`` states its bits in ``at``, and the order of limits."""
-    has_index, has_subindex = place.index is not None, place.subindex is not None
+    """Check that ``index`` is used with ``subindex``, and the type ``bits`` with ``at``, and check the limits."""
+    has_index = place.index is not None
+    has_subindex = place.subindex is not None
     if has_index != has_subindex:
         report.add("setting-shape", place.path, "use 'index' and 'subindex' together or not at all")
     is_bits = place.type == "bits"
@@ -260,11 +269,11 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
 
 
 def _check_channels(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a place is on known devices, and that a list has an entry for each channel of each device."""
+    """Check that the devices of a place exist, and that a list in it has one element for each of their channels."""
     channel_counts: dict[str, int] = {}
     for device in master.devices:
         channel_counts[device.name] = 1 if device.channels is None else len(device.channels)
-    if not channel_counts:  # Without devices, the master itself is one.
+    if not channel_counts:  # A master without devices counts as a device.
         channel_counts = {master.title: 1}
     _check_devices(place.on or (), place.place_of("on"), list(channel_counts), report)
     used_devices = [name for name in channel_counts if place.on is None or name in place.on]
@@ -290,8 +299,8 @@ def _check_devices(names: Sequence[str], path: Path, devices: Sequence[str], rep
 
 
 def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: DocumentReport) -> None:
-    """Check that a file names existing devices and settings, and states names if and only if its format needs them."""
-    devices = [device.name for device in master.devices] or [master.title]  # Without devices, the master is one.
+    """Check that a file names existing devices and settings, and that it has ``names`` if its format needs them."""
+    devices = [device.name for device in master.devices] or [master.title]  # A master without devices is one.
     _check_devices(file.on, file.place_of("on"), devices, report)
     for key, names in (("names", file.names), ("words", file.words)):
         for name in names:
@@ -319,9 +328,9 @@ def _check_setting_name(
 def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
     """Check that write conditions have one kind, name existing settings, and define an order without cycles.
 
-    A condition lists in ``after`` the settings that are written before the settings in ``of``.
+    The settings in ``after`` of a condition are written before the settings in ``of``.
     """
-    earlier_settings: dict[str, set[str]] = {}  # For each setting, those that are written before it.
+    earlier_settings: dict[str, set[str]] = {}  # For each setting, the settings that are written before it.
     for condition in master.writing:
         _check_write_condition(condition, master, report)
         for name in condition.of:
@@ -331,9 +340,10 @@ def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
             TopologicalSorter(earlier_settings).prepare()
         except CycleError as error:
             # In the exception, each setting of the cycle is a predecessor of the next one.
-            circle = " after ".join(quoted(name) for name in reversed(error.args[1]))
-            report.add("value-clash", condition.place_of("after"), f"circular order: {circle}")
-            earlier_settings.clear()  # Otherwise the next conditions would report this circle again.
+            _, settings_of_cycle = error.args
+            cycle_text = " after ".join(quoted(name) for name in reversed(settings_of_cycle))
+            report.add("value-clash", condition.place_of("after"), f"circular order: {cycle_text}")
+            earlier_settings.clear()  # Otherwise the next conditions would report this cycle again.
 
 
 def _check_write_condition(condition: WrittenWriting, master: WrittenMaster, report: DocumentReport) -> None:
@@ -360,13 +370,13 @@ def _check_expression(expression_text: int | str, path: Path, report: DocumentRe
         report.add("bad-expression", path, str(error))
         return
     for name in expression.parameters:
-        _is_item(name, path, report, tuple(NUMBERS))
+        _check_item_name(name, path, report, valid_names=tuple(NUMBERS))
 
 
 def _check_choice(choice: WrittenChoice, report: DocumentReport) -> None:
-    """Check that a choice has at most one case for each value, and only values that its item can have."""
+    """Check that a choice by an item of the record has only values that the item can have, and each only once."""
     name = choice.of
-    if not _is_item(name, choice.place_of("of"), report):
+    if not _check_item_name(name, choice.place_of("of"), report):
         return
     earlier_values: set[int | str] = set()
     for case in choice.cases:
@@ -377,7 +387,7 @@ def _check_choice(choice: WrittenChoice, report: DocumentReport) -> None:
 
 
 def _check_case_value(name: str, case_value: int | str, path: Path, report: DocumentReport) -> bool:
-    """Return True if an item can have this value, otherwise report it."""
+    """Return True if an item of a record can have this value, and report the value otherwise."""
     if name in WORDS:
         return _check_word(case_value, name, path, report)
     if not isinstance(case_value, int):
@@ -387,9 +397,10 @@ def _check_case_value(name: str, case_value: int | str, path: Path, report: Docu
 
 
 def _check_string(rule: WrittenString, report: DocumentReport) -> None:
-    """Check that a text composed of the fields of a frame has the position and only known names in braces.
+    """Check the rule for a text that describes the fields of a frame to a master.
 
-    The position is one field, or the two fields multiturn and singleturn.
+    It must contain the position, as one field or as the fields multiturn and singleturn, and only known names in
+    braces.
     """
     _check_braces(rule.start, _ITEM_NAMES, rule.place_of("start"), report)
     field_kinds = {field.of for field in rule.fields}
@@ -402,7 +413,7 @@ def _check_string(rule: WrittenString, report: DocumentReport) -> None:
 
 
 def _check_braces(text_with_items: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:
-    """Report each name in braces, as in ``{bits}``, that is not a known one."""
+    """Report each name in braces in a text, such as ``{bits}``, that is not among the known names."""
     for name in _ITEM_IN_BRACES.findall(text_with_items):
         if name not in known_names:
             report.add("undefined-reference", path, f"there is no {{{name}}}{suggest_word(name, known_names)}")

@@ -13,10 +13,11 @@ _KEYS_OF_ANGLE = ("counts_per_turn", "turns")
 _KEYS_OF_LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
 
 
-def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a measurement matches the movement: of an angle if it is rotary, of a length if it is linear.
+def check_measurement_shape(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a measurement has the keys for an angle if the movement is rotary, or for a length if it is linear.
 
-    Each needs the size of a count. ``highest`` needs ``turns`` or ``modulus``.
+    The size of a count is required. ``highest``, the highest position, also needs ``turns`` or ``modulus``, after which
+    the position wraps around.
     """
     movement = spec.movement
     if not movement:
@@ -26,7 +27,7 @@ def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
     )
     unit_key = keys_of_movement[0]  # 'counts_per_turn' or 'step_um', the size of a count.
     total_key = keys_of_movement[-1]  # 'turns' or 'modulus', after which the position wraps around.
-    raw_measurements = {measurement.path: measurement for measurement in measurements(as_read)}
+    raw_measurements = {measurement.path: measurement for measurement in measurements(spec.with_invalid_parts)}
     for measurement in measurements(spec):
         raw_measurement = raw_measurements[measurement.path]
         # A key rejected by the schema was removed. It must not be reported as missing, too.
@@ -46,21 +47,21 @@ def check_measurement_shape(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             report.add("measurement-shape", (*measurement.path, "highest"), problem, at_key=True)
 
 
-def check_position_range_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the range of one layout has a position to refer to, and matches the movement.
+def check_position_range_shape(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a layout with its own range of the position contains the position, and that the range has valid keys.
 
-    The layout must carry the position that the measurement of its interface, or else of the device, names.
+    The position is the field or joined number that the measurement of the interface or of the device names.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
-    own_measurements = {name: interface.measurement for name, interface in interfaces(as_read)}
-    raw_frames = {frame.owner.path: frame for frame in layouts_of_interfaces(as_read)}
+    groups = by_name(spec.with_invalid_parts.field_groups)
+    own_measurements = {name: interface.measurement for name, interface in interfaces(spec.with_invalid_parts)}
+    raw_frames = {frame.owner.path: frame for frame in layouts_of_interfaces(spec.with_invalid_parts)}
     for frame in layouts_of_interfaces(spec):
         own_range = frame.layout.position_range if frame.layout is not None else None
         if own_range is None or not own_range.is_given:
             continue
         own_measurement = own_measurements[frame.interface]
         has_own_measurement = own_measurement is not None and own_measurement.is_given
-        measurement = own_measurement if has_own_measurement else as_read.measurement
+        measurement = own_measurement if has_own_measurement else spec.with_invalid_parts.measurement
         # The path in the file differs if invalid layouts before this one were removed.
         raw_frame = raw_frames[report.document.original(frame.owner.path)]
         name = quoted(raw_frame.name)
@@ -80,7 +81,7 @@ def _check_range_keys(
     movement: str,
     report: DocumentReport,
 ) -> None:
-    """Check that a range has only keys of its movement, and none next to ``wraps: false``.
+    """Check that the range of a layout has the keys of the movement, and no other keys next to ``wraps: false``.
 
     ``highest`` needs a number of turns or a modulus, in the range or in the measurement.
     """

@@ -21,12 +21,12 @@ _OPPOSITE_WORDS = {
 }
 #: The number of an LED in a name or title.
 _LED_NUMBER = re.compile(r"led[ _]?(\d+)", re.IGNORECASE)
-#: Shortest word that is compared with words of other names, and most names.
-_SHORTEST_COMPARED_WORD, _MOST = 6, 300
+#: Length of the shortest word that is compared with words of other names, and largest number of compared names.
+_SHORTEST_COMPARED_WORD, _MOST_NAMES = 6, 300
 
 
-def check_names_and_meanings(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no meaning begins with the opposite of a word in the name, as "Write a byte" for ``read``."""
+def check_names_and_meanings(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no meaning begins with the opposite of a word in the name, such as "Write a byte" for ``read``."""
     for name, path, text in _named_texts(spec):
         first_word, _, _ = text.partition(" ")
         words = set(name.split("_"))
@@ -39,7 +39,7 @@ def check_names_and_meanings(spec: WrittenSpec, as_read: WrittenSpec, report: Do
             report.add("words-contradict", path, f"{message}; correct one of the two")
 
 
-def check_numbers_of_leds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_numbers_of_leds(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the number of an LED in its name, such as ``led_1``, is the number in its title, as in "LED 1"."""
     for led in spec.leds:
         numbers_of_name, numbers_of_title = _LED_NUMBER.findall(led.part.name), _LED_NUMBER.findall(led.part.title)
@@ -66,7 +66,7 @@ def _named_texts(spec: WrittenSpec) -> Iterator[tuple[str, Path, str]]:
                 yield name, value.place_of("meaning"), value.meaning
 
 
-def check_misspelt_fields(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_misspelt_fields(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no field has the name of another one with a letter more or less, as ``posiion`` for ``position``.
 
     The rarer of the two names is reported, at its first field.
@@ -77,7 +77,7 @@ def check_misspelt_fields(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
         for field in field_list.fields:
             path_by_name.setdefault(field.name, field.place_of("name"))
             counts[field.name] += 1
-    for pair in combinations(list(counts)[:_MOST], 2):
+    for pair in combinations(list(counts)[:_MOST_NAMES], 2):
         rarer, common = sorted(pair, key=lambda name: counts[name])  # Of equally common names, the first one is rarer.
         if _lacks_a_letter(rarer.split("_"), common.split("_")):
             message = f"another field is {quoted(common)}; correct one of the two, or give them names that differ more"
@@ -85,16 +85,18 @@ def check_misspelt_fields(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 
 def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
-    """Return True if names differ in one long word, which has a letter more or less inside than the other one.
+    """Return True if two names differ in only one word, which has one letter more inside than in the other name.
 
-    A word with another beginning or end is another word, such as ``letters`` or ``enabled``.
+    Short words are not compared. A word that only has a longer beginning or end, such as ``letters`` for ``letter``, is
+    a different word.
     """
     if len(words) != len(other_words):
         return False
-    different = [(word, other) for word, other in zip(words, other_words, strict=True) if word != other]
-    if len(different) != 1:
+    word_pairs = zip(words, other_words, strict=True)
+    different_pairs = [(word, other_word) for word, other_word in word_pairs if word != other_word]
+    if len(different_pairs) != 1:
         return False
-    ((word, other_word),) = different
+    word, other_word = different_pairs[0]
     shorter, longer = sorted((word, other_word), key=len)
     is_long = len(shorter) >= _SHORTEST_COMPARED_WORD
     has_other_length = len(longer) > len(shorter)

@@ -16,28 +16,30 @@ _NAME_PATTERN = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
 class NameResolver:
-    """Names defined in a spec as read, by kind, and the report for undefined ones.
+    """The names that a spec defines, by kind, and the report of references to undefined names.
 
-    ``groups``, ``registers`` and ``procedures`` are the parts by their names.
+    A name counts as defined even if its part is otherwise invalid. ``groups``, ``registers`` and ``procedures`` contain
+    the parts by name.
     """
 
-    def __init__(self, as_read: WrittenSpec, report: DocumentReport) -> None:
+    def __init__(self, spec: WrittenSpec, report: DocumentReport) -> None:
         self._report = report
-        interfaces = list(as_read.interfaces.data)
-        self.parameter_names = as_read.names_in("parameters")
+        whole_spec = spec.with_invalid_parts
+        interfaces = list(whole_spec.interfaces.data)
+        self.parameter_names = whole_spec.names_in("parameters")
         # Names that are themselves misspelt: unknown interfaces, and names that the schema check rejected.
         self._broken = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
             # A part in a list has its name under 'name', one in a map is a key itself.
-            name = value_at(as_read.data, path) if path[-1] == "name" else path[-1]
+            name = value_at(whole_spec.data, path) if path[-1] == "name" else path[-1]
             if isinstance(name, str) and not _NAME_PATTERN.fullmatch(name):
                 self._broken.add(name)
-        self.groups = by_name(as_read.field_groups)
-        self.registers = by_name(as_read.registers)
-        self.procedures = by_name(as_read.procedures)
+        self.groups = by_name(whole_spec.field_groups)
+        self.registers = by_name(whole_spec.registers)
+        self.procedures = by_name(whole_spec.procedures)
         self._known: Mapping[str, Collection[str]] = {
-            "CRC": by_part_name(as_read.crcs),
-            "erratum": by_name(as_read.errata),
+            "CRC": by_part_name(whole_spec.crcs),
+            "erratum": by_name(whole_spec.errata),
             "field group": self.groups,
             "interface": interfaces,
             "parameter": self.parameter_names,
@@ -45,14 +47,15 @@ class NameResolver:
             "register": self.registers,
         }
 
-    def refer(self, path: Path, thing: str, name: str, known_names: Collection[str] | None = None) -> None:
-        """Report ``name`` at ``path`` unless it is in ``known_names``, by default all names of its kind.
+    def refer(self, path: Path, kind: str, name: str, known_names: Collection[str] | None = None) -> None:
+        """Report the name at ``path`` if it does not exist: if it is not among ``known_names``.
 
-        ``thing`` is the kind in the message: ``register``, or ``field of 'preset' called`` with ``known_names``.
-        If one of the known names is itself broken, it is reported already, and ``name`` may be the correct spelling.
-        Then the place is only marked as faulty, unless a valid name is similar.
+        By default, these are all names of its kind in the spec. ``kind`` is the kind in the message, such as
+        ``register``, or ``field of 'preset' called`` with ``known_names``. If one of the known names is itself
+        misspelt, which is reported already, ``name`` may be the correct spelling. Then the place is only marked as
+        faulty, unless another known name is similar.
         """
-        choices = self._known[thing] if known_names is None else known_names
+        choices = self._known[kind] if known_names is None else known_names
         if name in choices:
             return
         has_broken_choice = not self._broken.isdisjoint(choices)
@@ -60,26 +63,26 @@ class NameResolver:
         if has_broken_choice and not nearest_choice(name, intact_choices):
             self._report.mark(path)
             return
-        problem = f"there is no {thing} {quoted(name)}{suggest_word(name, choices)}"
+        problem = f"there is no {kind} {quoted(name)}{suggest_word(name, choices)}"
         self._report.add("undefined-reference", path, problem, cause=name)
 
     def report_problem(self, path: Path, problem: str) -> None:
-        """Report a name that exists but is not sufficient."""
+        """Report a problem with the name at ``path``, which exists."""
         self._report.add("undefined-reference", path, problem)
 
     def refer_if_given(
-        self, path: Path, thing: str, name: str | None, known_names: Collection[str] | None = None
+        self, path: Path, kind: str, name: str | None, known_names: Collection[str] | None = None
     ) -> None:
-        """Call ``refer`` for a name that may be missing."""
+        """Report the name at ``path`` if it does not exist. A missing name, which is None or empty, is accepted."""
         if name:
-            self.refer(path, thing, name, known_names)
+            self.refer(path, kind, name, known_names)
 
     def refer_to_each(
-        self, path: Path, thing: str, names: Sequence[str], known_names: Collection[str] | None = None
+        self, path: Path, kind: str, names: Sequence[str], known_names: Collection[str] | None = None
     ) -> None:
-        """Call ``refer`` for each name of a list."""
+        """Report each name in the list at ``path`` that does not exist."""
         for index, name in enumerate(names):
-            self.refer((*path, index), thing, name, known_names)
+            self.refer((*path, index), kind, name, known_names)
 
     def refer_to_bit(self, path: Path, bit_path: str) -> None:
         """Report ``bit_path``, written as ``register.field``, unless both exist."""
@@ -89,7 +92,7 @@ class NameResolver:
             self.refer(path, f"field of {quoted(name)} called", field, self.bits(name))
 
     def bits(self, register: str) -> list[str]:
-        """Return the names allowed after the dot that follows a register."""
+        """Return the names allowed after the dot in ``register.field``: the fields of a register, or its own name."""
         return bits_of(self.registers[register], self.groups)
 
     def values(self, register: str, field: str = "") -> list[str]:

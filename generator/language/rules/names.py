@@ -20,8 +20,8 @@ from .parts import (
     with_groups_expanded,
 )
 
-#: Keys of a data ID that must be unique, each with the word for such a data ID.
-_DATA_ID_LABELS = (
+#: Keys of a data ID that must be unique, each with its description in a message.
+_UNIQUE_KEYS_OF_DATA_IDS = (
     ("name", "a data ID"),
     ("id", "a data ID with the number"),
     ("control", "a data ID with the control field"),
@@ -43,11 +43,11 @@ TAKEN = {
     ),
 }
 
-#: A value that must be unique, with its path.
-Named = tuple[Path, object]
+#: A value that must be unique, such as a name, with its path.
+LocatedValue = tuple[Path, object]
 
 
-def check_device_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_device_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a family and its file have the same name, and that no output reserves it."""
     stem = report.document.family or family_of(report.document.file)
     name = spec.device
@@ -58,33 +58,33 @@ def check_device_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         report.add("device-name", ("device",), f"{quoted(name)} is the name of {TAKEN[name]}; rename the family")
 
 
-def check_duplicate_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that names are unique among items of one kind, within the spec or within the item that contains them."""
-    for word, parts in _named_parts(spec).items():
-        _check_unique(_yield_labels(parts, "name"), word, report)
-    for word, facts in (("a timing", spec.timings), ("a characteristic", spec.characteristics)):
-        _check_unique(_names_for_all_codes(facts), word, report)
+def check_duplicate_name(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that parts of one kind, such as registers or the arguments of a procedure, have different names."""
+    for noun, parts in _named_parts(spec).items():
+        _check_unique(_values_of_key(parts, "name"), noun, report)
+    for noun, facts in (("a timing", spec.timings), ("a characteristic", spec.characteristics)):
+        _check_unique(_names_for_all_codes(facts), noun, report)
     for _, interface in interfaces(spec):
         _check_unique(_names_for_all_codes(interface.timings), "a timing", report)
         data_ids = interface.data_ids if isinstance(interface, WrittenRs485) else ()
-        for label, word in _DATA_ID_LABELS:
-            _check_unique(_yield_labels(data_ids, label), word, report)
-    _check_unique(_yield_labels(spec.manual.editions, "language"), "a language", report)
-    _check_unique(_yield_labels(spec.manual.history, "revision"), "a revision", report)
+        for key, noun in _UNIQUE_KEYS_OF_DATA_IDS:
+            _check_unique(_values_of_key(data_ids, key), noun, report)
+    _check_unique(_values_of_key(spec.manual.editions, "language"), "a language", report)
+    _check_unique(_values_of_key(spec.manual.history, "revision"), "a revision", report)
     for register in spec.registers:
-        _check_unique(_yield_labels(register.meanings, "name"), "a meaning", report)
+        _check_unique(_values_of_key(register.meanings, "name"), "a meaning", report)
     for procedure in spec.procedures:
-        _check_unique(_yield_labels(procedure.arguments, "name"), "an argument", report)
+        _check_unique(_values_of_key(procedure.arguments, "name"), "an argument", report)
     for connector in spec.connectors:
-        contacts = [contact.contact for contact in connector.part.contacts]
-        _check_unique(_labels_in(connector.path, "contacts", "contact", contacts), "a contact", report)
+        contact_names = [contact.contact for contact in connector.part.contacts]
+        _check_unique(_values_in_list(connector.path, "contacts", "contact", contact_names), "a contact", report)
     for led in spec.leds:
-        states = [state.state for state in led.part.states]
-        _check_unique(_labels_in(led.path, "states", "state", states), "a state", report)
+        state_names = [state.state for state in led.part.states]
+        _check_unique(_values_in_list(led.path, "states", "state", state_names), "a state", report)
 
 
 def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
-    """Return the lists of parts with unique names, by the word for such a part."""
+    """Return the lists of parts whose names must be unique, each under the noun for such a part."""
     return {
         "a CRC": spec.crcs,
         "a field group": spec.field_groups,
@@ -102,7 +102,7 @@ def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
     }
 
 
-def check_duplicate_title(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_title(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two errata have the same title, because readers see only the title."""
     first_paths: dict[str, Path] = {}
     for erratum in spec.errata:
@@ -115,46 +115,47 @@ def check_duplicate_title(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             report.add("duplicate-name", erratum.place_of("title"), message)
 
 
-def check_duplicate_field(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that fields, joins and runs of digits of a layout or register have unique names.
+def check_duplicate_field(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the fields, joined numbers and groups of digits of a layout or register have different names.
 
-    A decoder returns all of them.
+    A decoder returns all of them by name.
     """
     groups = by_name(spec.field_groups)
     for field_list in field_lists(spec):
-        named_values: list[Named] = []
+        located_names: list[LocatedValue] = []
         use_paths = {field.path for field in field_list.fields if field.use}
         for path, field in with_groups_expanded(field_list, groups):
             # A name in a group is reported at its use, because that is what makes it occur twice.
             name_path = path if path in use_paths else (*path, "name")
-            named_values.append((name_path, field.name or None))  # _check_unique ignores None.
+            located_names.append((name_path, field.name or None))  # _check_unique ignores None.
             for index, run in enumerate(field.digits):
-                named_values.append(((*path, "digits", index, "name"), run.part.name))
-        named_values += [((*field_list.owner.path, "join", name), name) for name in field_list.joins]
-        _check_unique(named_values, "a field", report)
+                located_names.append(((*path, "digits", index, "name"), run.part.name))
+        located_names += [((*field_list.owner.path, "join", name), name) for name in field_list.joins]
+        _check_unique(located_names, "a field", report)
 
 
-def check_duplicate_selection(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each value of the selecting field identifies one frame of its sender and interface."""
-    first_names: dict[tuple[str, str, int], str] = {}  # The first frame with each value.
+def check_duplicate_selection(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no value of the field that identifies frames belongs to two frames of one sender over an interface."""
+    first_frames: dict[tuple[str, str, int], str] = {}  # By the interface, the sender and the value.
     for frame in layouts_of_interfaces(spec):
         sender = frame.layout.from_ if frame.layout is not None else ""
         for selector, values in frame.selectors.items():
             for index, value in enumerate(values):
-                first_name = first_names.setdefault((frame.interface, sender, value), frame.name)
-                if first_name != frame.name:
-                    fault = f"used by {quoted(first_name)}"
+                first_frame = first_frames.setdefault((frame.interface, sender, value), frame.name)
+                if first_frame != frame.name:
+                    earlier_use = f"used by {quoted(first_frame)}"
                 elif value in values[:index]:
-                    fault = "listed"
+                    earlier_use = "listed"
                 else:
                     continue
                 message = (
-                    f"{quoted(selector)} {value} is already {fault}; use each value for only one frame of the {sender}"
+                    f"{quoted(selector)} {value} is already {earlier_use}; "
+                    f"use each value for only one frame of the {sender}"
                 )
                 report.add("duplicate-name", (*frame.owner.path, "when", selector, index), message)
 
 
-def check_duplicate_address(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_duplicate_address(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two registers of an interface and bank share a byte.
 
     A read-only and a write-only register may begin at the same address.
@@ -175,9 +176,10 @@ def check_duplicate_address(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
 
 
 def _share_a_byte(lower_register: WrittenRegister, register: WrittenRegister) -> bool:
-    """Return True if two registers in one address space overlap, and are not such a pair with the same address.
+    """Return True if two registers of one interface and bank have an address in common.
 
-    A read-only and a write-only register are a pair. ``lower_register`` begins at the same address or below.
+    ``lower_register`` begins at the same address or below. The result is False for a read-only and a write-only
+    register that begin at the same address.
     """
     if _address_space(lower_register) != _address_space(register):
         return False
@@ -200,7 +202,7 @@ def _report_overlap(register: WrittenRegister, earlier_register: WrittenRegister
     report.add("duplicate-address", register.place_of("address"), message)
 
 
-def check_value_clash(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_value_clash(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two named values of a field have the same number, because a decoder could not choose."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -212,27 +214,33 @@ def check_value_clash(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                     report.add("value-clash", value.place_of("value"), message)
 
 
-def _yield_labels(placed_parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
-    """Yield the value under the key ``label`` of each part, with its path."""
-    for part in placed_parts:
-        yield (*part.path, label), part.data[label]
+def _values_of_key(parts: Sequence[PlacedPart], key: str) -> Iterator[LocatedValue]:
+    """Yield the value under a key of each part, with its path."""
+    for part in parts:
+        yield (*part.path, key), part.data[key]
 
 
-def _names_for_all_codes(placed_parts: Sequence[PlacedPart]) -> Iterator[Named]:
-    """Yield the names of the parts that apply to all order codes. Facts for others are compared by order code."""
-    return _yield_labels([part for part in placed_parts if not part.has("only")], "name")
+def _names_for_all_codes(parts: Sequence[PlacedPart]) -> Iterator[LocatedValue]:
+    """Yield the names of the parts that apply to all order codes: those without the key ``only``.
+
+    Parts for only some order codes may have the same name. Another rule compares them.
+    """
+    return _values_of_key([part for part in parts if not part.has("only")], "name")
 
 
-def _labels_in(path: Path, list_key: str, label: str, values: Iterable[str]) -> Iterator[Named]:
-    """Yield the values under the key ``label`` of the items of the list ``list_key``, each with its path."""
+def _values_in_list(path: Path, list_key: str, key: str, values: Iterable[str]) -> Iterator[LocatedValue]:
+    """Yield each of the values with its path: the path of ``key`` in the same element of the list at ``list_key``."""
     for index, value in enumerate(values):
-        yield (*path, list_key, index, label), value
+        yield (*path, list_key, index, key), value
 
 
-def _check_unique(named_values: Iterable[Named], word: str, report: DocumentReport) -> None:
-    """Report every value equal to an earlier one, except None. ``word`` is the kind of item, with its article."""
+def _check_unique(located_values: Iterable[LocatedValue], noun: str, report: DocumentReport) -> None:
+    """Report every value that is equal to an earlier one, except None.
+
+    ``noun`` describes a part with such a value in the message, such as "a register".
+    """
     first_paths: dict[object, Path] = {}
-    for path, value in named_values:
+    for path, value in located_values:
         if value is None:
             continue
         first_path = first_paths.setdefault(value, path)
@@ -240,13 +248,13 @@ def _check_unique(named_values: Iterable[Named], word: str, report: DocumentRepo
             continue
         value_text = f"{value:#04x}" if isinstance(value, int) else quoted(value)
         line, _ = report.document.position(first_path)
-        message = f"there is already {word} {value_text} on line {line}; rename one of them"
+        message = f"there is already {noun} {value_text} on line {line}; rename one of them"
         is_key_of_join = path[-2] == "join"  # The name of a join is a key, not a value.
         report.add("duplicate-name", path, message, at_key=is_key_of_join)
 
 
 def _address_space(register: WrittenRegister) -> tuple[str, int | None]:
-    """Return the address space of a register. Each bank is a space, and the area without banks is another."""
+    """Return the interface and the bank of a register, in which addresses are unique. The bank can be None."""
     return interface_of(register), register.bank
 
 

@@ -33,41 +33,41 @@ _KEYS_ABOUT_OTHER_DOCUMENTS = frozenset(("documents", "editions", "evidence"))
 _KEYS_THAT_QUOTE = frozenset(("printed", "title", "why"))
 
 
-def check_characters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the hexadecimal characters in the meaning of a text field match its ``equals``."""
+def check_characters(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the bytes in the meaning of a text field are the characters that the field always contains."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            printed = _BYTES_IN_HEXADECIMAL.search(field.meaning)
-            if printed is None or not isinstance(field.equals, str) or not field.equals.isascii() or not field.text:
+            match = _BYTES_IN_HEXADECIMAL.search(field.meaning)
+            if match is None or not isinstance(field.equals, str) or not field.equals.isascii() or not field.text:
                 continue
-            printed_digits = printed[1]
-            digits = field.equals.encode("ascii").hex(" ").upper()  # 4C 41 for LA.
-            if printed_digits != digits:
+            stated_bytes = match[1]
+            expected_bytes = field.equals.encode("ascii").hex(" ").upper()  # 4C 41 for LA.
+            if stated_bytes != expected_bytes:
                 message = (
-                    f"the meaning says {printed_digits}, but 'equals' is {quoted(field.equals)}, which is {digits} in"
-                    " hexadecimal; one of the two is wrong"
+                    f"the meaning says {stated_bytes}, but 'equals' is {quoted(field.equals)}, which is"
+                    f" {expected_bytes} in hexadecimal; one of the two is wrong"
                 )
                 report.add("printed-number", field.place_of("equals"), message)
 
 
-def check_constant_bits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a fixed field whose meaning says ``always`` and a single number has this number."""
+def check_constant_bits(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that fixed bits have the number that their meaning gives after the word "always"."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            stated = _ALWAYS_A_NUMBER.findall(field.meaning)
+            stated_numbers = _ALWAYS_A_NUMBER.findall(field.meaning)
+            if len(stated_numbers) != 1:
+                continue
             for key, number in (("constant", field.constant), ("unused", field.unused)):
-                if number is not None and len(stated) == 1 and int(stated[0]) != number:
-                    message = (
-                        f"the meaning says always {stated[0]}, but {quoted(key)} is {number}; one of the two is wrong"
-                    )
-                    report.add("printed-number", field.place_of(key), message)
+                if number is not None and int(stated_numbers[0]) != number:
+                    problem = f"the meaning says always {stated_numbers[0]}, but {quoted(key)} is {number}"
+                    report.add("printed-number", field.place_of(key), f"{problem}; one of the two is wrong")
 
 
-def check_counts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the counts or revolutions in the meaning of an order code value are those that it sets.
+def check_counts(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the counts or revolutions in the meaning of an order code value follow from the value's settings.
 
-    They are computed by the formulas of the measurement, if the value sets all their parameters. Of several
-    measurements, the last one with a formula counts.
+    They are computed with the formulas of the measurement, if the value sets all parameters in them. With several
+    measurements, the formula of the last one applies.
     """
     formulas = dict(_yield_formulas(spec))
     definitions = _collect_definitions(spec)
@@ -90,7 +90,7 @@ def check_counts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport
 
 
 def _yield_formulas(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:
-    """Yield the formulas of measurements, as ``("counts", 2^bits)`` per turn and ``("turns", 4096)``."""
+    """Yield the formulas of measurements: ``("counts", …)`` for the counts per turn, ``("turns", …)`` for the turns."""
     for measurement in measurements(spec):
         for kind, key in (("counts", "counts_per_turn"), ("turns", "turns")):
             formula = _parse_formula(measurement.data[key]) if measurement.has(key) else None
@@ -105,7 +105,7 @@ def _collect_definitions(spec: WrittenSpec) -> dict[str, Expression]:
 
 
 def _parse_formula(formula: object) -> Expression | None:
-    """Return a number or formula as an expression, or None for anything else. Another rule reports a wrong formula."""
+    """Return a number or formula as an expression. None if it is missing or invalid, which another rule reports."""
     if not isinstance(formula, (int, str)) or formula == "":
         return None
     try:
@@ -124,36 +124,37 @@ def _evaluate_formula(formula: Expression, parameters: Mapping[str, int]) -> int
         return None
 
 
-def check_widths(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the only range of bits in the meaning of a parameter matches the order codes.
+def check_widths(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a range such as ``12 to 16 bits`` in the meaning of a parameter is the range that order codes set.
 
-    The order codes set the parameter, or the parameters from which it is derived. The bounds are the widths with all of
+    Order codes set the parameter, or the parameters from which it is calculated. The range is calculated with all of
     these at their lowest, and with all at their highest.
     """
-    ranges = _ranges_set(spec)
+    ranges = _ranges_set_by_codes(spec)
     definitions = _collect_definitions(spec)
-    parameters_at_bounds = []
-    for bound in (0, 1):  # the index of the lowest number in a range, and of the highest
-        set_numbers = {name: bounds_of_name[bound] for name, bounds_of_name in ranges.items()}
-        parameters_at_bounds.append(resolve_parameters(set_numbers, definitions))
+    lowest_numbers = {name: lowest for name, (lowest, _) in ranges.items()}
+    highest_numbers = {name: highest for name, (_, highest) in ranges.items()}
+    lowest_parameters = resolve_parameters(lowest_numbers, definitions)
+    highest_parameters = resolve_parameters(highest_numbers, definitions)
     for name, parameter in spec.parameters.items():
-        printed_ranges = _BITS_RANGE.findall(parameter.meaning)
-        if len(printed_ranges) != 1 or parameter.unit != "bits":
+        stated_ranges = _BITS_RANGE.findall(parameter.meaning)
+        is_set = name in lowest_parameters and name in highest_parameters
+        if len(stated_ranges) != 1 or parameter.unit != "bits" or not is_set:
             continue
-        bounds = [parameters_at_bound.get(name) for parameters_at_bound in parameters_at_bounds]
-        low, high = map(int, printed_ranges[0])
-        if None not in bounds and bounds != [low, high]:
+        stated_lowest, stated_highest = map(int, stated_ranges[0])
+        lowest, highest = lowest_parameters[name], highest_parameters[name]
+        if (stated_lowest, stated_highest) != (lowest, highest):
             message = (
-                f"the meaning says {low} to {high} bits, but the order codes set {bounds[0]} to {bounds[1]}; one of the"
-                " two is wrong"
+                f"the meaning says {stated_lowest} to {stated_highest} bits, but the order codes set {lowest} to"
+                f" {highest}; one of the two is wrong"
             )
             report.add("printed-number", parameter.place_of("meaning"), message)
 
 
-def _ranges_set(spec: WrittenSpec) -> dict[str, tuple[int, int]]:
-    """Return the lowest and the highest number that order codes set, by parameter: ``{"bits": (12, 16)}``.
+def _ranges_set_by_codes(spec: WrittenSpec) -> dict[str, tuple[int, int]]:
+    """Return the lowest and the highest number to which order codes set each parameter: ``{"bits": (12, 16)}``.
 
-    The result is empty if ``only_with`` excludes some combinations.
+    The result is empty if some values of the order code can be combined only with certain others (``only_with``).
     """
     numbers_by_parameter: dict[str, list[int]] = {}
     for part in spec.order_code.parts:
@@ -165,12 +166,12 @@ def _ranges_set(spec: WrittenSpec) -> dict[str, tuple[int, int]]:
     return {name: (min(set_numbers), max(set_numbers)) for name, set_numbers in numbers_by_parameter.items()}
 
 
-def check_equal_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a text that gives a number in decimal and in hexadecimal gives the same number.
+def check_equal_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that texts that give a number in decimal and in hexadecimal, as in ``16 is 10h``, give the same number.
 
-    A text that gives bits and their number, as in ``bits 7:4, which are 4 bits``, must agree as well.
+    Also check that texts such as ``bits 7:4, which are 4 bits`` give the correct number of bits.
     """
-    for path, text in _own_texts(spec, report):
+    for path, text in _texts_in_our_words(spec, report):
         # The first expression finds ``16 is 10h``, and the second one ``0x10 = 16``.
         number_pairs = [(decimal, hexadecimal) for decimal, hexadecimal in _NUMBER_IN_TWO_BASES.findall(text)]
         number_pairs += [(decimal, hexadecimal) for hexadecimal, decimal in _EQUAL_HEX.findall(text)]
@@ -182,31 +183,25 @@ def check_equal_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
         for high, low, width in _SECTION_OF_BITS.findall(text):
             actual_width = int(high) - int(low) + 1
             if actual_width != int(width):
-                report.add(
-                    "printed-number",
-                    path,
-                    f"bits {high}:{low} are {actual_width} bits, not {width}; correct one of them",
-                )
+                message = f"bits {high}:{low} are {actual_width} bits, not {width}; correct one of them"
+                report.add("printed-number", path, message)
 
 
-def _own_texts(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path, str]]:
-    """Yield the texts of a spec in its own words, which do not quote the manual, with their places."""
+def _texts_in_our_words(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path, str]]:
+    """Yield the texts of a spec that neither quote the manual nor describe other documents, with their paths."""
     for path, text in leaves_of(spec.data, report):
         section, key = path[0], path[-1]
         is_prose = key in PROSE or (section, key) == ("characteristics", "value")
-        if (
-            isinstance(text, str)
-            and is_prose
-            and key not in _KEYS_THAT_QUOTE
-            and section not in _KEYS_ABOUT_OTHER_DOCUMENTS
-        ):
+        is_quotation = key in _KEYS_THAT_QUOTE
+        is_about_other_document = section in _KEYS_ABOUT_OTHER_DOCUMENTS
+        if isinstance(text, str) and is_prose and not is_quotation and not is_about_other_document:
             yield path, text
 
 
-def check_standards(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a text names a usual standard of lines, such as RS-485. Printed texts of errata may name any.
+def check_standards(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that each standard with the prefix RS in a text exists, such as RS-485.
 
-    Other standards are accepted by their full names, such as TIA-899.
+    The text of the manual that an erratum corrects may name any standard.
     """
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[-1] == "printed" or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS:
@@ -218,12 +213,15 @@ def check_standards(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
             report.add("unknown-standard", path, message)
 
 
-def check_figures(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a figure that a text names is one of those that the spec lists as lost, if it gives their numbers."""
+def check_figures(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a figure that a text names is listed under ``lost_figures``, the figures that were not available.
+
+    Nothing is checked if the list contains no numbers of figures.
+    """
     lost_numbers: set[int] = set()
     for figure in spec.lost_figures:
         lost_numbers.update(_figure_numbers(figure.part.content))
-    for path, text in _own_texts(spec, report):
+    for path, text in _texts_in_our_words(spec, report):
         if not lost_numbers or path[0] == "lost_figures":
             continue
         unlisted_numbers = [number for number in _figure_numbers(text) if number not in lost_numbers]

@@ -12,55 +12,16 @@ from ..document import Path
 from ..problems import WORDS_ONLY, DocumentReport, quoted
 from ..written_codes import WrittenCodePart, WrittenCodeValue, WrittenParameter, WrittenSpelling
 from ..written_parts import WrittenSpec
-from .name_resolver import NameResolver
-from .parts import by_name, origins_of
+from .parts import origins_of
 
-
-def check_order_code_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of order code values: parameters, interfaces, other parts and their labels.
-
-    ``as_read`` is the spec before its invalid parts were removed, so names that only these define are known too.
-    """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    parts = by_name(as_read.order_code.parts)
-    for part in spec.order_code.parts:
-        # A part cannot be combined with itself.
-        other_parts = [name for name in parts if name != part.name]
-        _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)
-        for value in part.values.values():
-            for name in value.sets:
-                resolver.refer((*value.path, "sets", name), "parameter", name)
-            resolver.refer_if_given(value.place_of("interface"), "interface", value.interface)
-            _check_combinations(resolver, value.place_of("only_with"), value.only_with, parts, other_parts)
-
-
-def _check_combinations(
-    resolver: NameResolver,
-    path: Path,
-    labels_by_part: Mapping[str, Sequence[str]],
-    parts_by_name: Mapping[str, WrittenCodePart],
-    other_parts: Sequence[str],
-) -> None:
-    """Check that the parts with which a value can be combined exist, and that they have the listed labels.
-
-    ``labels_by_part`` is the map at ``path``, such as ``{"output": ["S", "B"]}`` under ``only_with``.
-    """
-    for part_name, labels in labels_by_part.items():
-        labels_path = (*path, part_name)
-        resolver.refer(labels_path, "other part", part_name, known_names=other_parts)
-        if part_name in parts_by_name:
-            known_labels = parts_by_name[part_name].names_in("values")
-            resolver.refer_to_each(labels_path, part_name, labels, known_labels)
-
-
-#: Largest number of codes of one family. More indicate an error, as the largest catalogue pages list a few hundred.
+#: Largest number of codes of one family. More indicate an error, because the largest catalogs list a few hundred.
 MAX_CODES = 10_000
 
 #: The name of a part in a pattern, such as ``{bits}``. Splitting at it yields literals and names in turn.
 _PART_IN_BRACES = re.compile(r"\{([^{}]*)\}")
 _LITERAL_TEXT = re.compile(r"[A-Za-z0-9/_. -]*")
-#: Keys of parameters that are not set by order codes, each with the middle of a message: "'bits' … ('equals'), so …".
-_NOT_SET = {
+#: Keys of parameters that are not set by order codes, each with the text for messages that says what sets them.
+_OTHER_ORIGINS = {
     "equals": "is computed from other parameters ('equals')",
     "read_from": "is read from the encoder ('read_from')",
     "alternative": "is set by an alternative ('alternative')",
@@ -72,7 +33,7 @@ _PATH_OF_PARTS: tuple[str, str] = ("order_code", "parts")
 
 @dataclass(frozen=True, slots=True)
 class _Code:
-    """One enumerated code: its text, and for each part its name, the chosen label and the value of this label."""
+    """A complete order code: its text, and for each part its name, the chosen label and the value of this label."""
 
     text: str
     chosen: tuple[tuple[str, str, WrittenCodeValue], ...]
@@ -83,16 +44,19 @@ class _Code:
 
     @property
     def set_parameters(self) -> list[str]:
-        """Names of the parameters that its parts set, with duplicates."""
+        """Names of the parameters that its parts set. A name that several parts set is repeated."""
         names: list[str] = []
         for _, _, value in self.chosen:
             names += value.sets
         return names
 
 
-def check_order_code_pattern(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that pattern and parts agree, and then that codes set each parameter once and select one interface."""
-    if not is_whole(spec.data, as_read.data):
+def check_order_code_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the pattern contains each part, and that each order code selects one interface.
+
+    Each order code must also set every parameter once. Order codes are checked only if the pattern has no problems.
+    """
+    if not are_codes_complete(spec.data, spec.with_invalid_parts.data):
         return  # Something invalid was removed, which is reported already.
     problems_before = len(report)
     _check_pattern(spec, report)
@@ -110,14 +74,14 @@ def check_order_code_pattern(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         _check_codes(spec, codes, report)
 
 
-def check_ambiguous_order_codes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_ambiguous_order_codes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text on a label can be read in two ways: as two codes, or as one code split in two ways."""
-    if not is_whole(spec.data, as_read.data):
+    if not are_codes_complete(spec.data, spec.with_invalid_parts.data):
         return  # Something invalid was removed, which is reported already.
     parts, pattern = spec.order_code.parts, spec.order_code.pattern
     part_names = {part.name for part in parts}
     has_duplicate_names = len(part_names) < len(parts)
-    has_invalid_expression = any(_expression_fault(part.open) for part in parts)
+    has_invalid_expression = any(_problem_of_expression(part.open) for part in parts)
     names_each_part_once = sorted(_PART_IN_BRACES.findall(pattern)) == sorted(part_names)
     if has_duplicate_names or has_invalid_expression or not names_each_part_once:
         return  # Other rules report these mistakes.
@@ -127,45 +91,44 @@ def check_ambiguous_order_codes(spec: WrittenSpec, as_read: WrittenSpec, report:
 
 
 def _find_ambiguity(spec: WrittenSpec) -> str:
-    """Return the message about the first code that occurs twice or can be read in two ways. Empty if none is."""
-    # Literals are at even indices, and names of parts at odd indices. Blanks on a label are ignored.
+    """Return a message about the first order code that occurs twice or can be read in two ways, or an empty string."""
     parts = spec.order_code.parts
+    # Literal text is at even indices, and names of parts are at odd indices. Blanks on a label are ignored.
     pieces = _PART_IN_BRACES.split(spec.order_code.pattern)
     names_of_parts = pieces[1::2]
     pieces[::2] = map(_without_blanks, pieces[::2])
-    # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
+    # With parts of fixed length, each code splits at fixed places, so it can only be read as it was composed.
     has_fixed_lengths = all(map(_has_fixed_length, parts))
-    value_tests = {part.name: _value_test(part) for part in parts}
-    codes_by_label: dict[str, _Code] = {}  # The first code with each text.
+    label_tests = {part.name: _label_test(part) for part in parts}
+    first_codes: dict[str, _Code] = {}  # The first code with each text.
     for code in _compose_codes(spec) or ():
-        label = _without_blanks(code.text)
-        first_code = codes_by_label.setdefault(label, code)
+        code_text = _without_blanks(code.text)
+        first_code = first_codes.setdefault(code_text, code)
         if first_code is not code:
             occurrences = f"as {_parts_text(first_code)}, and as {_parts_text(code)}"
             return f"the code {quoted(code.text)} occurs twice: {occurrences}"
         if has_fixed_lengths:
             continue
-        two_readings = list(itertools.islice(_yield_readings(label, pieces, value_tests), 2))
+        two_readings = list(itertools.islice(_yield_readings(code_text, pieces, label_tests), 2))
         if len(two_readings) == 2:
-            first, second = (_reading_text(names_of_parts, reading) for reading in two_readings)
+            first, second = (_reading_text(names_of_parts, labels) for labels in two_readings)
             return f"the code {quoted(code.text)} can be read as {first}, and as {second}"
     return ""
 
 
-def _has_fixed_length(code_part: WrittenCodePart) -> bool:
-    return not code_part.open and len(set(map(len, code_part.values))) == 1
+def _has_fixed_length(part: WrittenCodePart) -> bool:
+    """Return True if a part of the order code has only listed labels, all of the same length."""
+    return not part.open and len(set(map(len, part.values))) == 1
 
 
-def _reading_text(names: Sequence[str], reading: Sequence[str]) -> str:
-    return ", ".join(f"{name} {text}" for name, text in zip(names, reading, strict=True))
+def _reading_text(names_of_parts: Sequence[str], labels: Sequence[str]) -> str:
+    """Return a reading of an order code as text, such as ``bits 24, output S``."""
+    return ", ".join(f"{name} {label}" for name, label in zip(names_of_parts, labels, strict=True))
 
 
-def check_also_written(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels.
-
-    ``as_read`` is the spec before its invalid parts were removed.
-    """
-    if not is_whole(spec.data, as_read.data):
+def check_also_written(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels."""
+    if not are_codes_complete(spec.data, spec.with_invalid_parts.data):
         return  # Invalid parts of the order code were removed from ``spec``, so parts of the spelling could be missing.
     parts = {part.name: part for part in spec.order_code.parts}
     for spelling in spec.order_code.also_written:
@@ -198,24 +161,24 @@ def _check_spelling(
                 report.add(
                     "also-written", (*spelling.path, "values", name, printed_text), message, cause=f"{name} {label}"
                 )
-    fault = _expression_fault(spelling.then)
-    if fault:
-        message = f"{quoted(spelling.then)} is not a valid regular expression: {fault}"
+    problem = _problem_of_expression(spelling.then)
+    if problem:
+        message = f"{quoted(spelling.then)} is not a valid regular expression: {problem}"
         report.add("also-written", spelling.place_of("then"), message)
 
 
 def _without_blanks(label: str) -> str:
-    """Return the text as used to compare labels, where blanks are ignored."""
+    """Return a label in capitals and without blanks, as labels are compared."""
     return "".join(label.split()).upper()
 
 
-def is_whole(checked_data: dict[str, object], data_as_read: dict[str, object]) -> bool:
-    """Return True if order codes and parameters are whole, so that no missing part of them causes errors.
+def are_codes_complete(valid_data: dict[str, object], all_data: dict[str, object]) -> bool:
+    """Return True if no part of the order codes and parameters of a spec was removed as invalid, except prose.
 
-    ``checked_data`` is a copy of ``data_as_read`` from which invalid parts were removed. Missing prose is accepted.
+    ``all_data`` is the spec, and ``valid_data`` its copy without the invalid parts.
     """
     for key in ("order_code", "parameters"):
-        if key not in checked_data or _without_prose(checked_data[key]) != _without_prose(data_as_read[key]):
+        if key not in valid_data or _without_prose(valid_data[key]) != _without_prose(all_data[key]):
             return False
     return True
 
@@ -230,8 +193,9 @@ def _without_prose(node: object) -> object:
 
 
 def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a pattern has each part once, and only characters of order codes between them."""
-    pattern, path = spec.order_code.pattern, spec.order_code.place_of("pattern")
+    """Check that the pattern of the order code has each part once, and only allowed characters between the parts."""
+    pattern = spec.order_code.pattern
+    path = spec.order_code.place_of("pattern")
     used_parts = _PART_IN_BRACES.findall(pattern)
     names = [part.name for part in spec.order_code.parts]
     literals = "".join(_PART_IN_BRACES.split(pattern)[0::2])  # The split pieces alternate: literal, name, literal.
@@ -255,66 +219,66 @@ def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that order codes set only parameters without another origin, and that open parts have valid expressions.
+    """Check that order codes set only parameters that are not calculated, read or set by an answer of the user.
 
-    An open part also takes labels that the spec does not list. ``open`` is the regular expression for them.
+    Also check that the regular expressions of open parts are valid. They describe labels that the spec does not list.
     """
     for part in spec.order_code.parts:
         for value in part.values.values():
             for name in value.sets:
                 origin = _other_origin(spec, spec.parameters[name]) if name in spec.parameters else None
                 if origin is not None:
-                    message = f"{quoted(name)} {_NOT_SET[origin]}, so an order code cannot set it too"
+                    message = f"{quoted(name)} {_OTHER_ORIGINS[origin]}, so an order code cannot set it too"
                     report.add("order-code-pattern", (*value.path, "sets", name), message)
-        fault = _expression_fault(part.open)
-        if fault:
-            message = f"{quoted(part.open)} is not a valid regular expression: {fault}"
+        problem = _problem_of_expression(part.open)
+        if problem:
+            message = f"{quoted(part.open)} is not a valid regular expression: {problem}"
             report.add("order-code-pattern", part.place_of("open"), message)
 
 
 def _other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
-    """Return the key ('equals', …) that prevents an order code from setting a parameter, or None if there is none.
+    """Return the key that prevents an order code from setting a parameter, such as ``equals``, or None without one.
 
-    It can set a parameter that is read from a register, if the register has no default.
+    An order code can set a parameter that is read from a register if the register has no default.
     """
     origins = origins_of(parameter)
     if not origins:
         return None
-    needs_order_code = origins[0] == "read_from" and _has_no_default(spec, parameter)
+    needs_order_code = origins[0] == "read_from" and _lacks_default(spec, parameter)
     return None if needs_order_code else origins[0]
 
 
-def _has_no_default(spec: WrittenSpec, parameter: WrittenParameter) -> bool:
+def _lacks_default(spec: WrittenSpec, parameter: WrittenParameter) -> bool:
     """Return True if a parameter is read from a register without a default, so that the order code must set it."""
     register_name, _, _ = parameter.read_from.partition(".")  # ``read_from`` is ``register`` or ``register.field``.
     return any(register.name == register_name and register.default is None for register in spec.registers)
 
 
-def _expression_fault(regular_expression: str) -> str:
-    """Return the reason that an expression cannot describe an open part, or an empty string if it can."""
+def _problem_of_expression(regular_expression: str) -> str:
+    """Return the reason that a regular expression cannot describe labels, or an empty string if it can."""
     try:
         re.compile(regular_expression)
     except (re.error, OverflowError) as error:
         return str(error)
-    # Each repetition multiplies the ways to match a label. Three are more than any catalogue needs.
+    # Each repetition multiplies the ways to match a label. Three are more than any catalog needs.
     expression_without_classes = _CHARACTER_CLASS.sub("", regular_expression)  # In [+*], signs represent themselves.
     repetitions = _REPETITION.findall(expression_without_classes)
     return "more than three repetitions" if len(repetitions) > 3 else ""
 
 
 def _check_codes(spec: WrittenSpec, codes: Sequence[_Code], report: DocumentReport) -> None:
-    """Report codes that do not select one interface, or do not set a required parameter once.
+    """Report order codes that do not select exactly one interface, or do not set each required parameter exactly once.
 
-    The interface and each parameter are reported once, for the first such code.
+    The interface and each parameter are reported only for the first such code.
     """
     first_problems: dict[str, tuple[Path, str]] = {}
     required_parameters = _required_parameters(spec, codes)
     for code in codes:
         interfaces = code.interfaces
         if len(interfaces) != 1:
-            first_problems.setdefault("interface", (_PATH_OF_PARTS, _interface_fault(spec, code)))
+            first_problems.setdefault("interface", (_PATH_OF_PARTS, _message_on_interfaces(spec, code)))
         for name in required_parameters:
-            message = _parameter_fault(name, code, spec.parameters)
+            message = _message_on_parameter(name, code, spec.parameters)
             if message:
                 first_problems.setdefault(name, (("parameters", name), message))
     for path, message in first_problems.values():
@@ -323,8 +287,8 @@ def _check_codes(spec: WrittenSpec, codes: Sequence[_Code], report: DocumentRepo
         _check_selected_interfaces(spec, codes, report)
 
 
-def _interface_fault(spec: WrittenSpec, code: _Code) -> str:
-    """Return the message about a code that does not select exactly one interface."""
+def _message_on_interfaces(spec: WrittenSpec, code: _Code) -> str:
+    """Return the message about an order code that selects no interface, or several."""
     rule = "each code must select one interface"
     if code.interfaces:
         selected = f"{len(code.interfaces)} ({', '.join(code.interfaces)})"
@@ -335,8 +299,8 @@ def _interface_fault(spec: WrittenSpec, code: _Code) -> str:
     return f"{rule}, but {code.text} selects none; {remedy}"
 
 
-def _parameter_fault(parameter_name: str, code: _Code, parameters: Mapping[str, WrittenParameter]) -> str:
-    """Return the message about a code that does not set a parameter exactly once, or an empty string."""
+def _message_on_parameter(parameter_name: str, code: _Code, parameters: Mapping[str, WrittenParameter]) -> str:
+    """Return the message about an order code that sets a parameter twice or not at all. Empty if it sets it once."""
     set_parameters = code.set_parameters
     count = set_parameters.count(parameter_name)
     if count > 1:
@@ -352,7 +316,10 @@ def _parameter_fault(parameter_name: str, code: _Code, parameters: Mapping[str, 
 
 
 def _required_parameters(spec: WrittenSpec, codes: Sequence[_Code]) -> list[str]:
-    """Return the parameters that every code must set: without another origin, or read and set by some code."""
+    """Return the names of the parameters that every order code must set.
+
+    These are the parameters that nothing else sets, and those that are read from a register and set by some code.
+    """
     set_by_codes = {name for code in codes for name in code.set_parameters}
     names = []
     for name, parameter in spec.parameters.items():
@@ -377,9 +344,10 @@ def _check_selected_interfaces(spec: WrittenSpec, codes: Sequence[_Code], report
 
 
 def _compose_codes(spec: WrittenSpec) -> list[_Code] | None:
-    """Return every code composed of listed labels that ``only_with`` allows, or None if there are too many.
+    """Return every order code that combines a listed label of each part, or None if there are too many.
 
-    A code takes one label of each part: with the labels 12 and 13, and S and B, the codes are 12S, 12B, 13S and 13B.
+    With the labels 12 and 13, and S and B, the codes are 12S, 12B, 13S and 13B. Combinations that the key ``only_with``
+    of a value excludes are left out.
     """
     parts = spec.order_code.parts
     if math.prod(len(part.values) for part in parts) > MAX_CODES:
@@ -405,46 +373,52 @@ def _is_allowed(chosen: Sequence[tuple[str, str, WrittenCodeValue]], labels: Map
 
 
 def _fill_pattern(pattern: str, labels: dict[str, str]) -> str:
-    return _PART_IN_BRACES.sub(lambda brace: labels.get(brace[1], ""), pattern)
+    """Return a pattern such as ``X-{bits}`` with the name of each part in braces replaced by the part's label."""
+    return _PART_IN_BRACES.sub(lambda braces: labels.get(braces[1], ""), pattern)
 
 
-def _value_test(code_part: WrittenCodePart) -> Callable[[str], bool]:
-    """Return the predicate that is True for a text in capitals that is a label of a part or matches its ``open``."""
-    listed_labels = frozenset(value.upper() for value in code_part.values)
-    if not code_part.open:
+def _label_test(part: WrittenCodePart) -> Callable[[str], bool]:
+    """Return a function that returns True for a label of this part of the order code, in capitals.
+
+    It accepts the listed labels and, for an open part, texts that match its regular expression.
+    """
+    listed_labels = frozenset(label.upper() for label in part.values)
+    if not part.open:
         return listed_labels.__contains__
-    expression = re.compile(code_part.open, re.IGNORECASE)
+    expression = re.compile(part.open, re.IGNORECASE)
     return lambda text: text in listed_labels or expression.fullmatch(text) is not None
 
 
 def _yield_readings(
-    label_text: str,
+    code_text: str,
     pieces: Sequence[str],
-    value_tests: Mapping[str, Callable[[str], bool]],
+    label_tests: Mapping[str, Callable[[str], bool]],
     start: int = 0,
     index: int = 0,
 ) -> Iterator[tuple[str, ...]]:
-    """Yield every way to split a label from ``start`` into the pattern's ``pieces`` from ``index``, as the labels.
+    """Yield every way to split an order code into a label for each part: ``("24", "S")`` for ``X-24S``.
 
-    Pieces at even indices, also the last one, are literals, and pieces at odd indices are names of parts. A reading has
-    one label for each part: ``("24", "S")`` for ``X-24S`` with the pieces ``["X-", "bits", "", "output", ""]``.
+    ``pieces`` are literal text and the name of a part in turn, such as ``["X-", "bits", "", "output", ""]``.
+    ``label_tests`` contains a function for each part that returns True for its labels. The text is split from ``start``
+    on, and the pieces are used from ``index`` on.
     """
     literal = pieces[index].upper()
-    if not label_text.startswith(literal, start):
+    if not code_text.startswith(literal, start):
         return
     label_start = start + len(literal)
     is_last_piece = index == len(pieces) - 1
     if is_last_piece:
-        if label_start == len(label_text):
+        if label_start == len(code_text):
             yield ()
         return
-    is_label = value_tests[pieces[index + 1]]
-    for end in range(label_start, len(label_text) + 1):
-        label = label_text[label_start:end]
+    is_label = label_tests[pieces[index + 1]]
+    for label_end in range(label_start, len(code_text) + 1):
+        label = code_text[label_start:label_end]
         if is_label(label):
-            for later_labels in _yield_readings(label_text, pieces, value_tests, end, index + 2):
+            for later_labels in _yield_readings(code_text, pieces, label_tests, start=label_end, index=index + 2):
                 yield (label, *later_labels)
 
 
 def _parts_text(code: _Code) -> str:
-    return ", ".join(f"{name} {text}" for name, text, _ in code.chosen)
+    """Return the parts of an order code as text, such as ``bits 24, output S``."""
+    return ", ".join(f"{name} {label}" for name, label, _ in code.chosen)

@@ -27,8 +27,8 @@ from .parts import (
     with_groups_expanded,
 )
 
-#: Quantities by their units as manuals name them. Other units are used unchanged.
-_KINDS = {
+#: Kinds of units, each with the units as manuals name them.
+_UNITS_BY_KIND = {
     "bits": ("bit", "bits"),
     "micrometres": ("um", "µm", "μm", "micrometre", "micrometres", "micrometer", "micrometers", "micron", "microns"),
     "nanometres": ("nm", "nanometre", "nanometres", "nanometer", "nanometers"),
@@ -36,11 +36,11 @@ _KINDS = {
     "revolutions": ("revolution", "revolutions", "turn", "turns", "rev", "revs"),
     "counts": ("count", "counts", "step", "steps", "position", "positions", "increments"),
 }
-_KIND_OF = {unit: kind for kind, units in _KINDS.items() for unit in units}
+_KIND_BY_UNIT = {unit: kind for kind, units in _UNITS_BY_KIND.items() for unit in units}
 #: Keys of fields whose expressions are in bits.
 _KEYS_IN_BITS = ("bits", "low_bit")
-#: Quantity of each number of a measurement.
-_QUANTITY_OF_KEY = {
+#: Kind of unit of each number of a measurement.
+_KIND_BY_KEY = {
     "counts_per_turn": "counts",
     "turns": "revolutions",
     "step_um": "micrometres",
@@ -52,21 +52,22 @@ _QUANTITY_OF_KEY = {
 
 
 def kind_of_unit(unit: str) -> str:
-    """Return the quantity of a unit, or the unit itself if it is not known."""
-    return _KIND_OF.get(unit, unit)
+    """Return the kind of a unit, such as ``micrometres`` for ``µm`` and ``um``, or the unit itself if it is unknown."""
+    return _KIND_BY_UNIT.get(unit, unit)
 
 
-def check_parameter_interface(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an expression of one interface uses no parameter of another, directly or through other parameters."""
-    for path, interface, text in parameter_uses(spec, as_read):
-        for name in dict.fromkeys(all_parameters(text, as_read.parameters)):
-            owner_interface = as_read.parameters[name].interface
-            if owner_interface is not None and owner_interface != interface:
-                report.add(
-                    "parameter-interface",
-                    path,
-                    f"{quoted(name)} is only for {owner_interface} (see its 'interface'), but this is {interface}",
-                )
+def check_parameter_interface(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no expression of an interface uses a parameter of another interface.
+
+    Parameters that define the parameters in an expression are checked, too.
+    """
+    parameters = spec.with_invalid_parts.parameters
+    for path, interface, text in parameter_uses(spec):
+        for name in dict.fromkeys(all_parameters(text, parameters)):
+            own_interface = parameters[name].interface
+            if own_interface is not None and own_interface != interface:
+                message = f"{quoted(name)} is only for {own_interface} (see its 'interface'), but this is {interface}"
+                report.add("parameter-interface", path, message)
                 break
 
 
@@ -75,103 +76,110 @@ _Expressions = Iterator[tuple[Path, int | str]]
 
 
 def expressions(spec: WrittenSpec) -> _Expressions:
-    """Yield every expression of a spec, with the expressions of groups once."""
+    """Yield every expression of a spec as it is written, with its path. Expressions in groups are yielded once."""
     for part in spec.order_code.parts:
         yield from _expressions_under(part, ("label_is",))
     for parameter in spec.parameters.values():
         yield from _expressions_under(parameter, ("equals",))
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            yield from _of_field(field, field.path)
+            yield from _expressions_of_field(field, field.path)
     for register in spec.registers:
-        for limited in (register, *register.meanings):
-            yield from _expressions_under(limited, ("min", "max"))
+        for part_with_limits in (register, *register.meanings):
+            yield from _expressions_under(part_with_limits, ("min", "max"))
     for measurement in measurements(spec):
-        yield from _expressions_under(measurement, _QUANTITY_OF_KEY)
+        yield from _expressions_under(measurement, _KIND_BY_KEY)
     for field_list in layouts_of_interfaces(spec):
-        yield from _of_position_range(field_list)
-        yield from _of_gray_code(field_list, ("excess",))
+        yield from _expressions_of_position_range(field_list)
+        yield from _expressions_of_gray_code(field_list, ("excess",))
     for _, interface in interfaces(spec):
-        yield from _of_interface(interface)
+        yield from _expressions_of_interface(interface)
 
 
 class ParameterUse(NamedTuple):
-    """An expression or a parameter, its place, and an interface that uses it."""
+    """An expression as it is written, or the name of a parameter, with its place and an interface that uses it."""
 
     path: Path
     interface: str
     text: int | str
 
 
-def parameter_uses(spec: WrittenSpec, as_read: WrittenSpec | None = None) -> Iterator[ParameterUse]:
+def parameter_uses(spec: WrittenSpec) -> Iterator[ParameterUse]:
     """Yield each use of an expression or parameter by an interface.
 
     A field of a group is yielded for each layout or register that uses the group.
     """
-    spec_of_groups = as_read if as_read is not None else spec  # ``as_read`` also contains the invalid groups.
-    groups = by_name(spec_of_groups.field_groups)
+    groups = by_name(spec.with_invalid_parts.field_groups)
     field_owners = list(layouts_of_interfaces(spec))
     field_owners += [FieldList(FieldOwner.REGISTER, register, interface_of(register)) for register in spec.registers]
     for field_list in field_owners:
         for path, field in with_groups_expanded(field_list, groups):
-            yield from _used_by(field_list.interface, _of_field(field, path))
-        yield from _used_by(field_list.interface, _of_owner(field_list))
+            yield from _with_interface(field_list.interface, _expressions_of_field(field, path))
+        yield from _with_interface(field_list.interface, _expressions_of_owner(field_list))
     for name, interface in interfaces(spec):
         # A measurement of the device applies to each interface without its own.
         measurement = interface.measurement if interface.has("measurement") else spec.measurement
         if measurement is not None:
-            yield from _used_by(name, _expressions_under(measurement, _QUANTITY_OF_KEY))
-        yield from _used_by(name, _of_interface(interface))
+            yield from _with_interface(name, _expressions_under(measurement, _KIND_BY_KEY))
+        yield from _with_interface(name, _expressions_of_interface(interface))
 
 
-def _used_by(interface: str, expressions: _Expressions) -> Iterator[ParameterUse]:
-    """Yield expressions with the interface that uses them."""
+def _with_interface(interface: str, expressions: _Expressions) -> Iterator[ParameterUse]:
+    """Yield each expression with its path and the interface that uses it."""
     for path, text in expressions:
         yield ParameterUse(path=path, interface=interface, text=text)
 
 
-def _of_owner(fields: FieldList) -> _Expressions:
-    """Yield the limits of a register, or the position range and the Gray code of a layout."""
-    if isinstance(fields.owner, WrittenRegister):
-        for limited in (fields.owner, *fields.owner.meanings):
-            yield from _expressions_under(limited, ("min", "max"))
-    yield from _of_position_range(fields)
-    yield from _of_gray_code(fields, ("when", "excess"))
+def _expressions_of_owner(field_list: FieldList) -> _Expressions:
+    """Yield the limits of a register, or the numbers in the position range and the Gray code of a layout."""
+    if isinstance(field_list.owner, WrittenRegister):
+        for part_with_limits in (field_list.owner, *field_list.owner.meanings):
+            yield from _expressions_under(part_with_limits, ("min", "max"))
+    yield from _expressions_of_position_range(field_list)
+    yield from _expressions_of_gray_code(field_list, ("when", "excess"))
 
 
-def _of_gray_code(fields: FieldList, keys: Iterable[str]) -> _Expressions:
-    """Yield the expressions under these keys of the Gray code of a layout. The one under ``when`` is a parameter."""
-    if fields.layout is not None and fields.layout.gray is not None:
-        yield from _expressions_under(fields.layout.gray, keys)
+def _expressions_of_gray_code(field_list: FieldList, keys: Iterable[str]) -> _Expressions:
+    """Yield the expressions under these keys of ``gray``, which describes the Gray code of a layout.
+
+    The text under ``when`` is the name of a parameter. Nothing is yielded for a layout in binary code.
+    """
+    if field_list.layout is not None and field_list.layout.gray is not None:
+        yield from _expressions_under(field_list.layout.gray, keys)
 
 
-def _of_position_range(fields: FieldList) -> _Expressions:
-    """Yield the numbers of the range that a layout has for itself."""
-    if fields.layout is not None and fields.layout.position_range is not None:
-        yield from _expressions_under(fields.layout.position_range, _QUANTITY_OF_KEY)
+def _expressions_of_position_range(field_list: FieldList) -> _Expressions:
+    """Yield the expressions in the position range of a layout, if it differs from the range of the interface."""
+    if field_list.layout is not None and field_list.layout.position_range is not None:
+        yield from _expressions_under(field_list.layout.position_range, _KIND_BY_KEY)
 
 
-def _expressions_under(owner: PlacedPart, keys: Iterable[str]) -> _Expressions:
-    """Yield the expressions under these keys of a part. The schema allows only numbers and texts there."""
+def _expressions_under(part: PlacedPart, keys: Iterable[str]) -> _Expressions:
+    """Yield the expression under each of these keys that a part has, with its path."""
     for key in keys:
-        text = owner.data.get(key)
+        text = part.data.get(key)
         if isinstance(text, (int, str)):
-            yield (*owner.path, key), text
+            yield (*part.path, key), text
 
 
-def _of_interface(interface: WrittenInterface) -> _Expressions:
-    """Yield the lengths of words over SPI, and the number of bits that data channels over BiSS compare."""
+def _expressions_of_interface(interface: WrittenInterface) -> _Expressions:
+    """Yield the lengths of words over SPI, and the number of bits that are compared between BiSS data channels."""
     if isinstance(interface, WrittenSpi):
-        for owner in (interface, *interface.exchanges):
-            yield from _expressions_under(owner, ("word_bits",))
+        for part in (interface, *interface.exchanges):
+            yield from _expressions_under(part, ("word_bits",))
     if isinstance(interface, WrittenBiss) and interface.channels is not None:
         yield from _expressions_under(interface.channels, ("compared_bits",))
 
 
-def _of_field(field: WrittenField, path: Path) -> _Expressions:
-    """Yield the expressions of a field, placed at ``path``. ``equals`` of a text field is text, not an expression."""
+def _expressions_of_field(field: WrittenField, path: Path) -> _Expressions:
+    """Yield the width, the lowest bit and the documented value of a field as they are written.
+
+    Their paths begin with ``path``. The documented value (``equals``) of a text field is not an expression.
+    """
     keys = ("bits", "low_bit") if field.has("text") else ("bits", "low_bit", "equals")
-    return (((*path, key), field.data[key]) for key in keys if key in field.data)
+    for key in keys:
+        if key in field.data:
+            yield (*path, key), field.data[key]
 
 
 #: Most terms of a sum of parameters, with all definitions inserted.
@@ -179,7 +187,10 @@ _MOST_TERMS = 256
 
 
 def all_parameters(expression_text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
-    """Yield the parameters in an expression, and in the expressions that define these parameters, each once."""
+    """Yield the names of the parameters in an expression, and of the parameters from which they are calculated.
+
+    Each name is yielded once. ``parameters`` contains all parameters of the spec. Unknown names are left out.
+    """
     factors_to_visit = _list_factors(expression_text)
     visited_names: set[str] = set()
     # The list grows during the loop, so that parameters named directly come before those that define them.
@@ -193,9 +204,9 @@ def all_parameters(expression_text: object, parameters: Mapping[str, WrittenPara
 
 
 def _list_factors(expression_text: object) -> list[Factor]:
-    """Return the factors of all terms of an expression as it is written, or none if it is not valid.
+    """Return the factors of all terms of an expression as it is written. Empty for text that is not an expression.
 
-    ``bits + bits`` has the factor twice, although it is one term.
+    A factor is a parameter, or two to the power of a parameter. For ``bits + bits``, it is returned twice.
     """
     if not isinstance(expression_text, (int, str)):
         return []
@@ -206,41 +217,42 @@ def _list_factors(expression_text: object) -> list[Factor]:
     return [factor for term in terms for factor in term.factors * abs(term.multiple)]
 
 
-def check_long_sums(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no parameter becomes a long sum when the definitions of its parameters are inserted.
+def check_long_sums(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no parameter becomes a long sum when the parameters in it are replaced by their definitions.
 
-    Definitions that use others twice each would fill the memory: 30 of them are a sum of 2^30 terms.
+    Definitions that each use another one twice would fill the memory: 30 of them are a sum of 2^30 terms. A parameter
+    that uses a reported one is not reported.
     """
-    terms_by_name: dict[str, int] = {}
+    count_by_name: dict[str, int] = {}
     for name, parameter in spec.parameters.items():
-        term_count = _count_of_terms(name, spec.parameters, terms_by_name)
-        # Then that parameter is reported, and not those that use it.
-        has_long_parameter = any(
-            terms_by_name.get(factor.parameter, 0) > _MOST_TERMS for factor in _list_factors(parameter.equals)
-        )
-        if term_count > _MOST_TERMS and not has_long_parameter:
+        term_count = _count_terms(name, spec.parameters, count_by_name)
+        used_names = [factor.parameter for factor in _list_factors(parameter.equals)]
+        uses_long_sum = any(count_by_name.get(used_name, 0) > _MOST_TERMS for used_name in used_names)
+        if term_count > _MOST_TERMS and not uses_long_sum:
             problem = f"{quoted(name)} is a sum of {term_count} terms with the definitions of its parameters"
             report.add("bad-expression", parameter.place_of("equals"), f"{problem}; the limit is {_MOST_TERMS}")
 
 
-def _count_of_terms(parameter_name: str, parameters: Mapping[str, WrittenParameter], counts: dict[str, int]) -> int:
-    """Return the number of terms of a parameter with all definitions inserted, which ``counts`` keeps by name.
+def _count_terms(name: str, parameters: Mapping[str, WrittenParameter], count_by_name: dict[str, int]) -> int:
+    """Return the number of terms of a parameter when all parameters in it are replaced by their definitions.
 
-    Each factor of a product counts like a term, and a parameter without a definition as one.
+    Each factor of a product counts as a term. A parameter without a definition has one term. ``count_by_name`` caches
+    the results.
     """
-    if parameter_name in counts:
-        return counts[parameter_name]
-    counts[parameter_name] = 1  # This ends a cycle, which another rule reports.
-    factors = _list_factors(parameters[parameter_name].equals) if parameter_name in parameters else []
+    if name in count_by_name:
+        return count_by_name[name]
+    count_by_name[name] = 1  # This ends the recursion for a circular definition, which another rule reports.
+    factors = _list_factors(parameters[name].equals) if name in parameters else []
     if factors:
-        counts[parameter_name] = sum(_count_of_terms(factor.parameter, parameters, counts) for factor in factors)
-    return counts[parameter_name]
+        count_by_name[name] = sum(_count_terms(factor.parameter, parameters, count_by_name) for factor in factors)
+    return count_by_name[name]
 
 
-def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the value of a parameter has at most one origin, and that ``by_code`` occurs only with ``read_from``.
+def check_parameter_origin(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a parameter is either calculated, read from a register, or set by an answer of the user.
 
-    ``by_code`` lists the value for each code in the register, so it excludes limits.
+    ``by_code``, which lists the value for each code in the register, is allowed only for a parameter that is read, and
+    excludes limits.
     """
     for name, parameter in spec.parameters.items():
         origins = origins_of(parameter)
@@ -258,22 +270,22 @@ def check_parameter_origin(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
             report.add("parameter-origin", parameter.place_of(limit_keys[0]), problem, at_key=True)
 
 
-def check_alternative_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the answers of an alternative set the same parameters, and that these name the alternative.
+def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that all answers to a question (alternative) set the same parameters, and that these name the question.
 
-    Parameters and examples must name alternatives that exist, and examples their answers.
+    Also check that parameters and examples name questions that exist, and that examples name existing answers.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    alternatives = by_name(as_read.alternatives)
+    resolver = NameResolver(spec, report)
+    alternatives = by_name(spec.with_invalid_parts.alternatives)
+    parameters = spec.with_invalid_parts.parameters.items()
     for alternative in spec.alternatives:
-        parameters_as_read = as_read.parameters.items()
-        own_parameters = [name for name, parameter in parameters_as_read if parameter.alternative == alternative.name]
+        own_parameters = [name for name, parameter in parameters if parameter.alternative == alternative.name]
         _check_answers(alternative, own_parameters, resolver)
     for name, parameter in spec.parameters.items():
         path = parameter.place_of("alternative")
         resolver.refer_if_given(path, "alternative", parameter.alternative, alternatives)
         alternative_of_parameter = alternatives.get(parameter.alternative)
-        if alternative_of_parameter is not None and not _is_set(name, alternative_of_parameter):
+        if alternative_of_parameter is not None and not _sets_parameter(alternative_of_parameter, name):
             problem = f"no answer of {quoted(parameter.alternative)} sets {quoted(name)}"
             report.add("undefined-reference", path, problem)
     for example in spec.examples:
@@ -285,17 +297,17 @@ def check_alternative_references(spec: WrittenSpec, as_read: WrittenSpec, report
                 resolver.refer(answer_path, f"answer of {quoted(name)} called", answer, answers)
 
 
-def _is_set(parameter_name: str, alternative: WrittenAlternative) -> bool:
-    """Return True if any answer of an alternative sets a parameter."""
+def _sets_parameter(alternative: WrittenAlternative, parameter_name: str) -> bool:
+    """Return True if any answer to a question sets a parameter."""
     return any(parameter_name in answer.names_in("sets") for answer in alternative.values.values())
 
 
 def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str], resolver: NameResolver) -> None:
-    """Check that each answer of an alternative sets all its parameters, and no others.
+    """Check that each answer to a question sets all parameters of the question, and no others.
 
-    A parameter that no answer sets is reported elsewhere.
+    ``own_parameters`` are the parameters that name the question. Another rule reports one that no answer sets.
     """
-    owner = alternative.name
+    question = alternative.name
     first_answers: dict[str, str] = {}  # For each parameter, the first answer that sets it.
     for answer_name, answer in alternative.values.items():
         for name in answer.sets:
@@ -305,7 +317,7 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
         for name in answer.sets:
             resolver.refer((*sets_path, name), "parameter", name)
             if name in resolver.parameter_names and name not in own_parameters:
-                problem = f"{quoted(name)} is not a parameter of {quoted(owner)}; give it 'alternative: {owner}'"
+                problem = f"{quoted(name)} is not a parameter of {quoted(question)}; give it 'alternative: {question}'"
                 resolver.report_problem((*sets_path, name), problem)
         for name in own_parameters:
             if name in first_answers and name not in answer.sets:
@@ -314,22 +326,25 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
                 resolver.report_problem(sets_path, problem)
 
 
-def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that alternatives affect only the places of fields, because generated code can use them only there.
+def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the user's answer to a question affects only widths and positions of fields, or only verdicts.
 
-    Alternatives with a default affect only verdicts, which do not need a choice. So their parameters are in no
-    expression.
+    Generated code can use an answer nowhere else. Answers to a question with a default affect only verdicts, so no
+    expression may contain their parameters.
     """
-    alternatives = by_name(as_read.alternatives)  # Including invalid parts, which ``spec`` lacks.
-    set_by_alternative = {name: parameter for name, parameter in as_read.parameters.items() if parameter.alternative}
+    alternatives = by_name(spec.with_invalid_parts.alternatives)
+    parameters_set_by_answers: dict[str, WrittenParameter] = {}
+    for name, parameter in spec.with_invalid_parts.parameters.items():
+        if parameter.alternative:
+            parameters_set_by_answers[name] = parameter
     used_texts = list(expressions(spec))
     # The parameter under 'when', which turns Gray code on, is not an expression.
-    used_texts += [(use.path, use.text) for use in parameter_uses(spec, as_read) if use.path[-1] == "when"]
+    used_texts += [(use.path, use.text) for use in parameter_uses(spec) if use.path[-1] == "when"]
     for path, text in used_texts:
-        names = [factor.parameter for factor in _list_factors(text) if factor.parameter in set_by_alternative]
+        names = [factor.parameter for factor in _list_factors(text) if factor.parameter in parameters_set_by_answers]
         if not names:
             continue
-        alternative_name = set_by_alternative[names[0]].alternative
+        alternative_name = parameters_set_by_answers[names[0]].alternative
         alternative = alternatives.get(alternative_name)
         problem = f"{quoted(names[0])} is set by the alternative {quoted(alternative_name)}"
         if path[-1] not in _KEYS_IN_BITS:
@@ -342,35 +357,36 @@ def check_alternative_use(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             report.add("alternative-use", path, f"{problem}, whose default applies without a choice; {remedy}")
 
 
-def check_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the units of fields that equal a parameter, and of the parameters in expressions.
+def check_units(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a field whose value equals a parameter has its unit, and that parameters in expressions fit there.
 
-    A field and its parameter have units of the same quantity, and each unknown unit counts as a separate quantity.
-    Exponents and widths are in bits, and numbers of a measurement in its units. There, unknown units are not checked.
+    Exponents and widths of fields must be in bits, and numbers of a measurement in its units. Parameters with unknown
+    units are not checked in expressions.
     """
+    parameters = spec.with_invalid_parts.parameters
     for field_list in field_lists(spec):
         for field in field_list.fields:
             # None unless ``equals`` is only the name of a parameter.
-            equal_parameter = as_read.parameters.get(str(field.equals))
-            equal_unit = equal_parameter.unit if equal_parameter is not None else ""
-            if field.unit and equal_unit and kind_of_unit(field.unit) != kind_of_unit(equal_unit):
+            parameter = parameters.get(str(field.equals))
+            parameter_unit = parameter.unit if parameter is not None else ""
+            if field.unit and parameter_unit and kind_of_unit(field.unit) != kind_of_unit(parameter_unit):
                 problem = f"{quoted(field.name)} is in {field.unit}, but it equals {quoted(field.equals)}"
-                report.add("unit-mismatch", field.place_of("unit"), f"{problem}, which is in {equal_unit}")
+                report.add("unit-mismatch", field.place_of("unit"), f"{problem}, which is in {parameter_unit}")
     for path, text in expressions(spec):
         for factor in _list_factors(text):
-            if factor.parameter in as_read.parameters:
-                _check_unit_of_factor(path, factor, as_read.parameters[factor.parameter].unit, report)
+            if factor.parameter in parameters:
+                _check_unit_of_factor(path, factor, parameters[factor.parameter].unit, report)
 
 
 def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: DocumentReport) -> None:
-    """Check that a parameter in an expression has the unit that its place needs, if both are known.
+    """Check that a parameter in the expression at ``path`` has the unit that is needed there, if both are known.
 
-    ``unit`` is the unit of the parameter.
+    ``factor`` is the parameter in the expression, and ``unit`` its unit.
     """
     key = str(path[-1])
-    is_exponent = bool(factor.power)
-    needed_kind = "bits" if is_exponent or key in _KEYS_IN_BITS else _QUANTITY_OF_KEY.get(key)
-    kind = _KIND_OF.get(unit)
+    is_exponent = factor.power
+    needed_kind = "bits" if is_exponent or key in _KEYS_IN_BITS else _KIND_BY_KEY.get(key)
+    kind = _KIND_BY_UNIT.get(unit)
     if needed_kind is None or kind is None or kind == needed_kind:
         return
     quoted_place = f"the exponent in 2^{factor.parameter}" if is_exponent else quoted(key)
@@ -379,28 +395,29 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
     report.add("unit-mismatch", path, message)
 
 
-def check_parameter_cycle(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_parameter_cycle(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself, directly or through other parameters."""
     definitions: dict[str, tuple[str, ...]] = {}
     for name, parameter in spec.parameters.items():
         if parameter.equals is not None:
             definitions[name] = _parameters_in(parameter.equals)
-    settled: set[str] = set()  # Parameters that need no further search.
+    searched_names: set[str] = set()
     for name in definitions:
-        cycle = _find_cycle(name, definitions, settled)
+        cycle = _find_cycle(name, definitions, searched_names)
         if cycle:
             message = f"circular definition of parameter: {' -> '.join(cycle)}"
             report.add("parameter-cycle", ("parameters", cycle[0], "equals"), message)
 
 
-def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled: set[str]) -> list[str]:
-    """Return the parameters of a cycle that is reached from ``start``, with the first one also at the end, or none.
+def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], searched_names: set[str]) -> list[str]:
+    """Return a circular definition that is reached from the parameter ``start``, or an empty list.
 
-    If a needs b, b needs c and c needs b, the cycle reached from a is ``["b", "c", "b"]``.
-    Every parameter that is visited is added to ``settled``, because each cycle is reported once.
+    If a needs b, b needs c and c needs b, the cycle reached from a is ``["b", "c", "b"]``. Parameters in
+    ``searched_names`` are skipped, and every visited parameter is added there, so that each cycle is reported once.
     """
     # Depth first, without recursion: a long chain of parameters must not exhaust the stack.
-    # ``trail`` contains the open definitions, and ``pending`` an iterator for each of them and for the start.
+    # ``trail`` contains the parameters from ``start`` to the current one, and ``pending`` the names that each of them,
+    # and the start, has yet to visit.
     trail: list[str] = []
     pending = [iter((start,))]
     while pending:
@@ -408,18 +425,18 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled:
         if name is None:
             pending.pop()
             if trail:
-                settled.add(trail.pop())
+                searched_names.add(trail.pop())
         elif name in trail:
-            settled.update(trail)
+            searched_names.update(trail)
             return [*trail[trail.index(name) :], name]
-        elif name in definitions and name not in settled:
+        elif name in definitions and name not in searched_names:
             trail.append(name)
             pending.append(iter(definitions[name]))
     return []
 
 
 def _parameters_in(expression_text: int | str) -> tuple[str, ...]:
-    """Return the parameters in an expression, or none if it is not valid."""
+    """Return the names of the parameters in an expression, or an empty tuple if it is not valid."""
     try:
         return Expression.parse(expression_text).parameters
     except ExpressionError:  # Reported by the rule on expressions.

@@ -1,7 +1,7 @@
 """Iterators over the parts of a spec, shared by several rules.
 
-Rules check the pruned data, which follows the schema. Existing names are looked up in the data as read, because a name
-is still defined if something else about its item is wrong.
+Rules check the valid parts of a spec. They look up names in ``spec.with_invalid_parts``, because a name is still
+defined if something else about its part is wrong.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from ..written_interfaces import WrittenBiss, WrittenControlData, WrittenRs485, 
 from ..written_layouts import WrittenField, WrittenFieldGroup, WrittenLayout
 from ..written_parts import WrittenSpec
 
-#: A rule, called with the pruned data, the data as read, and the report.
-Rule = Callable[[WrittenSpec, WrittenSpec, DocumentReport], None]
+#: A rule, called with a spec that contains only valid parts, and the report to which it adds problems.
+Rule = Callable[[WrittenSpec, DocumentReport], None]
 WrittenInterface = WrittenSsi | WrittenBiss | WrittenRs485 | WrittenSpi
 #: Owner of a list of fields.
 Owner = WrittenLayout | WrittenRegister | WrittenFieldGroup | WrittenControlData
@@ -74,7 +74,7 @@ _NamedModelPart = TypeVar("_NamedModelPart", bound=NamedModelPart)
 
 
 def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
-    """Return parts by name, without those that have no valid name. Of several with one name, the first is used."""
+    """Return parts by name. Parts without a valid name are left out, and so are later parts with the same name."""
     named_parts: dict[str, _Named] = {}
     for part in parts:
         if part.is_valid("name"):
@@ -83,7 +83,10 @@ def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
 
 
 def by_part_name(parts: Iterable[LocatedPart[_NamedModelPart]]) -> dict[str, LocatedPart[_NamedModelPart]]:
-    """Return parts of the model by name, as ``by_name`` does."""
+    """Return parts of the model by name.
+
+    Parts without a valid name are left out, and so are later parts with the same name.
+    """
     named_parts: dict[str, LocatedPart[_NamedModelPart]] = {}
     for located_part in parts:
         if located_part.is_valid("name"):
@@ -92,7 +95,7 @@ def by_part_name(parts: Iterable[LocatedPart[_NamedModelPart]]) -> dict[str, Loc
 
 
 def interfaces(spec: WrittenSpec) -> Iterator[tuple[str, WrittenInterface]]:
-    """Yield the interfaces of a spec by name, in its order."""
+    """Yield the name of each interface of a spec with the interface, in the order of the spec."""
     for name, data in spec.interfaces.data.items():
         yield name, _INTERFACE_CLASSES.get(name, WrittenSsi)(data, ("interfaces", name))
 
@@ -175,29 +178,30 @@ def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
 
 
 def interface_of(register: WrittenRegister | None) -> str:
-    """Return the interface of a register. The default is BiSS, the only one that always has registers."""
+    """Return the name of the interface of a register. It is BiSS for a register without one, and for None."""
     return Biss.name if register is None else str(register.data.get("interface", Biss.name))
 
 
 def last_address(register: WrittenRegister) -> int:
-    """Return the last address of a register. Not every interface has an address for each byte."""
+    """Return the last address of a register, or its only one if the interface has no address for each byte."""
     interface = INTERFACES.get(interface_of(register))
     if interface is not None and not interface.byte_addresses:
         return register.address
     return register.address + register.length - 1
 
 
-def with_groups_expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
-    """Yield the fields with groups included. The path of a field from a group is the path of its ``use``.
+def with_groups_expanded(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+    """Yield the fields of a layout, register or group with their paths, and the fields of a group where it is used.
 
-    Another rule reports a list that is longer than its limit. Its other fields are omitted.
+    A field from a group has the path of the field that includes the group. Fields beyond the limit, which another rule
+    reports, are omitted.
     """
-    return islice(_expand_groups(fields, groups), MAX_FIELDS)
+    return islice(_expand_groups(field_list, groups), MAX_FIELDS)
 
 
-def _expand_groups(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
-    """Yield the fields with groups included, without a limit."""
-    for field in fields.fields:
+def _expand_groups(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+    """Yield the fields with their paths, and the fields of a group where it is used, without a limit."""
+    for field in field_list.fields:
         group = groups.get(field.use)
         if group is None:
             yield field.path, field
@@ -205,34 +209,37 @@ def _expand_groups(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, Wr
             yield from ((field.path, inner_field) for inner_field in group.fields)
 
 
-def field_names(fields: FieldList, groups: Groups) -> dict[str, WrittenField]:
-    """Return the fields by name, with groups included."""
-    return {field.name: field for _, field in with_groups_expanded(fields, groups) if field.name}
+def field_names(field_list: FieldList, groups: Groups) -> dict[str, WrittenField]:
+    """Return the fields of a layout, register or group by name, including the fields of groups that it uses."""
+    return {field.name: field for _, field in with_groups_expanded(field_list, groups) if field.name}
 
 
-def readable_names(fields: FieldList, groups: Groups) -> list[str]:
-    """Return the names of all values of a decoder: fields, joined numbers and runs of digits.
+def readable_names(field_list: FieldList, groups: Groups) -> list[str]:
+    """Return the names of all values that a decoder returns: fields, joined numbers and groups of digits.
 
-    A register without fields is one number.
+    A register without fields is one number with its own name.
     """
-    if fields.kind is FieldOwner.REGISTER and not fields.owner.has("fields"):
-        return [fields.name]
-    fields_by_name = field_names(fields, groups)
+    if field_list.kind is FieldOwner.REGISTER and not field_list.owner.has("fields"):
+        return [field_list.name]
+    fields_by_name = field_names(field_list, groups)
     # A join with a wrong value is reported, but its name is known.
-    names = [*fields_by_name, *fields.owner.names_in("join")]
+    names = [*fields_by_name, *field_list.owner.names_in("join")]
     for field in fields_by_name.values():
         names += [run.part.name for run in field.digits if run.part.name]
     return names
 
 
 def origins_of(parameter: WrittenParameter) -> list[str]:
-    """Return the keys for the origin of a parameter's value, such as ``equals``. Without any, order codes set it."""
+    """Return the keys of a parameter that say where its value comes from, such as ``equals`` for an expression.
+
+    The list is empty if order codes set the parameter.
+    """
     origins = {"equals": parameter.equals, "read_from": parameter.read_from, "alternative": parameter.alternative}
     return [key for key, origin in origins.items() if origin not in (None, "")]
 
 
 def clocks_of(interface: WrittenInterface) -> tuple[LocatedPart[Clock], ...]:
-    """Return the clocks of an interface, several if they depend on the order code. Over RS-485 there is none."""
+    """Return the clocks of an interface: several if they depend on the order code, and none for RS-485."""
     return () if isinstance(interface, WrittenRs485) else interface.clock
 
 
@@ -244,12 +251,15 @@ class RestrictedPart(Protocol):
 
 
 def share_codes(first: RestrictedPart, second: RestrictedPart) -> bool:
-    """Return True if two facts surely apply to a common order code: to the same ones, or one of them to all."""
+    """Return True if two facts certainly apply to a common order code.
+
+    This is the case if they have the same patterns of order codes (``only``), or if one of them applies to all codes.
+    """
     return not first.only or not second.only or first.only == second.only
 
 
 def timings(spec: WrittenSpec) -> Iterator[LocatedPart[Timing]]:
-    """Yield the timings of the interfaces and of the device."""
+    """Yield the timings of all interfaces, then those of the device as a whole."""
     for _, interface in interfaces(spec):
         yield from interface.timings
     yield from spec.timings
@@ -266,8 +276,11 @@ def measurements(spec: WrittenSpec) -> Iterator[LocatedPart[Measurement]]:
 
 def measurement_of(spec: WrittenSpec, interface: str) -> LocatedPart[Measurement] | None:
     """Return the measurement of an interface or, if it has none, of the device. None if there is neither."""
-    own_measurement = dict(interfaces(spec))[interface].measurement if interface in spec.interfaces.data else None
-    return own_measurement if own_measurement is not None and own_measurement.is_given else spec.measurement
+    if interface in spec.interfaces.data:
+        own_measurement = dict(interfaces(spec))[interface].measurement
+        if own_measurement is not None and own_measurement.is_given:
+            return own_measurement
+    return spec.measurement
 
 
 def position_names(spec: WrittenSpec, interface: str) -> set[str]:
@@ -300,7 +313,7 @@ def constant_width(field: WrittenField) -> int | None:
 
 
 def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
-    """Return the names allowed after the dot in ``register.field``: the fields, or the register's own name."""
+    """Return the names allowed after the dot in ``register.field``: the fields of a register, or its own name."""
     if register.has("fields"):
         return list(field_names(FieldList(FieldOwner.REGISTER, register, ""), groups))
     return [register.name]
@@ -314,12 +327,12 @@ def owner_of_alarm(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField
 
 
 def has_other_bits(register: WrittenRegister, groups: Groups) -> bool:
-    """Return True if a register has bits outside a single field."""
+    """Return True if a register has several fields, or bits outside its fields."""
     return len(bits_of(register, groups)) > 1 or register.has("other_bits")
 
 
 def value_names(field: WrittenField) -> list[str]:
-    """Return the names of the values of a field, even of values with a wrong shape."""
+    """Return the names of the named values of a field, even of invalid ones."""
     return field.names_in("values")
 
 
@@ -344,9 +357,10 @@ def bank_select(spec: WrittenSpec) -> str:
 
 
 def as_affected_name(path: str) -> str:
-    """Return a path of names in the form used by errata: ``interfaces.ssi.monoflop`` for a timing.
+    """Return a path of names in the form used by errata, without the names of certain lists.
 
-    Errata omit keys such as ``timings`` between two names. A key at the end represents all parts under it.
+    The path of a timing is ``interfaces.ssi.monoflop`` instead of ``interfaces.ssi.timings.monoflop``. The last name is
+    always kept.
     """
     *steps, last_step = path.split(".")
     named_steps = [step for step in steps if step not in LEFT_OUT]

@@ -33,82 +33,96 @@ _FLAG_WORDS = ("active", "inactive")
 Fields = Mapping[str, WrittenField]
 
 
-def check_value_verdicts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a value has a verdict only where a frame with a position has it, and that an error has one there.
+def check_value_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that named values have ``makes_position``, the verdict on the position, only in frames with a position.
 
-    A group is in such a frame if one of them uses it. An error is a value named as an error.
+    There, a value that is named as an error must have one. A group of fields belongs to such a frame if a frame with a
+    position uses it.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
-    position_frames = [
-        field_list for field_list in layouts_of_interfaces(spec) if _has_position(spec, field_list, groups)
-    ]
-    position_paths = {field_list.owner.path for field_list in position_frames}
-    used_groups = {field.use for field_list in position_frames for field in field_list.fields}
+    groups = by_name(spec.with_invalid_parts.field_groups)
+    paths_with_position = set()
+    groups_with_position: set[str] = set()
+    for frame in layouts_of_interfaces(spec):
+        if _has_position(spec, frame, groups):
+            paths_with_position.add(frame.owner.path)
+            groups_with_position.update(field.use for field in frame.fields)
     for field_list in field_lists(spec):
-        is_group = field_list.kind is FieldOwner.GROUP
-        has_verdict = field_list.name in used_groups if is_group else field_list.owner.path in position_paths
+        if field_list.kind is FieldOwner.GROUP:
+            is_with_position = field_list.name in groups_with_position
+        else:
+            is_with_position = field_list.owner.path in paths_with_position
         for field in field_list.fields:
-            _check_verdicts_of_values(field_list, field, has_verdict, report)
+            _check_verdicts_of_values(field_list, field, is_with_position, report)
 
 
 def _check_verdicts_of_values(
-    fields: FieldList, field: WrittenField, has_verdict: bool, report: DocumentReport
+    field_list: FieldList, field: WrittenField, is_with_position: bool, report: DocumentReport
 ) -> None:
-    """Report a value of a field that has a verdict and cannot have one, or is an error and has none.
+    """Report each named value of a field that has a verdict on the position but cannot, or is an error without one.
 
-    ``has_verdict`` is True if the frame of the field contains the position.
+    ``is_with_position`` is True if the frame of the field contains the position.
     """
     for name, value in field.values.items():
         if value.makes_position:
-            problem = _no_verdict(fields, field, has_verdict)
-            if problem:
-                report.add("value-verdict", value.place_of("makes_position"), problem, at_key=True)
-        elif has_verdict and names_error(name, value.printed_name):
-            problem = f"{quoted(name)} is in a frame that contains the position; set 'makes_position' to the"
-            problem += " verdict on the position while the field has this value:"
-            remedy = "not_usable, usable_with_warning or usable"
-            report.add("makes-position-missing", value.path, f"{problem} {remedy}")
+            obstacle = _obstacle_to_verdict(field_list, field, is_with_position)
+            if obstacle:
+                report.add("value-verdict", value.place_of("makes_position"), obstacle, at_key=True)
+        elif is_with_position and names_error(name, value.printed_name):
+            message = (
+                f"{quoted(name)} is in a frame that contains the position; set 'makes_position' to the"
+                " verdict on the position while the field has this value:"
+                " not_usable, usable_with_warning or usable"
+            )
+            report.add("makes-position-missing", value.path, message)
 
 
-def _no_verdict(fields: FieldList, field: WrittenField, has_verdict: bool) -> str:
-    """Return the reason that a value of a field cannot have a verdict, and the fix. Empty if it can."""
+def _obstacle_to_verdict(field_list: FieldList, field: WrittenField, is_with_position: bool) -> str:
+    """Return the reason that no value of a field can have a verdict, and the fix. Empty if the values can have one.
+
+    ``is_with_position`` is True if the frame of the field contains the position.
+    """
     name = quoted(field.name)
-    if not has_verdict:
-        return f"{_reason_without_verdict(fields)}; remove 'makes_position'"
-    if field.name in fields.selectors:
+    if not is_with_position:
+        return f"{_reason_without_verdict(field_list)}; remove 'makes_position'"
+    if field.name in field_list.selectors:
         return f"{name} identifies the frame, so it cannot decide the verdict on the position; use another field"
     if constant_width(field) is None:
         return f"the width of {name} depends on the order code; a field with a verdict has the same width for all"
     return ""
 
 
-def _reason_without_verdict(fields: FieldList) -> str:
-    """Return the reason that a list of fields has no verdict on a position."""
-    owner = quoted(fields.name or FieldOwner.CONTROL.value)  # Only the control data are unnamed.
-    match fields.kind:
+def _reason_without_verdict(field_list: FieldList) -> str:
+    """Return the reason that fields of a register, group or layout without a position have no verdict on a position."""
+    owner = quoted(field_list.name or FieldOwner.CONTROL.value)  # Only the control data are unnamed.
+    match field_list.kind:
         case FieldOwner.REGISTER | FieldOwner.CONTROL:
             return f"{owner} is not a frame, so no value in it has a verdict on the position"
         case FieldOwner.GROUP:
             return f"no frame of the encoder with a position uses {owner}"
         case FieldOwner.LAYOUT:
-            return f"{owner} {'does not contain the position' if fields.is_from_encoder else 'is sent by the master'}"
+            if field_list.is_from_encoder:
+                return f"{owner} does not contain the position"
+            return f"{owner} is sent by the master"
 
 
-def _has_position(spec: WrittenSpec, fields: FieldList, groups: Groups) -> bool:
-    """Return True for a frame of the encoder that contains the position, a field that is joined to it, or the join."""
-    if not fields.is_from_encoder:
+def _has_position(spec: WrittenSpec, field_list: FieldList, groups: Groups) -> bool:
+    """Return True for a frame that the encoder sends and that contains the position or a part of it.
+
+    The position is a field, or a number joined from several fields.
+    """
+    if not field_list.is_from_encoder:
         return False
-    names = {*field_names(fields, groups), *fields.joins}
-    return not names.isdisjoint(position_names(spec, fields.interface))
+    names = {*field_names(field_list, groups), *field_list.joins}
+    return not names.isdisjoint(position_names(spec, field_list.interface))
 
 
-def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_combinations(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that combinations are in frames with a position, that their conditions exist, and that each can decide.
 
-    A combination gives the verdict while several fields have certain values. It never decides if one of its conditions,
-    or a combination with some of them, already gives the same verdict or a worse one.
+    A combination is a verdict on the position that applies while several fields have certain values. It never decides
+    if one of these values, or a combination of some of them, already has the same verdict or a more severe one.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for frame in layouts_of_interfaces(spec):
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
         if listed_combinations and not _has_position(spec, frame, groups):
@@ -118,20 +132,23 @@ def check_combinations(spec: WrittenSpec, as_read: WrittenSpec, report: Document
         fields_by_name = field_names(frame, groups)
         for index, combination in enumerate(listed_combinations):
             if not _check_conditions(frame, fields_by_name, combination, report):
-                continue  # Its conditions are reported elsewhere, and there may be no verdicts to compare.
-            # A combination decides only if no part of it makes the position at least as bad by itself.
+                continue  # Its conditions are reported, and there may be no verdicts to compare.
             earlier_combinations = listed_combinations[:index]
             later_combinations = listed_combinations[index + 1 :]
             verdicts_of_parts = [
-                *_own_verdicts(frame, fields_by_name, combination),
-                *_verdicts_of_parts(combination, earlier_combinations, later_combinations),
+                *_verdicts_of_conditions(frame, fields_by_name, combination),
+                *_verdicts_of_smaller_combinations(combination, earlier_combinations, later_combinations),
             ]
             _check_can_decide(combination, verdicts_of_parts, report)
 
 
-def check_report_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the reports of values with a verdict and of combinations have names that are unique in the frame."""
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+def check_report_names(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that decoders have a unique name for each report of a frame.
+
+    Values with a verdict on the position and combinations of values are reported under names of their own, which must
+    differ from the names of fields.
+    """
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for frame in layouts_of_interfaces(spec):
         used_names = set(readable_names(frame, groups))
         for path, name in _report_names(frame, groups):
@@ -143,28 +160,29 @@ def check_report_names(spec: WrittenSpec, as_read: WrittenSpec, report: Document
             used_names.add(name)
 
 
-def _report_names(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, str]]:
-    """Yield the names of the reports of a frame, each with its path.
+def _report_names(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path, str]]:
+    """Yield the name under which decoders report each value with a verdict and each combination, with its path.
 
-    A value with a verdict is reported as ``field_value``, and a combination under its own name.
+    The value ``low`` of the field ``battery`` is reported as ``battery_low``.
     """
-    use_paths = {field.path for field in fields.fields if field.use}
-    for field_path, field in with_groups_expanded(fields, groups):
+    use_paths = {field.path for field in field_list.fields if field.use}
+    for field_path, field in with_groups_expanded(field_list, groups):
         for name, value in field.values.items():
             if value.has("makes_position"):
                 # A value in a group is reported at the use of the group.
                 path = field_path if field_path in use_paths else value.path
                 yield path, f"{field.name}_{name}"
-    for combination in fields.layout.combinations if fields.layout is not None else ():
+    for combination in field_list.layout.combinations if field_list.layout is not None else ():
         yield combination.place_of("name"), combination.name
 
 
 def _check_conditions(
-    fields: FieldList, fields_by_name: Fields, combination: WrittenCombination, report: DocumentReport
+    field_list: FieldList, fields_by_name: Fields, combination: WrittenCombination, report: DocumentReport
 ) -> bool:
-    """Report conditions on fields or values that do not exist or cannot be combined. Return True if there are none.
+    """Return True if all fields and values in the conditions of a combination exist and can be combined.
 
-    A single condition is reported too, because its verdict belongs to the flag or the value.
+    Otherwise, the problems are reported. A combination with a single condition is one, because the flag or value of the
+    condition can have the verdict itself.
     """
     problems_before = len(report)
     for field_name, value in combination.when.items():
@@ -174,8 +192,8 @@ def _check_conditions(
             report.add("undefined-reference", condition_path, problem, at_key=True)
             continue
         field = fields_by_name[field_name]
-        problem = _obstacle_to_combination(fields, field_name, field)
-        known_values = _words_of(field)
+        problem = _obstacle_to_combination(field_list, field_name, field)
+        known_values = _values_in_conditions(field)
         if problem:
             report.add("combination", condition_path, problem, at_key=True)
         elif value not in known_values:
@@ -192,47 +210,49 @@ def _check_conditions(
     return len(report) == problems_before
 
 
-def _obstacle_to_combination(fields: FieldList, field_name: str, field: WrittenField) -> str:
-    """Return the reason that a combination cannot contain a field, and the fix. Empty if it can."""
+def _obstacle_to_combination(field_list: FieldList, field_name: str, field: WrittenField) -> str:
+    """Return the reason that a combination of values cannot contain this field, and the fix. Empty if it can."""
     name = quoted(field_name)
     if not field.is_flag and not value_names(field):
         return f"{name} is neither a flag nor a field with 'values'; give names to its values with 'values'"
     if field.has("only"):
         return f"the manual explains {name} only for some order codes; a combination applies to all of them"
-    if field_name in fields.selectors:
+    if field_name in field_list.selectors:
         return f"{name} identifies the frame, so it has the same value in all of them; remove it"
     if constant_width(field) is None:
         return f"the width of {name} depends on the order code; a field in a combination has the same for all"
     return ""
 
 
-def _words_of(field: WrittenField) -> list[str]:
-    """Return the possible values of a field in a condition.
+def _values_in_conditions(field: WrittenField) -> list[str]:
+    """Return the names of the values that a condition can require of a field.
 
-    These are ``active`` and ``inactive`` for a flag, and the names of values for another field. If ``others`` gives a
-    meaning to the unlisted numbers, a narrow field also has ``reserved_5`` and the like for each of them.
+    These are ``active`` and ``inactive`` for a flag, and the named values of another field. If the key ``others`` gives
+    a meaning to the numbers without a name, a narrow field also has a value such as ``reserved_5`` for each of them.
     """
     if field.is_flag:
         return list(_FLAG_WORDS)
-    value_words = value_names(field)
+    names = value_names(field)
     width = constant_width(field)
     if field.has("others") and width is not None and width <= MOST_RESERVED_BITS:
         listed_numbers = {value.value for value in field.values.values() if value.is_valid("value")}
         other_numbers = [number for number in range(1 << width) if number not in listed_numbers]
-        value_words += [f"{RESERVED}_{number}" for number in other_numbers]
-    return value_words
+        names += [f"{RESERVED}_{number}" for number in other_numbers]
+    return names
 
 
 def _check_can_decide(
-    combination: WrittenCombination, verdicts: Iterable[tuple[str, str]], report: DocumentReport
+    combination: WrittenCombination, verdicts_of_parts: Iterable[tuple[str, str]], report: DocumentReport
 ) -> None:
-    """Report a combination that never decides, since a part of it already has the same verdict or a worse one.
+    """Report a combination of values if some of its values already have the same verdict or a more severe one.
 
-    ``verdicts`` contains the text for each part and its verdict: ``("'battery' alone", "not_usable")``.
+    ``verdicts_of_parts`` contains a text that names these values, and their verdict or an empty string:
+    ``("'battery' alone", "not_usable")``.
     """
-    for part_text, verdict in verdicts:
-        is_as_bad = bool(verdict) and _WORST_FIRST.index(verdict) <= _WORST_FIRST.index(combination.makes_position)
-        if is_as_bad:
+    severity = _WORST_FIRST.index(combination.makes_position)
+    for part_text, verdict in verdicts_of_parts:
+        is_at_least_as_severe = bool(verdict) and _WORST_FIRST.index(verdict) <= severity
+        if is_at_least_as_severe:
             problem = (
                 f"{quoted(combination.name)} never decides, since {part_text} already makes the position {verdict}"
             )
@@ -240,10 +260,10 @@ def _check_can_decide(
             return
 
 
-def _own_verdicts(
-    fields: FieldList, fields_by_name: Fields, combination: WrittenCombination
+def _verdicts_of_conditions(
+    field_list: FieldList, fields_by_name: Fields, combination: WrittenCombination
 ) -> Iterator[tuple[str, str]]:
-    """Yield the verdict of each flag and value of a combination by itself, with a text that names it.
+    """Yield a text that names each flag or value of a combination, with the verdict that it has by itself.
 
     The verdict is empty if there is none. An inactive flag has no verdict and is omitted.
     """
@@ -253,36 +273,40 @@ def _own_verdicts(
             value = field.values.get(value_name)
             yield f"{quoted(name)} alone", value.makes_position if value is not None else ""
         elif value_name == "active":
-            default_verdict = INTERFACES[fields.interface].flags.get(name, "")
+            default_verdict = INTERFACES[field_list.interface].flags.get(name, "")
             yield f"{quoted(name)} alone", field.makes_position or default_verdict
 
 
-def _verdicts_of_parts(
+def _verdicts_of_smaller_combinations(
     combination: WrittenCombination,
     earlier_combinations: Sequence[WrittenCombination],
     later_combinations: Sequence[WrittenCombination],
 ) -> Iterator[tuple[str, str]]:
-    """Yield the name and the verdict of each other combination that always applies when this one does."""
+    """Yield the quoted name and the verdict of each other combination that applies whenever this one does.
+
+    The other combinations of the frame are listed before or after this one. A later combination that is equal is
+    omitted, so that only the second of two equal ones is reported.
+    """
     for earlier in earlier_combinations:
-        if _is_part(earlier, combination):
+        if _applies_whenever(earlier, combination):
             yield quoted(earlier.name), earlier.makes_position
     for later in later_combinations:
-        # Of two equal combinations, the second one is reported.
         is_equal = later.when == combination.when and later.makes_position == combination.makes_position
-        if _is_part(later, combination) and not is_equal:
+        if _applies_whenever(later, combination) and not is_equal:
             yield quoted(later.name), later.makes_position
 
 
-def _is_part(other_combination: WrittenCombination, combination: WrittenCombination) -> bool:
-    """Return True if all conditions of another combination, at least two, are also conditions of ``combination``."""
+def _applies_whenever(other_combination: WrittenCombination, combination: WrittenCombination) -> bool:
+    """Return True if all conditions of the first combination, at least two, are also conditions of the second."""
     conditions = other_combination.when.items()
     return len(conditions) > 1 and conditions <= combination.when.items()
 
 
-def check_default_answers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a default is the first answer, and that the answers set one parameter that a flag uses.
+def check_default_answers(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a question with a default answer lists it first, and that the answers set one parameter.
 
-    The default sets it to 0, and each other answer to 1. Flags use it in ``makes_position_if``.
+    The default answer sets the parameter to 0, and each other answer to 1. At least one flag must list the parameter in
+    ``makes_position_if``, with the verdict on the position that applies while the parameter is 1.
     """
     used_by_flags: set[str] = set()
     for field_list in field_lists(spec):
@@ -299,7 +323,7 @@ def check_default_answers(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
             report.add("alternative-default", default_path, f"{problem}; write {quoted(first_answer)}")
             continue
         _check_settings(alternative, report)
-        # Of several parameters, which are reported, the first one is checked.
+        # If there are several parameters, which are already reported, only the first one is checked.
         parameter, *_ = alternative.values[first_answer].sets
         if parameter not in used_by_flags:
             problem = f"no flag has {quoted(parameter)} in 'makes_position_if', so the answer changes nothing"
@@ -307,9 +331,9 @@ def check_default_answers(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 
 def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> None:
-    """Check that the answers set one parameter: the first answer, which is the default, to 0, and the others to 1.
+    """Check that the answers to a question set one parameter: the first answer to 0, and all other answers to 1.
 
-    The caller has checked that the alternative has a default, and that it is the first answer.
+    The first answer is the default.
     """
     for index, (name, answer) in enumerate(alternative.values.items()):
         is_default = index == 0
@@ -326,19 +350,22 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
                 report.add("alternative-default", (*sets_path, parameter), message)
 
 
-def check_verdicts_by_answer(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the verdicts in ``makes_position_if``, which replaces ``makes_position`` for some answers.
+def check_verdicts_by_answer(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check ``makes_position_if`` of flags, which gives another verdict for an answer of the user.
 
-    Each belongs to a parameter of an alternative with a default, and differs from the verdict without a choice.
+    The answer is named by its parameter, which must belong to a question with a default answer. The verdict must differ
+    from ``makes_position``, the verdict for the default answer.
     """
     alternatives_with_default = {
-        name for name, alternative in by_name(as_read.alternatives).items() if alternative.has("default")
+        name
+        for name, alternative in by_name(spec.with_invalid_parts.alternatives).items()
+        if alternative.has("default")
     }
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, verdict in field.makes_position_if.items():
                 verdict_path = (*field.place_of("makes_position_if"), name)
-                parameter = as_read.parameters.get(name)
+                parameter = spec.with_invalid_parts.parameters.get(name)
                 if parameter is None or parameter.alternative not in alternatives_with_default:
                     reason = f"{quoted(name)} is not a parameter of an alternative with a default"
                     report.add(
@@ -347,17 +374,20 @@ def check_verdicts_by_answer(spec: WrittenSpec, as_read: WrittenSpec, report: Do
                         f"{reason}; set its 'alternative' to the name of such an alternative",
                     )
                     continue
-                problem = _no_other_verdict(field_list, field, verdict)
-                if problem:
-                    report.add("verdict-choice", verdict_path, problem)
+                obstacle = _obstacle_to_other_verdict(field_list, field, verdict)
+                if obstacle:
+                    report.add("verdict-choice", verdict_path, obstacle)
 
 
-def _no_other_verdict(fields: FieldList, field: WrittenField, other_verdict: str) -> str:
-    """Return the reason that a flag cannot have another verdict for an answer, and the fix. Empty if it can."""
+def _obstacle_to_other_verdict(field_list: FieldList, field: WrittenField, other_verdict: str) -> str:
+    """Return the reason that a flag cannot have another verdict for an answer of the user, and the fix.
+
+    The result is empty if it can: if it is in a frame and has a different verdict that decoders report.
+    """
     name = quoted(field.name)
-    if fields.kind in (FieldOwner.REGISTER, FieldOwner.CONTROL):
+    if field_list.kind in (FieldOwner.REGISTER, FieldOwner.CONTROL):
         return f"{name} is not in a frame, so it has no verdict on a position; remove 'makes_position_if'"
-    interface = INTERFACES.get(fields.interface)
+    interface = INTERFACES.get(field_list.interface)
     verdict_of_interface = interface.flags.get(field.name, "") if interface is not None else ""
     verdict = field.makes_position or verdict_of_interface
     if verdict not in ("not_usable", "usable_with_warning"):

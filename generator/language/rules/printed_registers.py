@@ -20,8 +20,8 @@ _PRINTED_WRITE = re.compile(
 )
 
 
-def check_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the printed addresses of a register, such as ``0x4B-0x4D``, match its address and length."""
+def check_addresses(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that ``addresses``, the addresses that the manual prints for a register, match its address and length."""
     for register in spec.registers:
         if register.addresses is None:
             continue
@@ -42,10 +42,11 @@ def _address_text(first: int, last: int) -> str:
     return f"{first:#04x}" if first == last else f"{first:#04x} to {last:#04x}"
 
 
-def check_default_lists(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the manual's list of defaults matches the registers, except for rows explained by an erratum.
+def check_default_lists(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that ``printed_defaults``, the manual's list of defaults, matches the registers.
 
-    A row is about a whole register, given by ``bytes``, or about some bits of it, given by ``at`` and ``value``.
+    A row gives the ``bytes`` of a whole register, or the ``value`` of some of its bits (``at``). An erratum explains a
+    row that differs.
     """
     registers = by_name(spec.registers)
     for row in spec.printed_defaults:
@@ -64,22 +65,24 @@ def check_default_lists(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: DocumentReport) -> None:
-    """Check that a row is correct, or that an erratum explains it. An erratum for a correct row is reported too.
+    """Check that a row of the manual's defaults matches its register, or names an erratum that explains the difference.
 
-    Only the first error of a row is reported.
+    Only the first difference is reported. An erratum that is named by a correct row is reported too.
     """
-    faults_of_row = _byte_faults(row, register) if row.bytes else _bit_faults(row, register)
-    faults = list(faults_of_row)
-    if faults and not row.erratum:
-        key, message = faults[0]
+    differences = list(_differences_of_bytes(row, register) if row.bytes else _differences_of_bits(row, register))
+    if differences and not row.erratum:
+        key, message = differences[0]
         report.add("default-mismatch", row.place_of(key), message)
-    elif not faults and row.erratum:
+    elif not differences and row.erratum:
         message = f"the row is correct, so {quoted(row.erratum)} explains nothing; remove 'erratum'"
         report.add("default-mismatch", row.place_of("erratum"), message)
 
 
-def _byte_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
-    """Yield the error of a row with the bytes of the whole register: the key to blame and the message. At most one."""
+def _differences_of_bytes(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
+    """Yield the key and the message of a difference between the printed bytes and the default of a register.
+
+    Nothing is yielded if they are equal.
+    """
     name = quoted(register.name)
     default = register.default
     printed_bytes = bytes.fromhex(row.bytes)
@@ -93,8 +96,8 @@ def _byte_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Itera
         yield "bytes", f"the 'default' of {name} is {default:#x}, but the printed bytes are {number:#x}"
 
 
-def _bit_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
-    """Yield the errors of a row about some of the bits, each as the key to blame and the message."""
+def _differences_of_bits(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
+    """Yield the key and the message of each difference between a row about some bits and a register."""
     name = quoted(register.name)
     bounds = _parse_bit_range(row.at)
     if bounds is None:
@@ -109,15 +112,15 @@ def _bit_faults(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterat
         if default_bits != row.value:
             problem = f"the 'default' of {name} is {register.default:#x}, which gives {default_bits} in these bits"
             yield "value", f"{problem}, but the manual prints {row.value}"
-    yield from _field_faults(row, register, bounds)
+    yield from _differences_of_field(row, register, bounds)
 
 
-def _field_faults(
+def _differences_of_field(
     row: WrittenPrintedDefault, register: WrittenRegister, bounds: tuple[int, int]
 ) -> Iterator[tuple[str, str]]:
-    """Yield the errors of a row's field: a different place, or a different name of the number.
+    """Yield the key and the message if a row has other bits than its field, or another name for the number.
 
-    Each has the key to blame and the message. ``bounds`` are the highest and the lowest bit of the row.
+    ``bounds`` are the highest and the lowest bit of the row.
     """
     field = by_name(register.fields).get(row.field)
     if field is None:  # Reported by the rule on references, or the field is in a group.
@@ -133,8 +136,8 @@ def _field_faults(
 def _parse_bit_range(at: int | str | None) -> tuple[int, int] | None:
     """Return the highest and the lowest bit of a place such as ``7:6`` or 5, or None if it is not a place."""
     if isinstance(at, int):
-        is_bit_number = 0 <= at < 1024  # No register has more bits.
-        return (at, at) if is_bit_number else None
+        is_bit_of_register = 0 <= at < 1024  # No register has more bits.
+        return (at, at) if is_bit_of_register else None
     bit_range = _BIT_RANGE_TEXT.fullmatch(str(at))
     if bit_range is None:
         return None
@@ -163,16 +166,16 @@ class _Write:
         return text
 
 
-def check_writes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the printed writes of a procedure match its steps.
+def check_writes(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that ``printed_writes``, the writes that the manual prints for a procedure, match its steps.
 
-    A procedure with a step whose write is not known is not checked.
+    A procedure with a step that is not completely known is not checked.
     """
     registers = by_name(spec.registers)
     groups = by_name(spec.field_groups)
     for procedure in spec.procedures:
         steps = [step for step in procedure.steps if step.do == "write"]
-        step_writes = [_step_write(step, registers, groups) for step in steps]
+        step_writes = [_write_of_step(step, registers, groups) for step in steps]
         if procedure.printed_writes and None not in step_writes:
             _compare_writes(procedure, steps, step_writes, report)
 
@@ -183,9 +186,9 @@ def _compare_writes(
     step_writes: list[_Write | None],
     report: DocumentReport,
 ) -> None:
-    """Report each printed write that differs from the step with the same number, and each further step."""
+    """Report each printed write that differs from the step at the same place, and each step without a printed write."""
     for index, text in enumerate(procedure.printed_writes):
-        printed_write = _printed_write(text)
+        printed_write = _parse_write(text)
         printed_path = (*procedure.path, "printed_writes", index)
         if index >= len(steps):
             report.add("writes-mismatch", printed_path, f"{printed_write} is printed, but no step writes it")
@@ -197,7 +200,7 @@ def _compare_writes(
         report.add("writes-mismatch", step.path, "this write is not among the 'printed_writes'")
 
 
-def _printed_write(write_text: str) -> _Write:
+def _parse_write(write_text: str) -> _Write:
     """Return the write that a text of ``printed_writes`` describes, such as ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
     match = _PRINTED_WRITE.fullmatch(write_text)
     assert match is not None  # The schema uses the same pattern.
@@ -210,11 +213,11 @@ def _printed_write(write_text: str) -> _Write:
     )
 
 
-def _step_write(step: WrittenStep, registers: Mapping[str, WrittenRegister], groups: Groups) -> _Write | None:
-    """Return the write of a step, or None if the text does not determine it or another rule reports the step.
+def _write_of_step(step: WrittenStep, registers: Mapping[str, WrittenRegister], groups: Groups) -> _Write | None:
+    """Return the write that a step of a procedure carries out, or None if it is not completely known.
 
-    With ``field``, only its bits are written, and the printed write names the lowest one. Otherwise the whole register
-    is written, with the value in the bits of its field.
+    With ``field``, only the bits of this field are written, and the result contains the lowest one. Otherwise the whole
+    register is written, with the value in the bits of the field that has it.
     """
     register = registers.get(step.register)
     if register is None or not step.value:

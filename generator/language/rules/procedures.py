@@ -30,16 +30,19 @@ Registers = Mapping[str, WrittenRegister]
 _IMPOSSIBLE_ACCESS = {"write": "read_only", "read": "write_only", "poll": "write_only"}
 
 
-def check_step_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each step has the keys of its kind, and conditions for several requests only if it sends several."""
+def check_step_shape(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that each step of a procedure has the keys of its kind.
+
+    Keys for the time between requests are allowed only if the step sends several requests.
+    """
     for procedure in spec.procedures:
         for step in procedure.steps:
             check_keys("step-shape", step, step.do, f"a {step.do} step", report)
-            _check_repeated(step, report)
+            _check_conditions_between_requests(step, report)
 
 
-def _check_repeated(step: WrittenStep, report: DocumentReport) -> None:
-    """Check that a step that sends one request has no conditions between requests. Without ``times``, it sends one."""
+def _check_conditions_between_requests(step: WrittenStep, report: DocumentReport) -> None:
+    """Check that a step has no condition between requests, such as a time, if it sends only one request."""
     if step.do != "send" or step.times not in (None, 1):
         return
     request_count = "has no 'times'" if step.times is None else "sends one"
@@ -54,18 +57,18 @@ def _check_repeated(step: WrittenStep, report: DocumentReport) -> None:
             return
 
 
-def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers that are written are writable, and that those that are read are readable.
+def check_step_access(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that every register that is written can be written, and that every register that is read can be read.
 
-    To write one field of a register with other bits, a step reads the register first.
+    A step that writes one field of a register with other bits must also read the register, to keep the other bits.
     """
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
-    groups = by_name(as_read.field_groups)
+    registers = by_name(spec.with_invalid_parts.registers)
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = _register_of(step, registers)
-            writes_field = step.do == "write" and step.field
-            if writes_field and register.access == "write_only" and has_other_bits(register, groups):
+            writes_one_field = step.do == "write" and step.field
+            if writes_one_field and register.access == "write_only" and has_other_bits(register, groups):
                 message = (
                     f"{quoted(step.register)} is write_only, so a step cannot keep its other bits; "
                     "describe it as one field with all its bits, and remove 'field'"
@@ -79,7 +82,7 @@ def check_step_access(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _register_of(step: WrittenStep, registers: Registers) -> WrittenRegister:
-    """Return the register of a step, or an empty register if it has no existing register."""
+    """Return the register that a step accesses, or an empty register if it accesses none or it does not exist."""
     return registers.get(step.register, _NO_REGISTER)
 
 
@@ -88,7 +91,7 @@ def _names_with_access(registers: Registers, access: str) -> set[str]:
 
 
 def _check_written_registers(spec: WrittenSpec, read_only: Collection[str], report: DocumentReport) -> None:
-    """Check that registers that open others or select a bank are writable."""
+    """Check that no register that unlocks another one for writing, or selects a bank, is among the read-only ones."""
     for register in spec.registers:
         opener = register.opened_by.register if register.opened_by is not None else ""
         if opener in read_only:
@@ -101,7 +104,7 @@ def _check_written_registers(spec: WrittenSpec, read_only: Collection[str], repo
 
 
 def _check_read_registers(spec: WrittenSpec, write_only: Collection[str], report: DocumentReport) -> None:
-    """Check that registers that contain parameters or alarms are readable."""
+    """Check that no register that holds a parameter or an alarm is among the write-only ones."""
     for name, parameter in spec.parameters.items():
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if register_name in write_only:
@@ -114,7 +117,7 @@ def _check_read_registers(spec: WrittenSpec, write_only: Collection[str], report
             report.add("access-mismatch", (*alarm.path, "register"), message)
 
 
-def check_step_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_step_waits(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure waits long enough after a write that takes time, until its next write or its end."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -130,18 +133,16 @@ def check_step_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
 
 
 def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], needed_ms: int) -> tuple[Path, str] | None:
-    """Return the place of a wait that is too short or missing after a write, and a text about the wait.
+    """Return the place of a wait that is too short or missing after a write, and a text that describes it.
 
-    None if it is enough.
-
-    All waits before the next write count together. Polling is enough, and without a wait, the end of a procedure is
-    enough as well. The text is ``there is no wait here`` or ``the wait here is 5 ms``.
+    The text is ``there is no wait here`` or ``the wait here is 5 ms``. The result is None if the waits before the next
+    write are long enough together, if a step polls a register before it, or if the procedure ends without a wait.
     """
-    until_write = list(takewhile(lambda step: step.do != "write", later_steps))
-    waits = [step for step in until_write if step.do == "wait"]
+    steps_before_next_write = list(takewhile(lambda step: step.do != "write", later_steps))
+    waits = [step for step in steps_before_next_write if step.do == "wait"]
     waits_ms = [wait.at_least_ms for wait in waits if wait.at_least_ms is not None]
-    is_polled = any(step.do == "poll" for step in until_write)
-    is_last_write = len(until_write) == len(later_steps)
+    is_polled = any(step.do == "poll" for step in steps_before_next_write)
+    is_last_write = len(steps_before_next_write) == len(later_steps)
     total_ms = sum(waits_ms)
     ends_without_wait = is_last_write and not waits_ms
     if is_polled or total_ms >= needed_ms or ends_without_wait:
@@ -151,10 +152,11 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
     return waits[0].place_of("at_least_ms"), f"the wait here is {total_ms} ms"
 
 
-def check_opening_steps(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure writes the value that opens a register before it writes the register.
+def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a procedure writes the value that unlocks a register (``opened_by``) before it writes the register.
 
-    Only the last of its writes to the opener before counts. If there is none, another procedure may open the register.
+    Only the last of its earlier writes to the unlocking register counts. If there is none, another procedure may unlock
+    the register.
     """
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -163,12 +165,12 @@ def check_opening_steps(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
             opener = _register_of(step, registers).opened_by
             if step.do != "write" or opener is None:
                 continue
-            steps_before = procedure.steps[:index]
-            values_before = [earlier.value for earlier in steps_before if _writes_opening_value(earlier, opener)]
-            if not values_before:
+            earlier_steps = procedure.steps[:index]
+            earlier_values = [earlier.value for earlier in earlier_steps if _writes_to_opener(earlier, opener)]
+            if not earlier_values:
                 continue
-            last_value = values_before[-1]
-            # An argument may be the value that opens the register.
+            last_value = earlier_values[-1]
+            # The caller of the procedure may pass the correct value as an argument.
             if last_value != opener.value and last_value not in arguments:
                 message = (
                     f"{quoted(step.register)} must be opened by writing {quoted(opener.value)} to"
@@ -177,8 +179,8 @@ def check_opening_steps(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                 report.add("not-opened", step.place_of("register"), message)
 
 
-def _writes_opening_value(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
-    """Return True if a step writes a value to the register, or the field of it, that opens another register."""
+def _writes_to_opener(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
+    """Return True if a step writes any value to the register, or to its field, that unlocks another register."""
     if step.do != "write" or not step.value or not opener.value:
         return False
     is_opening_register = bool(step.register) and step.register == opener.register
@@ -187,13 +189,13 @@ def _writes_opening_value(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
     return is_opening_register and is_opening_field
 
 
-def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that some step of a procedure writes each of its arguments."""
-    procedures = by_name(as_read.procedures)  # Including invalid parts, which ``spec`` lacks.
+def check_written_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that each argument of a procedure is written by one of its steps."""
+    procedures = by_name(spec.with_invalid_parts.procedures)
     for procedure in spec.procedures:
-        # A step rejected by the schema may be the one that writes it.
-        raw_procedure = procedures.get(procedure.name, procedure)
-        written_values = [step.value for step in raw_procedure.steps]
+        # An invalid step may be the one that writes the argument.
+        procedure_with_invalid_steps = procedures.get(procedure.name, procedure)
+        written_values = [step.value for step in procedure_with_invalid_steps.steps]
         for argument in procedure.arguments:
             if argument.name not in written_values:
                 message = (
@@ -203,10 +205,10 @@ def check_written_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
                 report.add("argument-not-written", argument.place_of("name"), message)
 
 
-def check_procedure_name(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure named after a value of a register writes this value if it writes named values there."""
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
-    groups = by_name(as_read.field_groups)
+def check_procedure_name(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a procedure with the name of a named value writes this value, if it writes to the same register."""
+    registers = by_name(spec.with_invalid_parts.registers)
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
         writes_by_register: dict[str, list[WrittenStep]] = {}
@@ -227,25 +229,25 @@ _SAVE_WORDS = re.compile(r"(?:save|store|burn)(?:_.*)?")
 _ANY_BANK = "any"
 
 
-def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure writes its arguments before it saves, unless a note of the procedure explains it.
+def check_saves_before_writes(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a procedure writes its arguments before it saves them, unless it has a note, which may explain it.
 
-    The last write of a value called save, store or burn counts. Arguments in volatile registers need no saving.
+    It saves with the last write of a value called save, store or burn. Volatile registers need no saving.
     """
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
+    registers = by_name(spec.with_invalid_parts.registers)
     for procedure in spec.procedures:
         if procedure.note:
             continue
         arguments = {argument.name for argument in procedure.arguments}
         writes = [step for step in procedure.steps if step.do == "write"]
-        saves = [index for index, step in enumerate(writes) if step.register in registers and _is_save(step)]
-        if not saves:
+        indices_of_saves = [index for index, step in enumerate(writes) if step.register in registers and _is_save(step)]
+        if not indices_of_saves:
             continue
-        index_of_save = saves[-1]
-        save = writes[index_of_save]
-        later_writes = writes[index_of_save + 1 :]
+        index_of_last_save = indices_of_saves[-1]
+        save = writes[index_of_last_save]
+        later_writes = writes[index_of_last_save + 1 :]
         writes_to_other_registers = [step for step in later_writes if step.register != save.register]
         unsaved_register = _first_unsaved(writes_to_other_registers, arguments, registers)
         if unsaved_register:
@@ -256,22 +258,25 @@ def check_saves_before_writes(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 
 def _is_save(step: WrittenStep) -> bool:
-    """Return True if a step writes a value that is called save, store or burn, or begins with one and an underscore."""
+    """Return True if a step writes a named value that is called save, store or burn, such as ``save_all``."""
     return _SAVE_WORDS.fullmatch(step.value) is not None
 
 
 def _first_unsaved(later_steps: Iterable[WrittenStep], arguments: set[str], registers: Registers) -> str:
-    """Return the first register, not a volatile one, that later steps write with an argument, or an empty string."""
+    """Return the first non-volatile register to which one of the later steps writes an argument of the procedure.
+
+    The result is empty if there is none.
+    """
     for step in later_steps:
         if step.value in arguments and step.register in registers and not registers[step.register].volatile:
             return step.register
     return ""
 
 
-def check_named_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the interface of a register in a bank has banks and names the register that selects them."""
-    biss = as_read.interfaces.biss
-    is_select_named = biss is not None and biss.has("bank_select")
+def check_named_bank(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a register in a bank is accessed over BiSS, and that BiSS names the register that selects the bank."""
+    biss = spec.with_invalid_parts.interfaces.biss
+    has_bank_select = biss is not None and biss.has("bank_select")
     for register in spec.registers:
         if register.bank is None:
             continue
@@ -281,7 +286,7 @@ def check_named_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
                 " 'bank', and describe in 'note' how the bank is selected"
             )
             report.add("bank-not-selected", register.place_of("bank"), message, at_key=True)
-        elif not is_select_named:
+        elif not has_bank_select:
             message = (
                 f"{quoted(register.name)} is in bank {register.bank}; name the register that selects banks with"
                 " 'bank_select' under 'biss'"
@@ -289,32 +294,33 @@ def check_named_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             report.add("bank-not-selected", register.place_of("bank"), message)
 
 
-def check_selected_bank(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure selects the bank before it accesses a register in it. An argument may select any bank."""
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
-    select = bank_select(as_read)
-    if not select:
+def check_selected_bank(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a procedure selects the bank of a register before it accesses the register.
+
+    An argument, whose value is not known, may select any bank.
+    """
+    registers = by_name(spec.with_invalid_parts.registers)
+    bank_register = bank_select(spec.with_invalid_parts)
+    if not bank_register:
         return
-    bank_numbers = _number_by_name(registers.get(select, _NO_REGISTER), as_read)
+    bank_numbers = _numbers_by_name(registers.get(bank_register, _NO_REGISTER), spec)
     for procedure in spec.procedures:
         selected_bank: object = None
         for step in procedure.steps:
             bank = _register_of(step, registers).bank
-            if step.do == "write" and step.register == select:
+            if step.do == "write" and step.register == bank_register:
                 # A value without a name is an argument, which may select any bank.
                 selected_bank = bank_numbers.get(step.value, _ANY_BANK)
             elif bank is not None and selected_bank not in (bank, _ANY_BANK):
-                message = (
-                    f"{quoted(step.register)} is in bank {bank}; write {bank} to {quoted(select)} before this step"
-                )
+                problem = f"{quoted(step.register)} is in bank {bank}"
+                message = f"{problem}; write {bank} to {quoted(bank_register)} before this step"
                 report.add("bank-not-selected", step.place_of("register"), message)
 
 
-def _number_by_name(register: WrittenRegister, as_read: WrittenSpec) -> dict[str, int | None]:
-    """Return the numbers of all named values of a register by their names. Invalid numbers are None."""
-    numbers_by_name: dict[str, int | None] = {}
-    for field in fields_of(register, by_name(as_read.field_groups)):
-        numbers_by_name |= dict.fromkeys(value_names(field))  # None for each, also for invalid ones.
-        for name, value in field.values.items():
-            numbers_by_name[name] = value.value if value.is_valid("value") else None
-    return numbers_by_name
+def _numbers_by_name(register: WrittenRegister, spec: WrittenSpec) -> dict[str, int | None]:
+    """Return the numbers of all named values of a register, by name. The number of an invalid value is None."""
+    numbers: dict[str, int | None] = {}
+    for field in fields_of(register, by_name(spec.with_invalid_parts.field_groups)):
+        numbers |= dict.fromkeys(value_names(field))
+        numbers |= {name: value.value for name, value in field.values.items() if value.is_valid("value")}
+    return numbers

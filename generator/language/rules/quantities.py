@@ -1,4 +1,4 @@
-"""Rules for quantities with units: characteristics, columns of tables, and voltages and times in texts."""
+"""Rules for quantities with units: characteristics, conversions, and voltages and times in texts."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from ...model import Alarm, Quantity
-from ...say.text import count_with_unit, nanoseconds
+from ...say.text import nanoseconds
 from ..document import ErratumTargets
 from ..problems import DocumentReport, Path, join_words, quoted
 from ..written import LocatedPart
@@ -62,10 +62,9 @@ _UNIT_CONVERSIONS: Mapping[tuple[str, str], Callable[[float], float]] = {
     ("mm", "in"): lambda number: number / 25.4,
     ("in", "mm"): lambda number: number * 25.4,
 }
-_CELL_WITH_NUMBER = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:\.\d+)?")
 
 
-def check_quantity_text(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_quantity_text(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that quantities of a characteristic have possible units and bounds, and the same numbers as its text."""
     for characteristic in spec.characteristics:
         text = characteristic.part.value
@@ -81,9 +80,10 @@ def check_quantity_text(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def _check_quantity(quantity: Quantity, characteristic_text: str, path: Path, report: DocumentReport) -> list[Decimal]:
-    """Check a quantity of a characteristic against its text. Return its bounds, or none if they are invalid.
+    """Report a quantity of a characteristic that contradicts the text of the characteristic, and return its bounds.
 
-    A bound is a number of the text with the same unit, or one of its numbers plus or minus a tolerance.
+    Each bound must be a number in the text with the same unit, or such a number plus or minus a tolerance. The result
+    is empty if the unit or the order of the bounds is wrong.
     """
     unit, kind = quantity.unit, quantity.quantity
     if unit not in _UNIT_OF_KIND[kind].split():
@@ -111,7 +111,7 @@ def _bounds_of(quantity: Quantity) -> dict[str, float]:
 
 
 def _signed_numbers(characteristic_text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
-    """Yield each number with a unit in a text, with its sign: ``("±", 5)`` and ``("-", 20)``."""
+    """Yield the sign and the size of each number with this unit in a text, such as ``("±", 5)`` and ``("-", 20)``."""
     unit_pattern = _UNITS_IN_TEXTS.get(unit, re.escape(unit))
     for match in re.finditer(rf"{_NUMBER_PATTERN}(?= ?{unit_pattern}(?!\w|/))", characteristic_text):
         sign, number = match.group("sign", "number")
@@ -119,14 +119,17 @@ def _signed_numbers(characteristic_text: str, unit: str) -> Iterator[tuple[str, 
 
 
 def _plain_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
-    """Yield each number with a unit that is not a tolerance."""
+    """Yield each number with this unit in a text, except tolerances such as ``±5``."""
     for sign, number in _signed_numbers(characteristic_text, unit):
         if sign != "±":
             yield -number if sign == "-" else number
 
 
 def _possible_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
-    """Yield each number with a unit in a text, and the bounds of its tolerances, in the unit or in percent."""
+    """Yield each number with this unit in a text, and each number plus and minus its tolerances.
+
+    A tolerance, such as ``±5``, is in the same unit or in percent.
+    """
     plain_numbers = list(_plain_numbers(characteristic_text, unit))
     yield from plain_numbers
     tolerances = [number for sign, number in _signed_numbers(characteristic_text, unit) if sign == "±"]
@@ -139,8 +142,11 @@ def _possible_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
             yield nominal + tolerance
 
 
-def check_repeated_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the supply ranges and the thresholds in texts match 'supply' of the spec and 'below_mv' of alarms."""
+def check_repeated_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that supply voltages in characteristics and contacts match ``supply``.
+
+    Also check that voltages in the texts of an alarm match its threshold, ``below_mv``.
+    """
     supply_ranges = _supply_ranges(spec)
     for characteristic in spec.characteristics:
         for index, quantity in enumerate(characteristic.part.values):
@@ -166,18 +172,21 @@ def _supply_ranges(spec: WrittenSpec) -> list[tuple[int, int]]:
 
 
 def _compare_supply(
-    supply_range: tuple[int, int], ranges: list[tuple[int, int]], path: Path, report: DocumentReport
+    stated_range: tuple[int, int], supply_ranges: list[tuple[int, int]], path: Path, report: DocumentReport
 ) -> None:
-    """Report a supply that is not one of ``ranges`` in millivolts, if there are any."""
-    if ranges and supply_range not in ranges:
-        low_mv, high_mv = supply_range
-        ranges_text = join_words([f"{low} to {high} mV" for low, high in ranges], "or")
+    """Report a supply voltage, stated at ``path``, that is not one of the spec's supply ranges in millivolts.
+
+    If the spec has no supply range, nothing is compared.
+    """
+    if supply_ranges and stated_range not in supply_ranges:
+        low_mv, high_mv = stated_range
+        ranges_text = join_words([f"{low} to {high} mV" for low, high in supply_ranges], "or")
         message = f"this is {low_mv} to {high_mv} mV, but 'supply' is {ranges_text}; one of the two is wrong"
         report.add("quantity-repeated", path, message)
 
 
 def _check_threshold(spec: WrittenSpec, alarm: LocatedPart[Alarm], report: DocumentReport) -> None:
-    """Check that the texts of an alarm, and of its flag, have no other voltage than the threshold of the alarm."""
+    """Check that each voltage in the texts of an alarm and of its flag is the threshold of the alarm, if it has one."""
     threshold_mv = alarm.part.below_mv
     if threshold_mv is None:
         return
@@ -195,7 +204,7 @@ def _check_threshold(spec: WrittenSpec, alarm: LocatedPart[Alarm], report: Docum
 
 
 def _flags_of(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
-    """Return the fields with the name of an alarm's flag, in its group and in its register."""
+    """Return the flag of an alarm: the fields with its name in the group and the register that the alarm names."""
     fields_of_owner: list[WrittenField] = []
     for group in spec.field_groups:
         if group.name == alarm.group:
@@ -206,12 +215,12 @@ def _flags_of(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
     return [field for field in fields_of_owner if field.name == alarm.field]
 
 
-def check_repeated_times(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that neither a text nor an erratum contradicts the times that it concerns.
+def check_repeated_times(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the times in texts and errata are those of the facts that they describe.
 
-    A text is compared with the times next to it, or else with the times of its register, procedure, timing or input. An
-    erratum is compared with the facts that it affects. It may also repeat one of the ``timings``, or a time of another
-    item. Overlays and older editions change times without changing every text, so specs with either are not checked.
+    A text is compared with the times next to it, or otherwise with those of its register, procedure, timing or input.
+    An erratum is compared with the facts that it affects. Both may also repeat one of the ``timings``, or a time of
+    another part. Overlays and older editions change times without changing every text, so their specs are not checked.
     """
     if report.document.other_files or report.document.family:
         return
@@ -234,7 +243,7 @@ def check_repeated_times(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 
 
 def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Report each timing whose meaning gives a time after its symbol, as in ``tw > 20 µs``, but none of its times."""
+    """Report each timing whose meaning gives its symbol another time, as in ``tw > 20 µs``, than its own bounds."""
     for timing in timings(spec):
         if not timing.part.symbol:
             continue
@@ -246,8 +255,12 @@ def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentReport) -> None:
-    """Report each erratum none of whose times occurs in a fact it affects, or in its only timing."""
-    affected_places, times_below = ErratumTargets(spec.data), _TimesBelow()
+    """Report each erratum with times in ``used``, its text about what applies, if none of them is in an affected fact.
+
+    One of the ``named_times`` is accepted too, unless the erratum affects exactly one timing.
+    """
+    affected_places = ErratumTargets(spec.data)
+    times_below = _TimesBelow()
     for erratum in spec.errata:
         used_matches = list(_ANY_TIME.finditer(erratum.used))
         if not used_matches:
@@ -266,18 +279,19 @@ def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentRe
 
 
 class _TimesBelow:
-    """The times below places of a spec, each found once although many errata may affect the same place."""
+    """The times in parts of a spec, which are cached because many errata may affect the same part."""
 
     def __init__(self) -> None:
         self._nanoseconds_in: dict[int, set[int]] = {}
 
     def of(self, node: object) -> set[int]:
+        """Return all times in a part of a spec, in nanoseconds."""
         if id(node) not in self._nanoseconds_in:
             self._nanoseconds_in[id(node)] = set(_nanoseconds_in(node))
         return self._nanoseconds_in[id(node)]
 
 
-#: Keys of timings and of the time-out of BiSS.
+#: Keys of timings and of the timeout of BiSS.
 _KEYS_OF_TIMINGS = frozenset(("at_least_us", "typical_us", "at_most_us", "at_most_ns", "typical_ns"))
 
 
@@ -287,9 +301,9 @@ def _is_timing(fact: object) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Elsewhere:
-    """The times of a spec outside one part: the named times, and the times of other parts.
+    """The times of a spec outside one part: the times in ``timings``, and the times of other parts.
 
-    ``parts_with`` counts the parts that have a time, and ``own_times`` contains the times of the one part.
+    ``parts_with`` contains the number of parts with each time, and ``own_times`` the times of the one part.
     """
 
     named: Set[int]
@@ -297,16 +311,20 @@ class _Elsewhere:
     own_times: Set[int]
 
     def have(self, time: Decimal) -> bool:
-        """Return True if a time is named, or occurs in another part."""
-        # If the part itself has the time, it is among the parts counted.
-        parts_to_exceed = 1 if time in self.own_times else 0
-        return time in self.named or self.parts_with.get(time, 0) > parts_to_exceed
+        """Return True if a time is one of the named times, or occurs in another part."""
+        other_parts = self.parts_with.get(time, 0)
+        if time in self.own_times:
+            other_parts -= 1
+        return time in self.named or other_parts > 0
 
 
 def _compare_times(
     text: str, expected_times: set[int], elsewhere: _Elsewhere, path: Path, report: DocumentReport
 ) -> None:
-    """Report the first time in a text that is neither expected nor elsewhere, if any times are expected."""
+    """Report the first time in a text that is neither one of the expected times nor elsewhere in the spec.
+
+    Without expected times, nothing is reported.
+    """
     if not expected_times:
         return
     for match in _KEPT_TIME.finditer(text):
@@ -317,7 +335,7 @@ def _compare_times(
 
 
 def _report_time(match: re.Match[str], expected_times: set[int], path: Path, report: DocumentReport) -> None:
-    """Report a time in a text, as matched by ``_TIME_PATTERN``, that is not expected."""
+    """Report a time in a text that is not one of the expected times. ``match`` has its groups number and unit."""
     times_text = join_words([nanoseconds(time) for time in sorted(expected_times)], "or")
     number, unit = match.group("number", "unit")
     message = (
@@ -328,12 +346,13 @@ def _report_time(match: re.Match[str], expected_times: set[int], path: Path, rep
 
 
 def _to_nanoseconds(match: re.Match[str]) -> Decimal:
+    """Return the time that a match of ``_TIME_PATTERN`` found, in nanoseconds."""
     factor = _NANOSECONDS_PER_UNIT.get(match["unit"], _NANOSECONDS_PER_UNIT["s"])
     return Decimal(match["number"].replace(",", "")) * factor
 
 
 def _nanoseconds_in(node: object) -> Iterator[int]:
-    """Yield every whole number below a place whose key ends in a unit of time, such as ``wait_ms``, in nanoseconds."""
+    """Yield every time in a part of a spec, in nanoseconds: whole numbers under keys such as ``wait_ms``."""
     for path, value in leaves(node):
         unit = str(path[-1]).rpartition("_")[2] if path else ""  # ``ms`` of ``wait_ms``.
         if unit in _NANOSECONDS_PER_UNIT and isinstance(value, int):
@@ -341,7 +360,7 @@ def _nanoseconds_in(node: object) -> Iterator[int]:
 
 
 def _yield_texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
-    """Yield every text below a place, with its path and the times in the same map."""
+    """Yield every text in a part of a spec, with its path and the times in the same map."""
     if isinstance(node, dict):
         numbers_by_key = {key: value for key, value in node.items() if isinstance(value, int)}
         nearby_times = set(_nanoseconds_in(numbers_by_key))
@@ -355,14 +374,14 @@ def _yield_texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]
             yield from _yield_texts(value, (*path, index))
 
 
-def check_conversions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that quantities that are given in two units are the same in both, in ``values`` and within texts."""
+def check_conversions(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a quantity that a characteristic or a text gives in two units is the same in both."""
     for characteristic in spec.characteristics:
         indices_by_quantity: dict[tuple[str, str], list[int]] = {}
         for index, quantity in enumerate(characteristic.part.values):
             indices_by_quantity.setdefault((quantity.quantity, quantity.where), []).append(index)
         for indices in indices_by_quantity.values():
-            # With more than two values, nothing says which of them belong together.
+            # If there are more than two, it is not known which of them belong together.
             if len(indices) == 2:
                 first, second = (characteristic.part.values[index] for index in indices)
                 _compare_bounds(second, first, (*characteristic.path, "values", indices[1]), report)
@@ -370,81 +389,56 @@ def check_conversions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
         if not isinstance(text, str) or path[-1] == "printed":
             continue
         for match in _QUANTITY_IN_TWO_UNITS.finditer(text):
-            number = _Number(Decimal(match["one"].replace("−", "-")), match["one_unit"])
-            repeated_number = _Number(Decimal(match["two"].replace("−", "-")), match["two_unit"])
+            number = _PrintedNumber(Decimal(match["one"].replace("−", "-")), match["one_unit"])
+            repeated_number = _PrintedNumber(Decimal(match["two"].replace("−", "-")), match["two_unit"])
             _compare_numbers(number, repeated_number, path, report)
 
 
 @dataclass(frozen=True, slots=True)
-class _Number:
-    """A number as printed, with its unit."""
+class _PrintedNumber:
+    """A number as it is printed, with its unit."""
 
     number: Decimal | float
     unit: str
 
+    @property
+    def rounding(self) -> float:
+        """Largest error from rounding: half a unit of the last printed digit, such as 0.05 for 2.5."""
+        exponent = Decimal(str(self.number)).as_tuple().exponent
+        return 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0
 
-def _compare_bounds(quantity: Quantity, first: Quantity, path: Path, report: DocumentReport) -> None:
-    """Report each bound that differs from the same bound of ``first``, the quantity in another unit."""
-    first_bounds = _bounds_of(first)
+
+def _compare_bounds(quantity: Quantity, first_quantity: Quantity, path: Path, report: DocumentReport) -> None:
+    """Report each bound of a quantity that differs from the same bound in another unit, of ``first_quantity``."""
+    first_bounds = _bounds_of(first_quantity)
     for name, number in _bounds_of(quantity).items():
         if name in first_bounds:
-            first_number = _Number(first_bounds[name], first.unit)
-            _compare_numbers(_Number(number, quantity.unit), first_number, (*path, name), report)
+            first_number = _PrintedNumber(first_bounds[name], first_quantity.unit)
+            _compare_numbers(_PrintedNumber(number, quantity.unit), first_number, (*path, name), report)
 
 
-def _compare_numbers(measured: _Number, printed: _Number, path: Path, report: DocumentReport) -> None:
-    """Report a number that differs from another number, in another unit, by more than rounding.
+def _compare_numbers(printed: _PrintedNumber, other: _PrintedNumber, path: Path, report: DocumentReport) -> None:
+    """Report a number that differs from the same quantity in another unit by more than rounding.
 
-    It may differ by 1 %, or by half of the last printed digit in either unit. A temperature may also be a difference,
-    which is converted without the offset. Two numbers whose units have no conversion are not compared.
+    They may differ by 1 % in the other unit, or by the rounding in either unit. Two temperatures may also be
+    differences of temperatures, which are converted without the offset of 32 °F. Numbers whose units have no conversion
+    are not compared.
     """
-    convert = _UNIT_CONVERSIONS.get((measured.unit, printed.unit))
-    if convert is None:
+    to_other_unit = _UNIT_CONVERSIONS.get((printed.unit, other.unit))
+    if to_other_unit is None:
         return
-    number, printed_number = float(measured.number), float(printed.number)
-    converted = convert(number)
-    converted_back = _UNIT_CONVERSIONS[printed.unit, measured.unit](printed_number)
-    half_digit = _half_digit(printed.number)
-    is_rounded = abs(converted - printed_number) <= max(abs(converted) / 100, half_digit)
-    is_rounded_back = abs(converted_back - number) <= _half_digit(measured.number)
-    # A difference of temperatures has no offset.
-    converted_difference = converted - convert(0.0)
-    is_difference = "°" in printed.unit and abs(converted_difference - printed_number) <= max(0.5, half_digit)
-    if not is_rounded and not is_rounded_back and not is_difference:
-        message = f"{measured.number} {measured.unit} is {converted:.4g} {printed.unit}, not {printed.number}"
+    number = float(printed.number)
+    other_number = float(other.number)
+    converted = to_other_unit(number)
+    tolerance = max(abs(converted) / 100, other.rounding)
+    agrees = abs(converted - other_number) <= tolerance
+    to_own_unit = _UNIT_CONVERSIONS[other.unit, printed.unit]
+    agrees_in_own_unit = abs(to_own_unit(other_number) - number) <= printed.rounding
+    agrees_as_difference = False
+    if "°" in other.unit:
+        converted_difference = converted - to_other_unit(0.0)
+        # Half a degree, because differences are printed in whole degrees.
+        agrees_as_difference = abs(converted_difference - other_number) <= max(0.5, other.rounding)
+    if not agrees and not agrees_in_own_unit and not agrees_as_difference:
+        message = f"{printed.number} {printed.unit} is {converted:.4g} {other.unit}, not {other.number}"
         report.add("quantity-text", path, message)
-
-
-def _half_digit(printed_number: Decimal | float) -> float:
-    """Return half a unit of the last digit of a number as it is printed: 0.05 for 2.5."""
-    exponent = Decimal(str(printed_number)).as_tuple().exponent
-    return 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0
-
-
-def check_column_units(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a table with units has one per column, and only numbers in the columns whose unit is not empty."""
-    for table in spec.tables:
-        units, columns = table.part.units, table.part.columns
-        if not units:
-            continue
-        if len(units) != len(columns):
-            counts = f"{count_with_unit(len(columns), 'column')} but {count_with_unit(len(units), 'unit')}"
-            report.add("column-units", (*table.path, "units"), f'the table has {counts}; give one for each, or ""')
-            continue
-        for row_index, cells in enumerate(table.part.rows):
-            # Another rule reports a row with too few or too many cells.
-            for column_index, (unit, cell) in enumerate(zip(units, cells, strict=False)):
-                if unit and not _CELL_WITH_NUMBER.fullmatch(cell):
-                    message = f"{quoted(cell)} is not a number, but the column has the unit {unit}"
-                    report.add("column-units", (*table.path, "rows", row_index, column_index), message)
-
-
-def check_table_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each row of a table has one cell per column."""
-    for table in spec.tables:
-        column_count = len(table.part.columns)
-        for row_index, row in enumerate(table.part.rows):
-            if len(row) != column_count:
-                cells, columns = count_with_unit(len(row), "cell"), count_with_unit(column_count, "column")
-                message = f"the row has {cells}, but the table has {columns}"
-                report.add("table-shape", (*table.path, "rows", row_index), message)

@@ -27,13 +27,13 @@ _HIGHEST_HZ = 10_000_000
 _RS_LINES = re.compile(r"\bRS-?(?:422|485)\b", re.IGNORECASE)
 #: Usual names of the times of an SSI encoder.
 _MONOFLOP, _PAUSE = "monoflop", "pause"
-#: Place of the time-outs of BiSS, and the path of their printed values in errata.
+#: Place of the timeouts of BiSS, and the path of their printed values in errata.
 _PATH_OF_TIMEOUT = ("interfaces", "biss", "timeout")
 _PATH_OF_PRINTED_TIMEOUTS = ".".join((*_PATH_OF_TIMEOUT, "printed"))
 _NS_PER_S, _NS_PER_US = 1_000_000_000, 1000
 
 
-def check_round_rates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_round_rates(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that rates have at most three significant digits, as in data sheets.
 
     Slow rates and standard baud rates are accepted, and so is a rate that a note of the interface gives.
@@ -45,7 +45,8 @@ def check_round_rates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             digits = len(str(rate).rstrip("0"))  # 2 for 1,500,000.
             is_standard = unit == "baud" and rate % _STANDARD_BAUD == 0
             is_high = rate >= _LOWEST_HZ
-            if digits > _SIGNIFICANT_DIGITS and is_high and not is_standard and not _gives_rate(interface.note, rate):
+            is_explained = _contains_rate(interface.note, rate)
+            if digits > _SIGNIFICANT_DIGITS and is_high and not is_standard and not is_explained:
                 message = (
                     f"{rate} {unit} has {digits} significant digits, which is implausible; correct it, or say in a"
                     f" 'note' of the interface that it is {rate} {unit}"
@@ -53,13 +54,16 @@ def check_round_rates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                 report.add("implausible-rate", path, message)
 
 
-def _gives_rate(note: str, rate: int) -> bool:
-    """Return whether a note has the digits of a rate, with or without commas."""
+def _contains_rate(note: str, rate: int) -> bool:
+    """Return True if a note contains the digits of a rate, with or without commas."""
     return str(rate) in note.replace(",", "")
 
 
 def _yield_rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
-    """Yield the limits of the clock and for cables, or the baud rate, of an interface, with their places and units."""
+    """Yield the clock limits of an interface, or its baud rate, each with its path and unit: Hz or baud.
+
+    Clock limits for cable lengths are included.
+    """
     if isinstance(interface, WrittenRs485):
         if interface.port.is_valid("baud"):
             yield (*interface.port.path, "baud"), interface.port.part.baud, "baud"
@@ -74,22 +78,22 @@ def _yield_rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]
                 yield (*row.path, "below_hz"), row.part.below_hz, "Hz"
 
 
-def check_rates_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_rates_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no clock or baud rate over RS-422 or RS-485 is above 10 MHz, unless a note of the interface gives it.
 
-    An interface has such lines if it is RS-485 or its signals say so. Clocks for cables have a rule of their own.
+    An interface has such lines if it is RS-485 or its ``signals`` name them. Another rule checks clocks for cables.
     """
     if is_second(report.document.file):  # It has no notes.
         return
     for _, interface in interfaces(spec):
         if isinstance(interface, WrittenSpi):
             continue
-        has_such_lines = isinstance(interface, WrittenRs485) or _RS_LINES.search(interface.signals) is not None
-        if not has_such_lines:
+        has_rs_lines = isinstance(interface, WrittenRs485) or _RS_LINES.search(interface.signals) is not None
+        if not has_rs_lines:
             continue
         for path, rate, unit in _yield_rates(interface):
-            is_limit = path[-1] != "below_hz"
-            if is_limit and rate > _HIGHEST_HZ and not _gives_rate(interface.note, rate):
+            is_for_cables = path[-1] == "below_hz"
+            if rate > _HIGHEST_HZ and not is_for_cables and not _contains_rate(interface.note, rate):
                 message = (
                     f"{rate} {unit} is above {_HIGHEST_HZ} {unit}, which is implausible over RS-422 or RS-485; correct"
                     f" it, or say in a 'note' of the interface that it is {rate} {unit}"
@@ -97,11 +101,10 @@ def check_rates_of_lines(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
                 report.add("implausible-rate", path, message)
 
 
-def check_monoflop(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the monoflop time of SSI is between half a period of the slowest clock and the pause.
+def check_monoflop(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the monoflop time of SSI is longer than half a period of the slowest clock.
 
-    The shortest time that a timing gives counts, for the pause only a guaranteed time. A time outside this range needs
-    an erratum.
+    Also check that it is not longer than the pause between words. An erratum explains a time outside this range.
     """
     ssi = spec.interfaces.ssi
     if ssi is None:
@@ -112,9 +115,9 @@ def check_monoflop(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
 
 
 def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: DocumentReport) -> None:
-    """Check a monoflop time against the clocks and pauses of the same order codes."""
+    """Check that a monoflop time fits the clocks and the pauses that apply to the same order codes."""
     time_us, key = _find_shortest(timing)
-    # Errata give an item of a list by its name: interfaces.ssi.monoflop.at_least_us.
+    # Errata refer to a part of a list by its name: interfaces.ssi.monoflop.at_least_us.
     affected_path = as_affected_name(".".join(map(str, (*timing.path[:-1], _MONOFLOP, key))))
     if has_erratum_at(report.document, affected_path) or not time_us:
         return
@@ -143,7 +146,10 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
 
 
 def _find_shortest(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
-    """Return the shortest guaranteed or else the typical time of a timing, with its key, or ``(None, "")``."""
+    """Return the guaranteed shortest time of a timing or, without one, the typical time, with its key.
+
+    The result is ``(None, "")`` if the timing has neither.
+    """
     part = timing.part
     for key, time_us in (("at_least_us", part.at_least_us), ("typical_us", part.typical_us)):
         if time_us is not None:
@@ -151,7 +157,7 @@ def _find_shortest(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
     return None, ""
 
 
-def check_cable_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_cable_clocks(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each clock limit for cables is within the limits of the clock, unless an erratum explains it."""
     ssi = spec.interfaces.ssi
     if ssi is None:
@@ -183,10 +189,11 @@ def _check_cable_clock(row: LocatedPart[CableLength], clock: Clock, report: Docu
     report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {place}")
 
 
-def check_timeouts_and_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a BiSS time-out is longer than half a clock period and, if it follows the clock, in half periods.
+def check_timeouts_and_clocks(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a BiSS timeout is longer than half a period of the slowest clock.
 
-    Printed time-outs without a rule are then whole numbers of half periods, apart from rounding to nanoseconds.
+    If the timeout follows the clock, also check that each printed timeout is a whole number of half periods, apart from
+    rounding to nanoseconds.
     """
     biss = spec.interfaces.biss
     if biss is None:
@@ -204,7 +211,7 @@ def check_timeouts_and_clocks(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 
 def _check_half_periods(timeout: LocatedPart[Timeout], remedy: str, report: DocumentReport) -> None:
-    """Report printed time-outs that are not a whole number of half clock periods."""
+    """Report each timeout in the manual that is not a whole number of half clock periods."""
     for index, printed in enumerate(timeout.part.printed):
         half_periods = 2 * printed.clock_hz * printed.timeout_ns / _NS_PER_S
         rounding = printed.clock_hz / _NS_PER_S  # Half a nanosecond, in half periods.
@@ -212,7 +219,7 @@ def _check_half_periods(timeout: LocatedPart[Timeout], remedy: str, report: Docu
         is_whole = abs(half_periods - nearest_whole) <= rounding
         if not is_whole or nearest_whole < 1:
             message = (
-                f"{printed.timeout_ns} ns are {half_periods:.3g} half periods at {printed.clock_hz} Hz, but a time-out"
+                f"{printed.timeout_ns} ns are {half_periods:.3g} half periods at {printed.clock_hz} Hz, but a timeout"
                 f" that follows the clock is a whole number of them; {remedy}"
             )
             report.add("timeout-mismatch", (*timeout.path, "printed", index, "timeout_ns"), message)
@@ -221,7 +228,7 @@ def _check_half_periods(timeout: LocatedPart[Timeout], remedy: str, report: Docu
 def _check_longest_timeout(
     biss: WrittenBiss, timeout: LocatedPart[Timeout], remedy: str, report: DocumentReport
 ) -> None:
-    """Report a longest time-out that is shorter than half a period of the slowest clock of the same order codes."""
+    """Report a longest timeout that is shorter than half a period of the slowest clock of the same order codes."""
     longest_ns = timeout.part.at_most_ns
     for clock in biss.clock:
         lowest_hz = clock.part.min_hz
@@ -237,8 +244,8 @@ def _check_longest_timeout(
             report.add("timeout-mismatch", (*timeout.path, "at_most_ns"), message)
 
 
-def check_timeout_mismatch(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the time-outs of BiSS that the manual calculates match its rule, and are at possible clocks."""
+def check_timeout_mismatch(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the timeouts of BiSS that the manual prints match its rule, and are for possible clocks."""
     biss = spec.interfaces.biss
     if biss is None:
         return
@@ -254,44 +261,44 @@ def check_timeout_mismatch(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
 
 def _check_clocks_of_timeouts(timeout: LocatedPart[Timeout], clock: Clock, report: DocumentReport) -> None:
-    """Report printed time-outs at clocks that an encoder does not support."""
+    """Report timeouts that the manual prints for clocks outside the limits of ``clock``."""
     if clock.max_hz is None or has_erratum_at(report.document, *_PATH_OF_TIMEOUT):
         return
     lowest_hz = clock.min_hz or 0
     highest_hz = clock.max_hz
     for index, printed in enumerate(timeout.part.printed):
         if not lowest_hz <= printed.clock_hz <= highest_hz:
-            problem = f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no time-out at {printed.clock_hz} Hz"
+            problem = f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no timeout at {printed.clock_hz} Hz"
             remedy = f"if the manual gives both, add an erratum that affects {'.'.join(_PATH_OF_TIMEOUT)}"
             path = (*timeout.path, "printed", index, "clock_hz")
             report.add("timeout-mismatch", path, f"{problem}; {remedy}")
 
 
 def _check_timeout_rule(timeout: LocatedPart[Timeout], report: DocumentReport) -> None:
-    """Check that a time-out has the numbers for its rule: a fixed time, or half clock periods.
+    """Check that a timeout has the numbers for its rule: a time if it is fixed, or a number of half clock periods.
 
-    Without half clock periods, a time-out that follows the clock needs a time or printed examples.
+    A timeout that follows the clock may also have a time or printed examples instead of half clock periods.
     """
     part = timeout.part
     has_half_periods = part.half_clock_periods is not None
     has_limit = part.at_most_ns is not None or part.typical_ns is not None
     if part.rule == "fixed":
         if has_half_periods:
-            message = "a fixed time-out does not depend on the clock; remove 'half_clock_periods'"
+            message = "a fixed timeout does not depend on the clock; remove 'half_clock_periods'"
             report.add("timeout-mismatch", (*timeout.path, "half_clock_periods"), message, at_key=True)
         if not has_limit:
-            message = "a fixed time-out needs 'at_most_ns' or 'typical_ns'"
+            message = "a fixed timeout needs 'at_most_ns' or 'typical_ns'"
             report.add("timeout-mismatch", timeout.path, message, at_key=True)
     elif part.rule == "follows_clock" and not has_half_periods and not has_limit and not part.printed:
         message = (
-            "a time-out that depends on the clock needs 'half_clock_periods', "
+            "a timeout that depends on the clock needs 'half_clock_periods', "
             "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule"
         )
         report.add("timeout-mismatch", timeout.path, message, at_key=True)
 
 
 def _check_calculated_timeouts(timeout: LocatedPart[Timeout], half_periods: int, report: DocumentReport) -> None:
-    """Check that each printed time-out is the given number of half clock periods, to the nearest nanosecond."""
+    """Check that each printed timeout is this number of half clock periods, rounded to the nearest nanosecond."""
     for index, printed in enumerate(timeout.part.printed):
         clock_hz = printed.clock_hz
         printed_ns = printed.timeout_ns

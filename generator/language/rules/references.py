@@ -29,20 +29,21 @@ from .parts import (
     measurements,
     readable_names,
 )
+from .walk import next_steps
 
 #: Kind of a field that is a number.
 _NUMBER_KIND = "digits"
 
 
-def check_field_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_field_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check the references of fields and layouts: groups, CRCs, sibling fields, joined numbers, parameters, data IDs.
 
     A group may use data IDs, because its interface is not known.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for field_list in field_lists(spec):
         names = list(field_names(field_list, resolver.groups))
-        has_data_ids = field_list.kind is FieldOwner.GROUP or bool(_data_ids(as_read, field_list.interface))
+        has_data_ids = field_list.kind is FieldOwner.GROUP or bool(_data_ids(spec, field_list.interface))
         for field in field_list.fields:
             _check_field(field, names, list(field_list.joins), resolver)
             if field.values_of and not has_data_ids:
@@ -52,51 +53,57 @@ def check_field_references(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
         _check_layout(field_list, names, resolver)
 
 
-def _data_ids(as_read: WrittenSpec, interface: str) -> object:
-    """Return the table of data IDs of an interface as read, in any shape, or None if there is none."""
-    return WrittenRs485(as_read.interfaces.data.get(interface)).data.get("data_ids")
+def _data_ids(spec: WrittenSpec, interface: str) -> object:
+    """Return the table of data IDs of an interface as the file has it, even if it is invalid. None without a table."""
+    return WrittenRs485(spec.with_invalid_parts.interfaces.data.get(interface)).data.get("data_ids")
 
 
-def _check_layout(fields: FieldList, names: Sequence[str], resolver: NameResolver) -> None:
-    """Check the names in the Gray code, the identification and the joined numbers of a layout or register.
+def _check_layout(field_list: FieldList, names: Sequence[str], resolver: NameResolver) -> None:
+    """Check that the fields exist that a layout or register sends in Gray code, joins to numbers, or is identified by.
 
     ``names`` are its fields, including fields of groups.
     """
-    layout = fields.layout
-    path = fields.owner.path
+    layout = field_list.layout
+    path = field_list.owner.path
     gray = layout.gray if layout is not None else None
     if gray is not None:
-        number_names = [*names, *fields.joins]
+        number_names = [*names, *field_list.joins]
         resolver.refer_if_given(gray.place_of("of"), "field or joined number", gray.of, number_names)
         resolver.refer_if_given(gray.place_of("when"), "parameter", gray.when)
-    for name in fields.selectors:
+    for name in field_list.selectors:
         resolver.refer((*path, "when", name), "field", name, names)
-    for join, joined_names in fields.joins.items():
+    for join, joined_names in field_list.joins.items():
         resolver.refer_to_each((*path, "join", join), "field", joined_names, names)
 
 
 def _check_field(field: WrittenField, names: Sequence[str], joins: Sequence[str], resolver: NameResolver) -> None:
-    """Check the references of a field. ``names`` are the fields of its layout, and ``joins`` its joined numbers."""
+    """Check that the group, CRC, covered fields and explaining bits that a field names exist.
+
+    ``names`` are the fields of its layout, and ``joins`` the numbers that are joined from them.
+    """
     resolver.refer_if_given(field.place_of("use"), "field group", field.use)
     resolver.refer_if_given(field.place_of("crc"), "CRC", field.crc)
-    siblings = [name for name in names if name != field.name]
+    other_fields = [name for name in names if name != field.name]
     parity_path = field.place_of("parity_of")
     # A single name may be written without a list. In this case, its path has no index.
     is_single_name = isinstance(field.data.get("parity_of"), str)
     for index, name in enumerate(field.parity_of):
         name_path = parity_path if is_single_name else (*parity_path, index)
-        resolver.refer(name_path, "other field", name, [*siblings, *joins])
-    resolver.refer_to_each(field.place_of("crc_of"), "other field", field.crc_of, siblings)
-    for index, text in enumerate(field.explained_by):
-        resolver.refer_to_bit((*field.path, "explained_by", index), text)
+        resolver.refer(name_path, "other field", name, [*other_fields, *joins])
+    resolver.refer_to_each(field.place_of("crc_of"), "other field", field.crc_of, other_fields)
+    for index, bit in enumerate(field.explained_by):
+        resolver.refer_to_bit((*field.path, "explained_by", index), bit)
 
 
-def check_register_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of registers: their interface, their opener, the field that their limits apply to."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+def check_register_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that everything that registers name exists.
+
+    This includes their interface, the register that unlocks them, and the field to which their limits apply.
+    """
+    resolver = NameResolver(spec, report)
     for register in spec.registers:
         resolver.refer_if_given(register.place_of("interface"), "interface", register.interface)
-        if register.interface is None and Biss.name not in as_read.interfaces.data:
+        if register.interface is None and Biss.name not in spec.with_invalid_parts.interfaces.data:
             message = f"registers belong to {Biss.name} by default, but this device has no {Biss.name}; add 'interface'"
             report.add("undefined-reference", register.path, message)
         if register.opened_by is not None:
@@ -111,24 +118,27 @@ def check_register_references(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 
 def _check_opener(opener: WrittenOpenedBy, resolver: NameResolver) -> None:
-    """Check the register, the field and the value that open another register, each if the previous one exists."""
+    """Check that the register, its field and its value that unlock another register for writing exist."""
     name = opener.register
     resolver.refer_if_given(opener.place_of("register"), "register", name)
     if name not in resolver.registers:
         return
-    names_of_fields = resolver.bits(name)
-    resolver.refer_if_given(opener.place_of("field"), f"field of {quoted(name)} called", opener.field, names_of_fields)
-    if opener.field not in ("", *names_of_fields):
+    known_fields = resolver.bits(name)
+    resolver.refer_if_given(opener.place_of("field"), f"field of {quoted(name)} called", opener.field, known_fields)
+    if opener.field not in ("", *known_fields):
         return
-    names_of_values = resolver.values(name, opener.field)
-    resolver.refer_if_given(opener.place_of("value"), f"value of {quoted(name)} called", opener.value, names_of_values)
-    if not opener.field and opener.value in names_of_values and len(names_of_fields) > 1:
+    known_values = resolver.values(name, opener.field)
+    resolver.refer_if_given(opener.place_of("value"), f"value of {quoted(name)} called", opener.value, known_values)
+    if not opener.field and opener.value in known_values and len(known_fields) > 1:
         problem = f"{quoted(name)} has several fields; add 'field' with the name of the field"
         resolver.report_problem(opener.place_of("value"), f"{problem} that must hold {quoted(opener.value)}")
 
 
 def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> None:
-    """Check the field that selects the meaning of a register, written as ``register.field``, and its value."""
+    """Check that the field that selects a meaning of a register exists, and that it has the named value.
+
+    The field is written as ``register.field``.
+    """
     resolver.refer_to_bit(meaning.place_of("when"), meaning.when)
     name, _, field = meaning.when.partition(".")
     if name in resolver.registers and field in resolver.bits(name):
@@ -136,12 +146,13 @@ def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> N
         resolver.refer_if_given(meaning.place_of("is"), kind, meaning.is_, resolver.values(name, field))
 
 
-def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of parameters, hardware inputs, measurements and the register that selects banks.
+def check_device_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the registers, fields and interfaces named by parameters, inputs, measurements and BiSS exist.
 
-    A measurement names a field or joined number that occurs in some frame.
+    A measurement names the field or joined number that holds the position, which must occur in some frame. BiSS names
+    the register that selects banks.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for parameter in spec.parameters.values():
         if parameter.read_from:
             resolver.refer_to_bit(parameter.place_of("read_from"), parameter.read_from)
@@ -151,49 +162,52 @@ def check_device_references(spec: WrittenSpec, as_read: WrittenSpec, report: Doc
             if text:
                 resolver.refer_to_bit((*hardware_input.path, key), text)
     readable_values: dict[str, None] = {}
-    for frame in layouts_of_interfaces(as_read):
+    for frame in layouts_of_interfaces(spec.with_invalid_parts):
         readable_values |= dict.fromkeys(readable_names(frame, resolver.groups))
     for measurement in measurements(spec):
         if measurement.has("of"):
             resolver.refer((*measurement.path, "of"), "field or joined number", measurement.part.of, readable_values)
-            _check_measured_field(measurement, as_read, resolver, report)
+            _check_measured_field(measurement, spec, resolver, report)
     biss = spec.interfaces.biss
     if biss is not None:
         resolver.refer_if_given(biss.place_of("bank_select"), "register", biss.bank_select)
 
 
 def _check_measured_field(
-    measurement: LocatedPart[Measurement], as_read: WrittenSpec, resolver: NameResolver, report: DocumentReport
+    measurement: LocatedPart[Measurement], spec: WrittenSpec, resolver: NameResolver, report: DocumentReport
 ) -> None:
-    """Check that a field with the measured position is a number in at least one frame of the encoder.
+    """Check that the field that holds the position is a number in at least one frame that the encoder sends.
 
-    For the measurement of an interface, only its frames count.
+    For the measurement of an interface, only the frames of this interface count.
     """
     name = measurement.part.of
     path = measurement.path
     is_of_device = path == ("measurement",)
-    kinds_in_frames = []
-    for frame in layouts_of_interfaces(as_read):
+    kind_keys = []
+    for frame in layouts_of_interfaces(spec.with_invalid_parts):
         # The path of a measurement of an interface contains the name of the interface.
         is_measured = is_of_device or frame.interface in path
         field = field_names(frame, resolver.groups).get(name)
         if is_measured and frame.is_from_encoder and field is not None:
-            kinds_in_frames.append(_kind_of(field))
-    if kinds_in_frames and _NUMBER_KIND not in kinds_in_frames:
-        problem = f"{quoted(name)} has {quoted(kinds_in_frames[0])}, so it is not a number"
+            kind_keys.append(_kind_key(field))
+    if kind_keys and _NUMBER_KIND not in kind_keys:
+        problem = f"{quoted(name)} has {quoted(kind_keys[0])}, so it is not a number"
         message = f"{problem}; name the field that holds the position"
         report.add("measurement-shape", (*path, "of"), message)
 
 
-def _kind_of(field: WrittenField) -> str:
-    """Return the first key of a field that makes it something other than a number, such as ``crc``, or ``digits``."""
-    kinds = [key for key in KIND_KEYS if field.has(key)]
-    return kinds[0] if kinds else _NUMBER_KIND
+def _kind_key(field: WrittenField) -> str:
+    """Return the first key that makes a field something other than a number, such as ``crc``.
+
+    Without such a key, the result is ``digits``, which stands for a number.
+    """
+    kind_keys = [key for key in KIND_KEYS if field.has(key)]
+    return kind_keys[0] if kind_keys else _NUMBER_KIND
 
 
-def check_alarm_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of alarms: the flag in a field group or register, and the procedures that clear them."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+def check_alarm_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the flag of an alarm exists in its group or register, and that the procedures that clear it exist."""
+    resolver = NameResolver(spec, report)
     for located_alarm in spec.alarms:
         alarm = located_alarm.part
         path = located_alarm.path
@@ -207,24 +221,24 @@ def check_alarm_references(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
 
 
 def _check_flag(alarm: Alarm, path: Path, resolver: NameResolver) -> None:
-    """Check that the register, or otherwise the group, of an alarm has its flag, if the owner exists."""
+    """Check that the register or group that an alarm names contains the flag of the alarm."""
     owner_name = alarm.register or alarm.group
     owner = resolver.registers.get(owner_name) if alarm.register else resolver.groups.get(owner_name)
     if owner is not None:
         resolver.refer_if_given(path, f"field of {quoted(owner_name)} called", alarm.field, by_name(owner.fields))
 
 
-def check_by_hand_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that manual remedies name characteristics whose text has numbered steps."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    characteristics = by_part_name(as_read.characteristics).items()
+def check_by_hand_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that ``by_hand`` names characteristics whose text has numbered steps, for a person to carry out."""
+    resolver = NameResolver(spec, report)
+    characteristics = by_part_name(spec.with_invalid_parts.characteristics).items()
     names_with_steps = [name for name, characteristic in characteristics if has_steps(characteristic.part.value)]
     for path, names in _remedies_by_hand(spec):
         resolver.refer_to_each((*path, "by_hand"), "characteristic with numbered steps called", names, names_with_steps)
 
 
 def _remedies_by_hand(spec: WrittenSpec) -> Iterator[tuple[Path, Sequence[str]]]:
-    """Yield the path of each alarm, LED state and field, with the characteristics that contain its manual remedy."""
+    """Yield the path of each alarm, LED state and field, with the characteristics that its ``by_hand`` names."""
     for alarm in spec.alarms:
         yield alarm.path, alarm.part.by_hand
     for led in spec.leds:
@@ -235,9 +249,9 @@ def _remedies_by_hand(spec: WrittenSpec) -> Iterator[tuple[Path, Sequence[str]]]
             yield field.path, field.by_hand
 
 
-def check_procedure_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of procedures: interface, registers of arguments and steps, their values, data IDs."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+def check_procedure_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the interfaces, registers, values and data IDs that procedures name exist."""
+    resolver = NameResolver(spec, report)
     for procedure in spec.procedures:
         resolver.refer_if_given(procedure.place_of("interface"), "interface", procedure.interface)
         for argument in procedure.arguments:
@@ -246,7 +260,7 @@ def check_procedure_references(spec: WrittenSpec, as_read: WrittenSpec, report: 
             if register is not None:
                 kind = f"meaning of {quoted(argument.of)} called"
                 resolver.refer_if_given(argument.place_of("as"), kind, argument.as_, by_name(register.meanings))
-        interface = WrittenRs485(as_read.interfaces.data.get(procedure.interface))
+        interface = WrittenRs485(spec.with_invalid_parts.interfaces.data.get(procedure.interface))
         data_ids = by_part_name(interface.data_ids)
         for step in procedure.steps:
             _check_step(step, procedure, resolver)
@@ -254,7 +268,7 @@ def check_procedure_references(spec: WrittenSpec, as_read: WrittenSpec, report: 
 
 
 def _check_step(step: WrittenStep, procedure: WrittenProcedure, resolver: NameResolver) -> None:
-    """Check the register of a step, its field, and its value if both exist."""
+    """Check that the register, the field and the value that a step of a procedure names exist."""
     name = step.register
     resolver.refer_if_given(step.place_of("register"), "register", name)
     register = resolver.registers.get(name)
@@ -269,15 +283,15 @@ def _check_step(step: WrittenStep, procedure: WrittenProcedure, resolver: NameRe
 def _check_written_value(
     step: WrittenStep, register: WrittenRegister, arguments: Sequence[str], resolver: NameResolver
 ) -> None:
-    """Check that a step writes an argument or a value of its field, and that other bits keep theirs.
+    """Check that a step writes an argument of its procedure or a named value, without changing other bits.
 
-    Without a field, the step writes the whole register. Then a named value of one of several fields is an error.
+    A step without a field writes the whole register. If it writes the named value of one of several fields, this is
+    reported, because it would change the other fields.
     """
     name = step.register
     path = step.place_of("value")
     possible_values = [*resolver.values(name, step.field), *arguments]
     resolver.refer_if_given(path, f"argument, or value of {quoted(name)}, called", step.value, possible_values)
-    # The value of one field, written to the whole register, would change its other bits.
     is_value_of_field = step.value in resolver.values(name) and step.value not in arguments
     if not step.field and is_value_of_field and has_other_bits(register, resolver.groups):
         remedy = f"add 'field' with the name of the field that must hold {quoted(step.value)}"
@@ -286,10 +300,10 @@ def _check_written_value(
         resolver.report_problem(path, f"{quoted(name)} has other bits, too; {remedy}")
 
 
-def check_example_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the references of examples: their subject, the arguments and fields with values, and errata."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
-    known_layouts = {frame.name: frame for frame in layouts_of_interfaces(as_read) if frame.name}
+def check_example_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that everything that examples name exists, such as procedures, layouts, fields and errata."""
+    resolver = NameResolver(spec, report)
+    known_layouts = {frame.name: frame for frame in layouts_of_interfaces(spec.with_invalid_parts) if frame.name}
     for example in spec.examples:
         resolver.refer_if_given(example.place_of("procedure"), "procedure", example.procedure)
         resolver.refer_if_given(example.place_of("erratum"), "erratum", example.erratum)
@@ -307,7 +321,7 @@ def check_example_references(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 def _check_example_values(
     example: WrittenExample, known_layouts: Mapping[str, FieldList], resolver: NameResolver
 ) -> None:
-    """Check that the layout of an example, or else its register, has the fields whose values it gives."""
+    """Check that the layout or register of an example has the fields whose values the example gives."""
     field_list = known_layouts.get(example.layout)
     if field_list is None and example.register in resolver.registers:
         field_list = FieldList(FieldOwner.REGISTER, resolver.registers[example.register], "")
@@ -321,12 +335,13 @@ def _check_example_values(
 _LISTS_LEFT_OUT_OF_PATHS = ("layouts", "fields", "combinations")
 
 
-def check_erratum_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each path affected by an erratum exists and omits the lists of layouts, fields and combinations.
+def check_erratum_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that each path in ``affects`` of an erratum exists, and that it omits the names of certain lists.
 
-    A path such as ``interfaces.biss.word.crc`` is followed step by step. The first missing step is reported.
+    These are the lists of layouts, fields and combinations: the field ``crc`` of the layout ``word`` has the path
+    ``interfaces.biss.word.crc``. The first step that does not exist is reported.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     # The possible next steps of each map or list by its id, because many errata affect the same places.
     next_nodes_by_id: dict[int, dict[str, object]] = {}
     for erratum in spec.errata:
@@ -337,10 +352,10 @@ def check_erratum_references(spec: WrittenSpec, as_read: WrittenSpec, report: Do
                 problem = f"no output would find {quoted(affected)}; write {'.'.join(steps_without_lists)}"
                 report.add("undefined-reference", (*erratum.path, "affects", index), problem)
                 continue
-            node: object = as_read.data
+            node: object = spec.with_invalid_parts.data
             for step in steps:
                 if id(node) not in next_nodes_by_id:
-                    next_nodes_by_id[id(node)] = dict(_next_steps(node))
+                    next_nodes_by_id[id(node)] = dict(next_steps(node))
                 next_nodes = next_nodes_by_id[id(node)]
                 if step not in next_nodes:
                     kind = f"place {quoted(affected)} in this spec: there is no"
@@ -349,37 +364,9 @@ def check_erratum_references(spec: WrittenSpec, as_read: WrittenSpec, report: Do
                 node = next_nodes[step]
 
 
-def _next_steps(node: object) -> Iterator[tuple[str, object]]:
-    """Yield the possible next steps of a path from a map or list, each with the data to which it leads.
-
-    These are the keys of a map, the names of items in its lists, and the names in ``values``: in
-    ``interfaces.biss.word``, ``word`` is an item of ``layouts``. Entries without names, such as several clocks, are
-    followed by their keys.
-    """
-    if isinstance(node, list):
-        for entry in node:
-            if isinstance(entry, dict) and "name" not in entry:
-                yield from entry.items()
-        yield from _named_items(node)
-    elif isinstance(node, dict):
-        for key, value in node.items():
-            if isinstance(value, list):
-                yield from _named_items(value)
-            elif key == "values" and isinstance(value, dict):
-                yield from value.items()
-        yield from node.items()  # Last, so that a key takes precedence over a name.
-
-
-def _named_items(items: list[object]) -> Iterator[tuple[str, object]]:
-    """Yield the names of the items of a list, each with its item."""
-    for list_item in items:
-        if isinstance(list_item, dict) and "name" in list_item:
-            yield str(list_item["name"]), list_item
-
-
-def check_expressions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_expressions(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that every expression is valid, and that every parameter in it exists."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for path, text in parameters.expressions(spec):
         try:
             names = Expression.parse(text).parameters
@@ -393,9 +380,9 @@ def check_expressions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             resolver.refer(path, "parameter", name)
 
 
-def check_printed_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers, fields and errata named in the manual's list of defaults exist."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+def check_printed_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the registers, fields and errata exist that ``printed_defaults``, the manual's own list, names."""
+    resolver = NameResolver(spec, report)
     for printed in spec.printed_defaults:
         resolver.refer_if_given(printed.place_of("register"), "register", printed.register)
         if printed.register in resolver.registers:
@@ -405,19 +392,19 @@ def check_printed_references(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         resolver.refer_if_given(printed.place_of("erratum"), "erratum", printed.erratum)
 
 
-def check_connector_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_connector_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interfaces that a connector is wired for exist."""
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     for connector in spec.connectors:
         resolver.refer_to_each((*connector.path, "interfaces"), "interface", connector.part.interfaces)
 
 
-def check_unused_crc(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each CRC is used by a field in some list of fields, or has a note."""
+def check_unused_crc(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that each CRC is used by a field of some layout, register or group, or has a note about its use."""
     used_crcs: set[str] = set()
-    for field_list in field_lists(as_read):
+    for field_list in field_lists(spec.with_invalid_parts):
         used_crcs |= {field.crc for field in field_list.fields if field.crc}
-    if not used_crcs <= by_part_name(as_read.crcs).keys():
+    if not used_crcs <= by_part_name(spec.with_invalid_parts.crcs).keys():
         return  # A misspelt name, which another rule reports, may be meant as the unused CRC.
     for crc in spec.crcs:
         name = crc.part.name
@@ -428,17 +415,19 @@ def check_unused_crc(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             report.add("unused-crc", (*crc.path, "name"), f"{problem}; {remedy}")
 
 
-def check_evidence_references(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check the names of documents, implementations and examples in the evidence.
+def check_evidence_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the documents, implementations and examples that the evidence names exist.
 
-    The manual is a document too, under ``manual`` and the language of each edition.
+    The manual is a document too, with the name ``manual`` and the language code of each edition.
     """
-    resolver = NameResolver(as_read, report)  # Also knows names of invalid parts, which ``spec`` lacks.
+    resolver = NameResolver(spec, report)
     evidence = spec.evidence
-    documents = as_read.names_in("documents")
-    languages = [edition.part.language for edition in as_read.manual.editions]
+    documents = spec.with_invalid_parts.names_in("documents")
+    languages = [edition.part.language for edition in spec.with_invalid_parts.manual.editions]
     for key in evidence.part.documents:
         resolver.refer((*evidence.path, "documents", key), "document", key, ("manual", *languages, *documents))
     implementations_path = (*evidence.path, "implementations")
     resolver.refer_to_each(implementations_path, "document", evidence.part.implementations, documents)
-    resolver.refer_to_each((*evidence.path, "vectors"), "example", evidence.part.vectors, by_name(as_read.examples))
+    resolver.refer_to_each(
+        (*evidence.path, "vectors"), "example", evidence.part.vectors, by_name(spec.with_invalid_parts.examples)
+    )

@@ -1,4 +1,4 @@
-"""Rules for what a spec has twice: items of a list, texts of neighbours, and facts about an encoder as a whole."""
+"""Rules for what a spec has twice: items of a list, texts of neighbors, and facts about an encoder as a whole."""
 
 from __future__ import annotations
 
@@ -36,35 +36,34 @@ _CHARACTER_LENGTH = re.compile(r"\b(nine|ten|eleven|twelve|9|1[0-2]) bits\b", re
 _PARITY_IN_TEXT = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
 
 
-def check_repeated_items(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no item of a list that is a set, by its key, occurs twice."""
-    for path, set_items in _unique_lists((), spec.data):
-        for index, set_item in enumerate(set_items):
-            first_index = set_items.index(set_item)
+def check_repeated_items(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no element occurs twice in a list without repetitions, such as ``sums_up``."""
+    for path, elements in _lists_without_repetitions((), spec.data):
+        for index, element in enumerate(elements):
+            first_index = elements.index(element)
             if first_index < index:
-                item_text = quoted(set_item) if isinstance(set_item, (str, int)) else "this"
+                element_text = quoted(element) if isinstance(element, (str, int)) else "this"
                 message = (
-                    f"{item_text} is already item {first_index + 1} of '{path[-1]}'; "
+                    f"{element_text} is already item {first_index + 1} of '{path[-1]}'; "
                     "remove it, or write the intended value"
                 )
                 report.add("repeated-item", (*path, index), message)
 
 
-def _unique_lists(path: Path, node: object) -> Iterator[tuple[Path, list[object]]]:
-    """Yield every list that is a set, at a place and below it, with its path.
+def _lists_without_repetitions(path: Path, node: object) -> Iterator[tuple[Path, list[object]]]:
+    """Yield every list in a part of a spec, at ``path``, in which no element may occur twice, with its path.
 
-    The key of a list decides, or the key of the map in which it is: both ``sums_up`` and each list in ``only_with`` are
-    sets.
+    The key of the list decides, as for ``sums_up``, or the key of the map that contains it, as for ``only_with``.
     """
     if isinstance(node, list):
         is_in_map_of_sets = len(path) > 1 and path[-2] in _MAPS_OF_SETS
         if path[-1] in _LISTS_THAT_ARE_SETS or is_in_map_of_sets:
             yield path, node
         for index, inner in enumerate(node):
-            yield from _unique_lists((*path, index), inner)
+            yield from _lists_without_repetitions((*path, index), inner)
     elif isinstance(node, dict):
         for key, inner in node.items():
-            yield from _unique_lists((*path, key), inner)
+            yield from _lists_without_repetitions((*path, key), inner)
 
 
 class _NamedText(NamedTuple):
@@ -75,8 +74,11 @@ class _NamedText(NamedTuple):
     path: Path
 
 
-def check_repeated_text(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers of a bank, fields of a frame, and values of a field do not have the text of a neighbour."""
+def check_repeated_text(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no two registers of a bank, fields of a frame or values of a field have the same text.
+
+    Printed names are compared, and meanings of several words for values.
+    """
     registers_by_bank: dict[object, list[WrittenRegister]] = {}
     for register in spec.registers:
         registers_by_bank.setdefault((interface_of(register), register.bank), []).append(register)
@@ -90,7 +92,7 @@ def check_repeated_text(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def _check_values(field: WrittenField, report: DocumentReport) -> None:
-    """Check that the values of a field do not have the same printed name or the same meaning with several words."""
+    """Check that no two named values of a field have the same printed name, or the same meaning of several words."""
     printed_names = []
     meanings = []
     for name, value in field.values.items():
@@ -112,17 +114,14 @@ def _printed_name_of(register_or_field: WrittenRegister | WrittenField) -> _Name
 
 
 def _has_data(field: WrittenField) -> bool:
-    """Return True for a field that is neither fixed nor a check.
-
-    Each word of a frame can repeat the names of such fields.
-    """
+    """Return True for a field with data. Fixed bits and check bits have none, and can repeat a name in a frame."""
     is_fixed = field.constant is not None or field.unused is not None
     is_check = bool(field.crc or field.parity_of)
     return not is_fixed and not is_check
 
 
 def _report_repeated(text_key: str, texts: Iterable[_NamedText], report: DocumentReport) -> None:
-    """Report every text under a key that an earlier neighbour of another name has. Empty texts are missing texts."""
+    """Report every text under ``text_key`` that an earlier part with another name also has, except empty texts."""
     first_names: dict[str, str] = {}
     for text, name, path in texts:
         if not text:
@@ -133,10 +132,10 @@ def _report_repeated(text_key: str, texts: Iterable[_NamedText], report: Documen
             report.add("repeated-text", path, message)
 
 
-def check_description_file(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the name of the description file of BiSS contains the manufacturer ID of the register.
+def check_description_file(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the file name of the BiSS device description contains the manufacturer ID that the register holds.
 
-    This ID is two ASCII characters, and in the name their four hexadecimal digits.
+    The register holds two ASCII characters, and the file name contains their four hexadecimal digits.
     """
     biss = spec.interfaces.biss
     file_name = _DESCRIPTION_FILE.fullmatch(biss.description_file) if biss is not None else None
@@ -154,8 +153,11 @@ def check_description_file(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
         report.add("description-file", biss.place_of("description_file"), message)
 
 
-def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the SSI word has the alignment that the contents and the order code name, if they name only one."""
+def check_alignment(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that ``alignment`` of SSI is the alignment that the table of contents and the order code name.
+
+    Nothing is checked if they name none or both.
+    """
     ssi = spec.interfaces.ssi
     texts = [section.title for section in spec.manual.contents.values()]
     for part in spec.order_code.parts:
@@ -175,37 +177,35 @@ def check_alignment(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
         report.add("alignment-mismatch", ssi.place_of("alignment"), message)
 
 
-def check_serial_port(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the note of an RS-485 interface has the stop bits, parity and bits per character of its port."""
+def check_serial_port(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the stop bits, parity and bits per character in the note of an RS-485 interface match its ``port``."""
     rs485 = spec.interfaces.rs485
     if rs485 is None or not rs485.port.is_given:
         return
     port = rs485.port.part
     parity_bits = 0 if port.parity == "none" else 1
-    # For each key, the pattern of words about it and the right one of them.
-    words_by_key = {
+    # For each key, the pattern of texts about it, and the number or word that they must contain.
+    expected_words = {
         "stop_bits": (_STOP_BITS, str(port.stop_bits)),
         "parity": (_PARITY_IN_TEXT, port.parity.replace("none", "no")),
     }
-    # Only if the note counts the start bit, its number of bits is the number of the whole character.
+    # If the note mentions the start bit, its number of bits is the number of the whole character.
     if "start bit" in rs485.note:
         bits_of_character = 1 + port.data_bits + parity_bits + port.stop_bits
-        words_by_key["data_bits"] = (_CHARACTER_LENGTH, str(bits_of_character))
-    _compare_with_port(rs485.note, words_by_key, rs485, report)
+        expected_words["data_bits"] = (_CHARACTER_LENGTH, str(bits_of_character))
+    _compare_with_port(rs485, expected_words, report)
 
 
 def _compare_with_port(
-    port_text: str,
-    numbers: Mapping[str, tuple[re.Pattern[str], str]],
-    rs485: WrittenRs485,
-    report: DocumentReport,
+    rs485: WrittenRs485, expected_words: Mapping[str, tuple[re.Pattern[str], str]], report: DocumentReport
 ) -> None:
-    """Report the first words of the note of an interface that contradict a setting of its port.
+    """Report the first words in the note of an RS-485 interface that contradict a setting of its port.
 
-    ``numbers`` contains for each key the pattern of its words and the right number or word: ``"1"`` or ``"even"``.
+    ``expected_words`` contains, for each setting, the pattern of texts about it, and the number or word that they must
+    contain, such as ``"1"`` or ``"even"``.
     """
-    for key, (pattern, expected) in numbers.items():
-        for word in pattern.findall(port_text):
+    for key, (pattern, expected) in expected_words.items():
+        for word in pattern.findall(rs485.note):
             plain_word = word.casefold()
             number_or_word = str(_NUMBER_WORDS.get(plain_word, plain_word))  # "2" for "Two", "even" for "even".
             if number_or_word != expected:
@@ -217,22 +217,22 @@ def _compare_with_port(
                 return
 
 
-def check_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the lowest and the highest number of a quantity are different."""
+def check_bounds(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the lower and the upper bound of a quantity are different."""
     for characteristic in spec.characteristics:
-        for index, value in enumerate(characteristic.part.values):
-            if value.min is not None and value.min == value.max:
-                message = f"'min' and 'max' are both {value.min:g}; correct one of them, or write 'typical'"
+        for index, quantity in enumerate(characteristic.part.values):
+            if quantity.min is not None and quantity.min == quantity.max:
+                message = f"'min' and 'max' are both {quantity.min:g}; correct one of them, or write 'typical'"
                 report.add("quantity-text", (*characteristic.path, "values", index, "min"), message)
 
 
-def check_numbers_of_conditions(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_numbers_of_conditions(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers in ``where``, the condition of a quantity, are in the text of the characteristic."""
     for characteristic in spec.characteristics:
         printed_numbers = set(_NUMBER_IN_TEXT.findall(characteristic.part.value))
-        for index, value in enumerate(characteristic.part.values):
+        for index, quantity in enumerate(characteristic.part.values):
             missing_numbers = [
-                number for number in _NUMBER_IN_TEXT.findall(value.where) if number not in printed_numbers
+                number for number in _NUMBER_IN_TEXT.findall(quantity.where) if number not in printed_numbers
             ]
             if missing_numbers:
                 message = f"'where' has {missing_numbers[0]}, which the text does not have; correct one of the two"
@@ -243,10 +243,10 @@ _NUMBER_IN_TEXT = re.compile(r"(?<![\w.,])\d+(?:\.\d+)?(?![\w,]*\d)")
 _HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
 
 
-def check_address_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a table with first and last addresses has ranges in ascending order, with equally many digits.
+def check_address_tables(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that each row of a table with first and last addresses is a range: the first address is not the higher one.
 
-    Rows in which the first or last address is not a hexadecimal number are skipped.
+    Both addresses must have the same number of digits. Rows with other text than hexadecimal numbers are skipped.
     """
     for table in spec.tables:
         address_columns: list[int] = []
@@ -274,10 +274,10 @@ _WORD_WITH_DIGITS = re.compile(r"\b[A-Za-z]+\d\w*")
 _SHORTEST_START = 5
 
 
-def check_swapped_letters(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no text has the characters of the start of an order code in another order, such as ABC12 for ABC21.
+def check_swapped_letters(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no text contains the beginning of an order code with swapped characters, such as ABC12 for ABC21.
 
-    The start is the text before the first part. Short starts are not compared.
+    The beginning is the text before the first part of the order code. It is not compared if it is short.
     """
     text_before_parts, _, _ = spec.order_code.pattern.partition("{")
     start = text_before_parts.strip("-/ ")
@@ -286,9 +286,9 @@ def check_swapped_letters(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[-1] == "printed" or path[0] in ("documents", "evidence"):
             continue
-        misspelt = [word for word in _WORD_WITH_DIGITS.findall(text) if word != start and sorted(word) == sorted(start)]
-        if misspelt:
-            message = (
-                f"{quoted(misspelt[0])} has the characters of {quoted(start)}, which begins order codes; correct it"
-            )
+        words = [word for word in _WORD_WITH_DIGITS.findall(text) if word != start]
+        swapped_words = [word for word in words if sorted(word) == sorted(start)]
+        if swapped_words:
+            problem = f"{quoted(swapped_words[0])} has the characters of {quoted(start)}, which begins order codes"
+            message = f"{problem}; correct it"
             report.add("misspelt-name", path, message)

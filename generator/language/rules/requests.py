@@ -33,17 +33,17 @@ _WIDEST_WORD = 64
 def check_exchanges(
     interface: WrittenRs485 | WrittenSpi,
     raw_interface: WrittenRs485 | WrittenSpi,
-    as_read: WrittenSpec,
+    spec: WrittenSpec,
     rule: str,
     report: DocumentReport,
 ) -> None:
-    """Check that the frames of exchanges exist, and that no two have the same request.
+    """Check that the frames of exchanges exist, and that no two exchanges have the same request.
 
     A request for the position needs a measurement, because without one no output has a position. Problems are reported
-    under ``rule``. ``raw_interface`` and ``as_read`` also contain the parts that were removed as invalid.
+    under ``rule``. ``raw_interface`` is the same interface together with its invalid parts.
     """
     _check_layouts(interface.exchanges, by_name(raw_interface.layouts), report)
-    has_measurement = as_read.has("measurement") or raw_interface.has("measurement")
+    has_measurement = spec.with_invalid_parts.has("measurement") or raw_interface.has("measurement")
     earlier_requests = set()
     for exchange in interface.exchanges:
         request = exchange.request
@@ -61,7 +61,7 @@ def _frame_name(exchange: WrittenRs485Exchange | WrittenSpiExchange, frame_key: 
 
 
 def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentReport) -> None:
-    """Check that the request of each exchange is a layout of the master, and the reply one of the encoder."""
+    """Check that the request of each exchange is a layout that the master sends, and the reply one from the encoder."""
     for sender, key in KEYS.items():
         names = [name for name, layout in layouts.items() if layout.from_ == sender]
         for exchange in exchanges:
@@ -72,7 +72,7 @@ def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentRepor
 
 
 def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
-    """Report a frame that no exchange contains: as the request of the master, or as the reply of the encoder."""
+    """Report a frame that is in no exchange, as the request of the master or as the reply of the encoder."""
     key = KEYS.get(layout.from_, "")  # 'request' or 'reply'
     names_in_exchanges = [_frame_name(exchange, key) for exchange in exchanges] if key else []
     if key and layout.name not in names_in_exchanges:
@@ -82,15 +82,16 @@ def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report
 
 _EXCHANGE_RULE = "rs485-exchange"
 #: Keys that belong to data IDs, in the interface and in its layouts.
-_OF_DATA_IDS = ("data_ids", "memory_access")
+_KEYS_WITH_DATA_IDS = ("data_ids", "memory_access")
 
 
-def check_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an RS-485 interface describes its requests: by data IDs, or by exchanges of a request and its reply.
+def check_requests(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that an RS-485 interface describes its requests with either data IDs or exchanges, and uses 8 data bits.
 
-    A character of a frame must have 8 data bits.
+    An exchange is a request with its reply.
     """
-    interface, raw_interface = spec.interfaces.rs485, as_read.interfaces.rs485
+    interface = spec.interfaces.rs485
+    raw_interface = spec.with_invalid_parts.interfaces.rs485
     if interface is None or raw_interface is None or not interface.is_given:
         return
     port = interface.port
@@ -102,18 +103,19 @@ def check_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRepo
             message = "no request is described; add 'data_ids' (for frames as in the T-format) or 'exchanges'"
             report.add(_EXCHANGE_RULE, interface.path, message)
         return
-    for key in _OF_DATA_IDS:
+    for key in _KEYS_WITH_DATA_IDS:
         if interface.has(key):
             message = f"{quoted(key)} belongs to frames as in the T-format; keep either it or 'exchanges'"
             report.add(_EXCHANGE_RULE, interface.place_of(key), message, at_key=True)
-    check_exchanges(interface, raw_interface, as_read, _EXCHANGE_RULE, report)
+    check_exchanges(interface, raw_interface, spec, _EXCHANGE_RULE, report)
     _check_frames_of_rs485(interface, report)
 
 
 def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> None:
-    """Check that at most one exchange asks for the position, and has a reply, and that each frame is in an exchange.
+    """Check the exchanges of an RS-485 interface, and the frames in them.
 
-    A frame must be carried as bytes, and no data ID selects it.
+    At most one exchange may ask for the position, and it must have a reply. Every frame must be in an exchange, must be
+    carried as bytes, and must not be selected by a data ID.
     """
     position_exchanges = [exchange for exchange in interface.exchanges if exchange.purpose == "position"]
     for exchange in position_exchanges:
@@ -137,20 +139,24 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
 _FIELDS_FOR_ACCESS = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
 
 
-def check_spi_exchanges(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_spi_exchanges(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each frame over SPI is a request or its reply, and that accesses to registers have their fields."""
-    interface, raw_interface = spec.interfaces.spi, as_read.interfaces.spi
+    interface = spec.interfaces.spi
+    raw_interface = spec.with_invalid_parts.interfaces.spi
     if interface is None or raw_interface is None or not interface.is_given:
         return
-    check_exchanges(interface, raw_interface, as_read, "spi-exchange", report)
-    _check_registers(spec, as_read, report)
-    _check_lengths(interface, report)
+    check_exchanges(interface, raw_interface, spec, "spi-exchange", report)
+    _check_registers(spec, report)
+    _check_word_lengths(interface, report)
     _check_frames(interface, report)
-    _check_accesses(interface, raw_interface, as_read, report)
+    _check_accesses(interface, raw_interface, spec, report)
 
 
-def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers over SPI have no byte order and identify no encoder, and that no parameter is read there."""
+def _check_registers(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that registers over SPI have no byte order and no values that identify an encoder.
+
+    Also check that no parameter is read from them.
+    """
     for register in spec.registers:
         if interface_of(register) != Spi.name:
             continue
@@ -164,7 +170,7 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             if field.equals is not None:
                 message = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
                 report.add("spi-exchange", field.place_of("equals"), message, at_key=True)
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
+    registers = by_name(spec.with_invalid_parts.registers)
     for name, parameter in spec.parameters.items():
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if interface_of(registers.get(register_name)) == Spi.name:
@@ -175,10 +181,10 @@ def _check_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRe
             report.add("spi-exchange", parameter.place_of("read_from"), message, at_key=True)
 
 
-def _check_lengths(interface: WrittenSpi, report: DocumentReport) -> None:
-    """Check that only exchanges whose length differs from the interface give it, and that all writes have one length.
+def _check_word_lengths(interface: WrittenSpi, report: DocumentReport) -> None:
+    """Check that an exchange has its own ``word_bits`` only if its words are longer or shorter than usual.
 
-    The second rule applies if each word carries the reply to the word before it.
+    If each word carries the reply to the word before it, also check that all writes have words of the same length.
     """
     default_bits = interface.word_bits
     for exchange in interface.exchanges:
@@ -217,8 +223,11 @@ def _check_frames(interface: WrittenSpi, report: DocumentReport) -> None:
             report.add("spi-exchange", layout.place_of("carried_as"), message)
 
 
-def _free_fields(layout: WrittenLayout | None) -> Iterator[str]:
-    """Yield the names of fields of a request whose values a user chooses. None without a request."""
+def _fields_to_choose(layout: WrittenLayout | None) -> Iterator[str]:
+    """Yield the names of the fields of a request whose values a user chooses: all but constants and check bits.
+
+    If there is no request, nothing is yielded.
+    """
     if layout is None:
         return
     for field in layout.fields:
@@ -227,15 +236,15 @@ def _free_fields(layout: WrittenLayout | None) -> Iterator[str]:
 
 
 def _check_accesses(
-    interface: WrittenSpi, raw_interface: WrittenSpi, as_read: WrittenSpec, report: DocumentReport
+    interface: WrittenSpi, raw_interface: WrittenSpi, spec: WrittenSpec, report: DocumentReport
 ) -> None:
-    """Check that registers have exchanges for their accesses, and that the frames of these have the needed fields.
+    """Check that there is an exchange for reading registers and one for writing, if registers can be read or written.
 
-    Only one exchange may read registers.
+    The frames of these exchanges must contain the address and the data. Only one exchange may read registers.
     """
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     layouts = by_name(raw_interface.layouts)
-    spi_registers = [register for register in as_read.registers if interface_of(register) == Spi.name]
+    spi_registers = [register for register in spec.with_invalid_parts.registers if interface_of(register) == Spi.name]
     for purpose, (needed_in_request, needed_in_reply) in _FIELDS_FOR_ACCESS.items():
         accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
         _check_fields(accesses, "request", needed_in_request, layouts, groups, report)
@@ -244,9 +253,9 @@ def _check_accesses(
             message = "a second request reads registers; keep one"
             report.add("spi-exchange", accesses[1].place_of("purpose"), message)
         impossible_access = "write_only" if purpose == "read" else "read_only"
-        accessible = [register for register in spi_registers if register.access != impossible_access]
-        if accessible and not accesses:
-            register = accessible[0]
+        accessible_registers = [register for register in spi_registers if register.access != impossible_access]
+        if accessible_registers and not accesses:
+            register = accessible_registers[0]
             message = (
                 f"no exchange has the purpose {purpose!r}, so {quoted(register.name)} has no access; "
                 "add one under 'exchanges'"
@@ -257,15 +266,15 @@ def _check_accesses(
 def _check_fields(
     accesses: Sequence[WrittenSpiExchange],
     frame_key: str,
-    needed: tuple[str, ...],
+    needed_names: tuple[str, ...],
     layouts: Layouts,
     groups: Groups,
     report: DocumentReport,
 ) -> None:
-    """Check that the frames of these exchanges together have the needed fields, and requests no others to decide.
+    """Check that the requests (or replies) of exchanges together have the needed fields, such as ``address``.
 
-    ``frame_key`` is ``request`` or ``reply``, the frames of the exchanges that are checked. Without exchanges, none is
-    needed.
+    ``frame_key`` is ``request`` or ``reply``. A request may have no other field whose value a user would have to
+    choose. Without exchanges, no field is needed.
     """
     if not accesses:
         return
@@ -273,39 +282,46 @@ def _check_fields(
     for exchange in accesses:
         layout = layouts.get(_frame_name(exchange, frame_key))
         if layout is not None:
-            field_names_of_frames |= field_names(_as_fields(layout), groups).keys()
-    missing_names = [field_name for field_name in needed if field_name not in field_names_of_frames]
+            field_names_of_frames.update(field_names(_as_field_list(layout), groups))
+    missing_names = [field_name for field_name in needed_names if field_name not in field_names_of_frames]
     if missing_names:
         frame_name = _frame_name(accesses[0], frame_key)
         place = accesses[0].place_of(frame_key)
         message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_names[0])}"
         report.add("spi-exchange", place, message)
     elif frame_key == "request":
-        for exchange in accesses:
-            free_names = _free_fields(layouts.get(exchange.request))
-            undecided_names = [field_name for field_name in free_names if field_name not in needed]
-            if undecided_names:
-                problem = f"a register access gives no value for {quoted(undecided_names[0])}"
-                message = f"{problem} in {quoted(exchange.request)}; give it 'constant' or 'unused'"
-                report.add("spi-exchange", exchange.place_of(frame_key), message)
+        _report_undecided_fields(accesses, needed_names, layouts, report)
 
 
-def _as_fields(layout: WrittenLayout) -> FieldList:
+def _report_undecided_fields(
+    accesses: Sequence[WrittenSpiExchange], needed_names: tuple[str, ...], layouts: Layouts, report: DocumentReport
+) -> None:
+    """Report each request that accesses registers and has another field whose value a user would have to choose."""
+    for exchange in accesses:
+        names_to_choose = _fields_to_choose(layouts.get(exchange.request))
+        undecided_names = [field_name for field_name in names_to_choose if field_name not in needed_names]
+        if undecided_names:
+            problem = f"a register access gives no value for {quoted(undecided_names[0])}"
+            message = f"{problem} in {quoted(exchange.request)}; give it 'constant' or 'unused'"
+            report.add("spi-exchange", exchange.place_of("request"), message)
+
+
+def _as_field_list(layout: WrittenLayout) -> FieldList:
     return FieldList(FieldOwner.LAYOUT, layout, Spi.name)
 
 
-def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that constants distinguish each request from those that write, unless a note of its layout explains it.
+def check_requests_that_write(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no SPI request can be the same word as a request that writes, unless a note of its layout explains it.
 
-    Two words can be equal if they have the same length and no constant bit differs. Only a write with constants and an
-    address that the user chooses is compared: a second word of a write has no address, and the encoder recognises it by
-    the word before.
+    Two words can be the same if they have the same length and no constant bit differs. Only a write with constants and
+    an address that the user chooses is compared: a second word of a write has no address, and the encoder recognizes it
+    by the word before.
     """
     interface = spec.interfaces.spi
     # A second reading repeats printed facts, without the notes that may explain them.
     if interface is None or is_second(report.document.file):
         return
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     layouts = by_name(interface.layouts)
     bits_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]
@@ -313,8 +329,8 @@ def check_requests_that_write(spec: WrittenSpec, as_read: WrittenSpec, report: D
     for name in write_requests:
         if name not in layouts:
             continue
-        has_free_address = "address" in _free_names(layouts[name], groups)
-        if has_free_address and _has_constant(bits_by_layout[name]):
+        has_address_to_choose = "address" in _names_without_fixed_value(layouts[name], groups)
+        if has_address_to_choose and _has_constant(bits_by_layout[name]):
             distinguishable_writes.append(name)
     for exchange in interface.exchanges:
         name = exchange.request
@@ -334,21 +350,21 @@ def _has_constant(bits: str) -> bool:
     return "0" in bits or "1" in bits
 
 
-def _may_be_equal(request: str, write: str) -> bool:
+def _may_be_equal(word: str, other_word: str) -> bool:
     """Return True if two words, such as ``01??`` and ``0?1?``, have the same length and no constant bit differs."""
-    if len(request) != len(write):
+    if len(word) != len(other_word):
         return False
-    bit_pairs = zip(request, write, strict=True)
-    return all(bit == write_bit or "?" in (bit, write_bit) for bit, write_bit in bit_pairs)
+    bit_pairs = zip(word, other_word, strict=True)
+    return all(bit == other_bit or "?" in (bit, other_bit) for bit, other_bit in bit_pairs)
 
 
 def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
-    """Return a word as 0, 1 and ? for bits that are not constant, such as ``01??``.
+    """Return the bits of a word as text such as ``01??``, with a question mark for each bit that is not constant.
 
-    The result is empty if a width depends on the order code or is too large.
+    The result is empty if the width of a field depends on the order code or is too large.
     """
     word = ""
-    for _, field in with_groups_expanded(_as_fields(layout), groups):
+    for _, field in with_groups_expanded(_as_field_list(layout), groups):
         width = 1 if field.parity_of else constant_width(field)
         if width is None or width > _WIDEST_WORD:
             return ""
@@ -359,12 +375,12 @@ def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
 
 
 def _fixed_value(field: WrittenField) -> int | None:
-    """Return the value that a field always has, or None."""
+    """Return the value that a field always has, or None if its value can change."""
     return field.unused if field.constant is None else field.constant
 
 
-def _free_names(layout: WrittenLayout, groups: Groups) -> Iterator[str]:
-    """Yield the names of the fields that have no fixed value."""
-    for _, field in with_groups_expanded(_as_fields(layout), groups):
+def _names_without_fixed_value(layout: WrittenLayout, groups: Groups) -> Iterator[str]:
+    """Yield the names of the fields of a layout whose values can change."""
+    for _, field in with_groups_expanded(_as_field_list(layout), groups):
         if _fixed_value(field) is None:
             yield field.name

@@ -37,8 +37,11 @@ _BESIDE_USE = frozenset(("use", "note", "source"))
 _WIDTH_FOLLOWS = ("active", "parity_of", "crc")
 
 
-def check_layout_keys(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that fields and layouts have valid combinations of keys. A field with ``use`` only includes a group."""
+def check_layout_keys(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the keys of fields and layouts can be combined.
+
+    A field with ``use``, which only includes a group of fields, can have few other keys.
+    """
     for field_list in field_lists(spec):
         for field in field_list.fields:
             if field.use:
@@ -48,15 +51,15 @@ def check_layout_keys(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                 _check_others(field_list, field, report)
         _check_placing(field_list, report)
         if field_list.layout is not None:
-            _check_carriage(field_list, field_list.layout, as_read, report)
+            _check_carriage(field_list, field_list.layout, spec, report)
 
 
-def _check_use(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
+def _check_use(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that a field that includes a group is in a layout or register, and has no keys of a field."""
-    if fields.kind is FieldOwner.GROUP:
+    if field_list.kind is FieldOwner.GROUP:
         message = "a field group cannot include another group; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
-    elif fields.kind is FieldOwner.CONTROL:
+    elif field_list.kind is FieldOwner.CONTROL:
         message = "the control data cannot include field groups; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
     keys_of_fields = [key for key in field.data if key not in _BESIDE_USE]
@@ -100,7 +103,10 @@ def _check_kind(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _check_expected_value(field: WrittenField, kinds: list[str], report: DocumentReport) -> None:
-    """Check that only a number, a text or named values have ``equals``, and that it is not a number for a text."""
+    """Check that only numbers, texts and named values have ``equals``, the value expected on the device.
+
+    For a field that contains text, the value must be text too.
+    """
     name = quoted(field.name)
     if isinstance(field.equals, int) and field.text:
         report.add("layout-keys", field.place_of("equals"), f"{name} is text; put the value in quotes")
@@ -110,7 +116,10 @@ def _check_expected_value(field: WrittenField, kinds: list[str], report: Documen
 
 
 def _check_keys_of_checks(field: WrittenField, report: DocumentReport) -> None:
-    """Check that only a parity bit has ``parity`` and ``over``, and only a CRC ``crc_of``."""
+    """Check that only a parity bit has ``parity`` and ``over``, and that only a CRC has ``crc_of``.
+
+    ``over`` selects the bits that the parity bit covers, and ``crc_of`` the fields that the CRC covers.
+    """
     name = quoted(field.name)
     for key in _OF_PARITIES:
         if field.has(key) and not field.parity_of:
@@ -123,7 +132,10 @@ def _check_keys_of_checks(field: WrittenField, report: DocumentReport) -> None:
 
 
 def _check_flag_keys(field: WrittenField, report: DocumentReport) -> None:
-    """Check that a field has keys of flags only if it is a flag. Unused bits may have ``makes_position``."""
+    """Check that only a flag has keys of flags, such as ``when_active``.
+
+    Unused bits may also have ``makes_position``, the verdict on the position.
+    """
     if field.active:
         return
     name = quoted(field.name)
@@ -140,18 +152,18 @@ def _check_flag_keys(field: WrittenField, report: DocumentReport) -> None:
         report.add("layout-keys", field.place_of(key), problem, at_key=True)
 
 
-def _check_others(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
-    """Check that ``others``, which names the values that are not listed, is possible for a field."""
-    problem = _problem_with_others(fields, field) if field.others else ""
-    if problem:
-        report.add("layout-keys", field.place_of("others"), problem, at_key=True)
+def _check_others(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
+    """Check that a field with ``others`` can have it: the meaning of all values that are not listed."""
+    obstacle = _obstacle_to_others(field_list, field) if field.others else ""
+    if obstacle:
+        report.add("layout-keys", field.place_of("others"), obstacle, at_key=True)
 
 
-def _problem_with_others(fields: FieldList, field: WrittenField) -> str:
+def _obstacle_to_others(field_list: FieldList, field: WrittenField) -> str:
     """Return the reason that a field cannot have ``others``, and the fix. Empty if it can.
 
-    It needs listed values and a small constant width, must not be written by a master, and names the unlisted values,
-    for example ``reserved_5``. A listed value may only have such a name with this number.
+    ``others`` gives each unlisted value a name such as ``reserved_5``. So the field needs listed values and a small
+    constant width, no master may write it, and no other listed value may have such a name.
     """
     name = quoted(field.name)
     width = constant_width(field)
@@ -159,7 +171,7 @@ def _problem_with_others(fields: FieldList, field: WrittenField) -> str:
         return f"'others' names the values that 'values' does not list; {name} also needs 'values'"
     if width is None or width > MOST_RESERVED_BITS:
         return f"'others' gives every value a name, so 'bits' of {name} must be a number from 1 to {MOST_RESERVED_BITS}"
-    if fields.is_written_by_master:
+    if field_list.is_written_by_master:
         return f"{name} is written by a master, which does not write reserved values; remove 'others'"
     reserved_names = {f"{RESERVED}_{number}" for number in range(1 << MOST_RESERVED_BITS)}
     clashing_names = []
@@ -204,49 +216,50 @@ def _is_nothing(bits: int | str) -> bool:
     return width.is_constant and width.constant <= 0
 
 
-def _check_placing(fields: FieldList, report: DocumentReport) -> None:
-    """Check that all or none of the fields of a layout, register or group have places. Control data may mix them."""
-    placed_fields = [field for field in fields.fields if field.has(*PLACES)]
-    unplaced_fields = [field for field in fields.fields if not field.has(*PLACES)]
-    if not placed_fields or not unplaced_fields or fields.kind is FieldOwner.CONTROL:
+def _check_placing(field_list: FieldList, report: DocumentReport) -> None:
+    """Check that either all fields of a layout, register or group have a bit position, or none. Skip control data."""
+    fields_with_position = [field for field in field_list.fields if field.has(*PLACES)]
+    fields_without_position = [field for field in field_list.fields if not field.has(*PLACES)]
+    if not fields_with_position or not fields_without_position or field_list.kind is FieldOwner.CONTROL:
         return
-    field = unplaced_fields[0]
+    field = fields_without_position[0]
     # A field that includes a group has no name of its own.
     message = (
-        f"{quoted(field.name or field.use)} has no position, but {quoted(placed_fields[0].name)} has one; "
+        f"{quoted(field.name or field.use)} has no position, but {quoted(fields_with_position[0].name)} has one; "
         "give a position ('at', 'top_bit' or 'low_bit') to all fields of a layout or to none"
     )
     report.add("layout-keys", field.path, message)
 
 
-def _check_carriage(fields: FieldList, layout: WrittenLayout, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a layout has only keys for the way in which it is carried, as bits or as bytes.
+def _check_carriage(field_list: FieldList, layout: WrittenLayout, spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a layout has only keys for the form in which it is sent: as bits or as bytes.
 
-    Without ``carried_as``, it is carried in the way of its interface.
+    Without ``carried_as``, the form is the usual one of its interface.
     """
-    interface = INTERFACES[fields.interface]
+    interface = INTERFACES[field_list.interface]
     carried_as = layout.carried_as or interface.carried_as
     name = quoted(layout.name)
-    if carried_as == "bytes" and not layout.byte_order and not _is_one_byte(layout, as_read):
+    if carried_as == "bytes" and not layout.byte_order and not _is_one_byte(layout, spec):
         message = f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first"
         report.add("layout-keys", layout.path, message)
     if carried_as == "bits":
-        problem = _wrong_order(fields.interface, layout)
-        if problem:
-            report.add("layout-keys", layout.place_of("byte_order"), problem, at_key=True)
+        obstacle = _obstacle_to_byte_order(field_list.interface, layout)
+        if obstacle:
+            report.add("layout-keys", layout.place_of("byte_order"), obstacle, at_key=True)
         if layout.when:
             problem = f"'when' only distinguishes frames of bytes, but {name} is carried as bits; remove 'when'"
-            remedy = "" if fields.interface == Spi.name else ", or write 'carried_as: bytes'"
+            remedy = "" if field_list.interface == Spi.name else ", or write 'carried_as: bytes'"
             report.add("layout-keys", layout.place_of("when"), problem + remedy, at_key=True)
     if layout.channel is not None and not interface.has_channels:
         message = f"{name} cannot have a data channel; only BiSS has channels"
         report.add("layout-keys", layout.place_of("channel"), message, at_key=True)
 
 
-def _wrong_order(interface: str, layout: WrittenLayout) -> str:
-    """Return the reason that a layout carried as bits cannot have its byte order, and the fix. Empty if it can.
+def _obstacle_to_byte_order(interface: str, layout: WrittenLayout) -> str:
+    """Return the reason that a layout that is sent as bits cannot have its ``byte_order``, and the fix.
 
-    Only over SPI, ``low_byte_first`` states in which order the bytes of a joined number are sent.
+    The result is empty if it has none, or if it is ``low_byte_first`` over SPI, which is the order of the bytes of a
+    joined number.
     """
     name = quoted(layout.name)
     if not layout.byte_order:
@@ -260,19 +273,19 @@ def _wrong_order(interface: str, layout: WrittenLayout) -> str:
     return ""
 
 
-def _is_one_byte(layout: WrittenLayout, as_read: WrittenSpec) -> bool:
-    """Return True if the layout is one byte whose fields need no order: a single field, or all with places.
+def _is_one_byte(layout: WrittenLayout, spec: WrittenSpec) -> bool:
+    """Return True if a layout is a single byte, so that it needs no byte order.
 
-    The single field may be a group, a CRC, a padded field or one with a constant width.
+    It has either fields with bit positions up to bit 7, or a single field, group or CRC with 8 bits.
     """
-    all_have_places = all(field.at is not None or field.top_bit is not None for field in layout.fields)
-    if all_have_places:
+    all_have_positions = all(field.at is not None or field.top_bit is not None for field in layout.fields)
+    if all_have_positions:
         return max(map(_top_bit, layout.fields), default=0) == 7  # The bits are 7 to 0.
     if len(layout.fields) > 1:
         return False
     field = layout.fields[0]
-    group = by_name(as_read.field_groups).get(field.use)
-    crc = by_part_name(as_read.crcs).get(field.crc)
+    group = by_name(spec.with_invalid_parts.field_groups).get(field.use)
+    crc = by_part_name(spec.with_invalid_parts.crcs).get(field.crc)
     if group is not None and group.bits:
         return group.bits == 8
     if crc is not None and crc.part.width:
@@ -282,14 +295,16 @@ def _is_one_byte(layout: WrittenLayout, as_read: WrittenSpec) -> bool:
 
 def _top_bit(field: WrittenField) -> int:
     """Return the highest bit of a field with ``at`` or ``top_bit``, or 0 if it depends on the order code."""
-    high, _, _ = str(field.at).partition(":")
-    top_bit = high if field.top_bit is None else str(field.top_bit)
-    # A number of more digits than any register has bits is reported elsewhere.
-    is_bit_number = top_bit.isdecimal() and len(top_bit) <= 4
-    return int(top_bit) if is_bit_number else 0
+    if field.top_bit is not None:
+        bit_text = str(field.top_bit)
+    else:
+        bit_text, _, _ = str(field.at).partition(":")  # The highest bit of a range such as 7:6.
+    # Another rule reports a number with more digits.
+    is_bit_number = bit_text.isdecimal() and len(bit_text) <= 4
+    return int(bit_text) if is_bit_number else 0
 
 
-def check_missing_byte_orders(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_missing_byte_orders(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of several bytes with addresses have a byte order, because no default is safe."""
     for register in spec.registers:
         interface = INTERFACES.get(interface_of(register))
@@ -303,7 +318,7 @@ def check_missing_byte_orders(spec: WrittenSpec, as_read: WrittenSpec, report: D
             report.add("byte-order-missing", register.path, message)
 
 
-def check_example_shape(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_example_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each example has the keys of its kind, and that a frame is complete."""
     for example in spec.examples:
         check_keys("example-shape", example, example.kind, f"a {example.kind} example", report)
@@ -312,9 +327,10 @@ def check_example_shape(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
-    """Check that an example of a frame has bits or bytes, its layout, and what the decoder should make of it.
+    """Check that an example of a frame has bits or bytes, its layout, and the expected result of decoding it.
 
-    That is ``values``, or ``refused`` with an explanation. A refused frame of bytes needs no layout.
+    The result is ``values``, or ``refused`` with an explanation if decoders reject the frame. A rejected frame of bytes
+    needs no layout.
     """
     has_bytes = bool(example.bytes)
     has_bits = bool(example.bits)
@@ -335,9 +351,9 @@ def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
         report.add("example-shape", example.path, "a refused example needs 'erratum' or 'note' to explain it")
 
 
-def check_example_arguments(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_example_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure has a value for each argument of the procedure."""
-    procedures = by_name(as_read.procedures)  # Including invalid parts, which ``spec`` lacks.
+    procedures = by_name(spec.with_invalid_parts.procedures)
     for example in spec.examples:
         procedure = procedures.get(example.procedure)
         if example.kind != "procedure" or procedure is None:

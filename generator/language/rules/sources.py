@@ -7,27 +7,28 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from ...model import Evidence
-from ..document import Path, is_placeholder, value_at
+from ..document import Path, value_at
 from ..problems import DocumentReport, join_words, quoted, suggest_word
 from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenSsi
 from ..written_parts import WrittenExample, WrittenSection, WrittenSpec
 from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, has_erratum_at, interfaces
-from .walk import leaves, leaves_of, mapping, sources
+from .walk import is_placeholder, leaves, leaves_of, mapping, sources
 
 _CITATION_PATTERN = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
 _SECTION_NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)*")
-#: Page on which a section begins or ends if the contents do not say.
-_PAGE_BEFORE_CONTENTS, _PAGE_AFTER_CONTENTS = 1, 10_000
-#: Name under which the pages of a whole section are kept.
+#: Page on which a section begins, and page on which it ends, if the table of contents does not say.
+_FIRST_POSSIBLE_PAGE, _LAST_POSSIBLE_PAGE = 1, 10_000
+#: Name under which the pages of a whole section are stored.
 _WHOLE_SECTION = ""
-#: A spec cites first pages if at least this many citations do, and this share of all with a known first page.
+#: A spec follows the custom of citing first pages if at least this many of its citations do, and at least this share of
+#: the citations for which the first page is known.
 _LEAST_CITATIONS, _LEAST_SHARE = 50, 0.98
 
 
 @dataclass(frozen=True, slots=True)
 class _LaterPage:
-    """A citation of a page on which nothing begins, with the last page before it on which something begins."""
+    """A citation of a page on which no section or entry begins, with the last page before it on which one begins."""
 
     path: Path
     section: str
@@ -35,31 +36,32 @@ class _LaterPage:
     first_page: int
 
 
-#: First and last page of each section, under an empty name, and of its entries by name.
-_Spans = Mapping[str, Mapping[str, tuple[int, int]]]
+#: First and last page of each section, and of the entries in it, by the name of the section and the title of the entry.
+#: The pages of a whole section have an empty title.
+_PageRanges = Mapping[str, Mapping[str, tuple[int, int]]]
 
 
-def check_cited_place(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that every cited section of the manual is in its contents, and every cited page in its section.
+def check_cited_place(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that every cited section is in the manual's table of contents, and that every cited page is in its section.
 
-    In a spec whose sources cite the pages on which sections and entries begin, a source with only later pages is
-    reported.
+    If nearly all sources of the spec cite the page on which a section or entry begins, a source that cites only later
+    pages is also reported.
     """
-    contents = as_read.manual.contents
+    contents = spec.with_invalid_parts.manual.contents
     if not contents:
         return
-    spans = _find_spans(contents)
+    page_ranges = _find_page_ranges(contents)
     first_page_count = 0
     later_pages: list[_LaterPage] = []
     for path, source in sources(leaves_of(spec.data, report)):
-        own_names, enclosing_names = _printed_names(spec.data, path)  # of the item with this source
+        own_names, enclosing_names = _printed_names(spec.data, path)
         citations = _find_citations(source)
         for citation in citations:
             section = citation["section"]
-            if not _is_in_section(section, citation["page"], path, spans, enclosing_names, report):
+            if not _check_citation(section, citation["page"], path, page_ranges, enclosing_names, report):
                 continue
             page = int(citation["page"])
-            first_pages = _first_pages(spans[section], own_names)
+            first_pages = _first_pages(page_ranges[section], own_names)
             cited_pages = {int(other["page"] or 0) for other in citations if other["section"] == section}
             if page in first_pages:
                 first_page_count += 1
@@ -68,15 +70,14 @@ def check_cited_place(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                 later_pages.append(
                     _LaterPage(path=path, section=section, page=page, first_page=max(earlier_pages, default=page))
                 )
-    # Otherwise this spec does not follow the custom of citing first pages, so later pages are correct in it.
     compared_count = first_page_count + len(later_pages)
-    first_pages_needed = max(_LEAST_CITATIONS, _LEAST_SHARE * compared_count)
-    if first_page_count >= first_pages_needed:
+    cites_first_pages = first_page_count >= max(_LEAST_CITATIONS, _LEAST_SHARE * compared_count)
+    if cites_first_pages:
         _report_later_pages(later_pages, report)
 
 
 def _report_later_pages(later_pages: list[_LaterPage], report: DocumentReport) -> None:
-    """Report each citation of a later page, with the first page to cite."""
+    """Report each citation of a page on which nothing begins, with the page to cite instead."""
     for later in later_pages:
         problem = f"nothing in section {later.section} begins on page {later.page}, and other sources cite first pages"
         remedy = f"cite p.{later.first_page}, or p.{later.first_page} and p.{later.page}"
@@ -84,72 +85,79 @@ def _report_later_pages(later_pages: list[_LaterPage], report: DocumentReport) -
 
 
 def _find_citations(source: str) -> list[re.Match[str]]:
-    """Return the matches of ``_CITATION_PATTERN`` for the sections of the manual that a source cites.
+    """Return a match for each section of the manual that a source cites, with its groups ``section`` and ``page``.
 
-    Some have a page. Sources in other documents, which have a key before a colon, and placeholders are left out.
+    The page is None if it is not cited. Citations of other documents, which begin with a key and a colon, and
+    placeholders such as TODO are left out.
     """
-    places = [piece.strip() for piece in source.split(";") if not is_placeholder(piece)]
-    matches = [_CITATION_PATTERN.fullmatch(place) for place in places]
-    return [match for match in matches if match is not None]
+    citations: list[re.Match[str]] = []
+    for cited_place in source.split(";"):
+        match = _CITATION_PATTERN.fullmatch(cited_place.strip())
+        if match is not None and not is_placeholder(cited_place):
+            citations.append(match)
+    return citations
 
 
-def _first_pages(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
-    """Return the page on which the entry of an item begins, or else the first pages of its section and all its entries.
+def _first_pages(pages_of_section: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
+    """Return the pages that a source in a section can cite as the page on which its register or field begins.
 
-    ``spans`` belongs to one section, and ``own_names`` are the printed names of the item. The result is empty if the
-    item has no entry, and the contents do not say where the section begins.
+    This is the first page of the entry with one of ``own_names``, the names that the manual prints for the register or
+    field. Without such an entry, it is the first page of the section or of any entry in it. The result is empty if the
+    table of contents does not say where the section begins.
     """
     for name in own_names:
-        if name in spans:
-            first_page, _ = spans[name]
+        if name in pages_of_section:
+            first_page, _ = pages_of_section[name]
             return {first_page}
-    section_start, _ = spans[_WHOLE_SECTION]
-    if section_start <= _PAGE_BEFORE_CONTENTS:  # The contents do not say where it begins.
+    first_page_of_section, _ = pages_of_section[_WHOLE_SECTION]
+    if first_page_of_section <= _FIRST_POSSIBLE_PAGE:  # The table of contents does not say where it begins.
         return set()
-    return {start for start, _ in spans.values()}
+    return {first_page for first_page, _ in pages_of_section.values()}
 
 
-def _find_spans(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, tuple[int, int]]]:
-    """Return the first and the last page of each section, under an empty name, and of its entries by name.
+def _find_page_ranges(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, tuple[int, int]]]:
+    """Return the first and the last page of each section in a table of contents, and of the entries in the section.
 
-    For a section 4 with the entry Preset these are ``{"4": {"": (12, 24), "preset": (13, 15)}}``. The last page is the
-    page on which the next section or entry begins. Without pages, a section lasts from ``_PAGE_BEFORE_CONTENTS``
-    to ``_PAGE_AFTER_CONTENTS``.
+    For a section 4 with the entry "Preset", the result is ``{"4": {"": (12, 24), "preset": (13, 15)}}``. The last page
+    is the page on which the next section or entry begins. A section whose pages are not printed can be anywhere.
     """
     sections = list(contents.items())
-    page_spans: dict[str, dict[str, tuple[int, int]]] = {}
+    page_ranges: dict[str, dict[str, tuple[int, int]]] = {}
     for index, (name, section) in enumerate(sections):
-        sections_after = sections[index + 1 :]
         prefix = f"{name}."  # The subsections of 4 are 4.1, 4.2 and so on.
-        subsections = [inner for inner_name, inner in sections_after if inner_name.startswith(prefix)]
-        later_sections = [later for later_name, later in sections_after if not later_name.startswith(prefix)]
-        last_page = (
-            _page_of_section(later_sections[0], _PAGE_AFTER_CONTENTS) if later_sections else _PAGE_AFTER_CONTENTS
-        )
-        page_spans[name] = {_WHOLE_SECTION: (_page_of_section(section, _PAGE_BEFORE_CONTENTS), last_page)}
+        subsections: list[WrittenSection] = []
+        later_sections: list[WrittenSection] = []
+        for later_name, later_section in sections[index + 1 :]:
+            (subsections if later_name.startswith(prefix) else later_sections).append(later_section)
+        first_page = _page_of_first(section, default=_FIRST_POSSIBLE_PAGE)
+        last_page = _page_of_first(*later_sections, default=_LAST_POSSIBLE_PAGE)
+        page_ranges[name] = {_WHOLE_SECTION: (first_page, last_page)}
         # The entries of a section come before its subsections.
-        end_of_entries = _page_of_section(subsections[0], last_page) if subsections else last_page
+        last_page_of_entries = _page_of_first(*subsections, default=last_page)
         entries = list(section.entries.items())
-        starts_after = [*(page for _, page in entries[1:]), end_of_entries]
-        for (title, first_page), next_start in zip(entries, starts_after, strict=False):
-            page_spans[name][title.casefold()] = (first_page, max(first_page, next_start))
-    return page_spans
+        next_pages = [*(page for _, page in entries[1:]), last_page_of_entries]
+        for (title, entry_page), next_page in zip(entries, next_pages, strict=False):
+            page_ranges[name][title.casefold()] = (entry_page, max(entry_page, next_page))
+    return page_ranges
 
 
-def _page_of_section(section: WrittenSection, default: int) -> int:
-    """Return the page of a section, or a default if the contents do not give it."""
-    return default if section.page is None else section.page
+def _page_of_first(*sections: WrittenSection, default: int) -> int:
+    """Return the page of the first of these sections. If there are none, or it has no page, return ``default``."""
+    if not sections or sections[0].page is None:
+        return default
+    return sections[0].page
 
 
-def _printed_names(root: object, path: Path) -> tuple[list[str], list[str]]:
-    """Return the printed names of the item with a source, and of all items around it, the innermost first.
+def _printed_names(spec_data: object, path: Path) -> tuple[list[str], list[str]]:
+    """Return the names that the manual prints for the part with the source at ``path``, and for all parts around it.
 
-    The first list is empty if the innermost map has no printed names. Names are in lower case, for comparison.
+    The first list is empty if the part itself has no printed name. The second list includes the first one and begins
+    with the innermost part. Names are in lower case, for comparison.
     """
     enclosing_names: list[str] = []
     own_names: list[str] = []
     for end in range(1, len(path)):
-        node = value_at(root, path[:end])
+        node = value_at(spec_data, path[:end])
         if isinstance(node, dict):
             # The name in the language of the manual, and the names in other languages.
             printed_names = (node.get("printed_name"), *mapping(node, "names").values())
@@ -158,92 +166,100 @@ def _printed_names(root: object, path: Path) -> tuple[list[str], list[str]]:
     return own_names, enclosing_names
 
 
-def _is_in_section(
-    section: str, page: str | None, path: Path, spans: _Spans, names: list[str], report: DocumentReport
+def _check_citation(
+    section: str, page: str | None, path: Path, page_ranges: _PageRanges, names: list[str], report: DocumentReport
 ) -> bool:
-    """Return True if a page is given and is in its section, and report a section or page that cannot be right.
+    """Return True if a citation has a page, and the page is in the cited section. Report one that cannot be correct.
 
-    If one of the names around the source is an entry of the section, the page must be the page of the entry.
+    If one of ``names``, the printed names around the source at ``path``, is the title of an entry in the section, the
+    page must be in the range of this entry.
     """
-    if section not in spans:
+    if section not in page_ranges:
         if _SECTION_NUMBER.fullmatch(section):
-            numbered_sections = [name for name in spans if _SECTION_NUMBER.fullmatch(name)]
+            numbered_sections = [name for name in page_ranges if _SECTION_NUMBER.fullmatch(name)]
             hint = suggest_word(section, numbered_sections)
             report.add("cited-place", path, f"the contents have no section {quoted(section)}{hint}")
         return False
     if page is None:
         return False
-    entries = [name for name in names if name in spans[section]]  # The innermost one is the first.
-    entry = entries[0] if entries else _WHOLE_SECTION
-    first_page, last_page = spans[section][entry]
+    titles = [name for name in names if name in page_ranges[section]]
+    innermost_title = titles[0] if titles else _WHOLE_SECTION
+    first_page, last_page = page_ranges[section][innermost_title]
     if first_page <= int(page) <= last_page:
         return True
-    cited_part = f"the entry {quoted(entry)} of section {section}" if entries else f"section {section}"
+    cited_part = f"the entry {quoted(innermost_title)} of section {section}" if titles else f"section {section}"
     pages = _pages_text(first_page, last_page)
     report.add("cited-place", path, f"{cited_part} is {pages} according to the table of contents, not on page {page}")
     return False
 
 
-def _pages_text(start: int, end: int) -> str:
-    """Return pages as text, such as ``on pages 3 to 5``."""
-    if end == _PAGE_AFTER_CONTENTS:
-        return f"on page {start} or later"
-    return f"on page {start}" if start == end else f"on pages {start} to {end}"
+def _pages_text(first_page: int, last_page: int) -> str:
+    """Return a range of pages as text, such as ``on pages 3 to 5``, or ``on page 3 or later`` if its end is unknown."""
+    if last_page == _LAST_POSSIBLE_PAGE:
+        return f"on page {first_page} or later"
+    return f"on page {first_page}" if first_page == last_page else f"on pages {first_page} to {last_page}"
 
 
-_CORROBORATED_STATES = ("corroborated", "corroborated, no hardware frame seen")
+#: Grades of evidence, with and without data from real hardware, for which each fact needs the manufacturer's document
+#: or two implementations.
+_CORROBORATED_GRADES = ("corroborated", "corroborated, no hardware frame seen")
 #: Grades that need data from real hardware, and the advice if there are no such data.
-_WITH_FRAME = ("quoted", "corroborated")
+_GRADES_WITH_FRAME = ("quoted", "corroborated")
 _OR_CORROBORATED = "or write 'corroborated, no hardware frame seen'"
 _ALL_PAGES = "all pages"
 #: A source: the key of the cited document, and the place in it.
 _SOURCE_PATTERN = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
-def check_evidence(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the evidence supports the grade and lists each source once, and that each fact cites enough of them.
+def check_evidence(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the evidence of a spec supports its grade, and that each fact cites the sources that the grade needs.
 
-    Only the grades ``quoted`` and ``corroborated`` require a source for each fact.
+    Only the grades ``quoted`` and ``corroborated`` need a source for each fact.
     """
-    stated = spec.evidence.part
-    for index, key in enumerate(stated.implementations):
-        if key in stated.documents or key in stated.implementations[:index]:
+    evidence = spec.evidence.part
+    for index, key in enumerate(evidence.implementations):
+        is_repeated = key in evidence.documents or key in evidence.implementations[:index]
+        if is_repeated:
             problem = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
             report.add("evidence-grade", ("evidence", "implementations", index), problem)
-    _check_vectors(stated, by_name(as_read.examples), report)
+    _check_vectors(evidence, by_name(spec.with_invalid_parts.examples), report)
     if not spec.evidence.is_valid("grade"):
         return
-    for problem in _yield_missing_support(stated):
-        report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(stated.grade)} {problem}")
-    if stated.grade == "quoted" or stated.grade in _CORROBORATED_STATES:
+    for problem in _yield_missing_support(evidence):
+        report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(evidence.grade)} {problem}")
+    if evidence.grade == "quoted" or evidence.grade in _CORROBORATED_GRADES:
         _check_sources(spec, report)
 
 
-def _check_vectors(stated: Evidence, examples: Mapping[str, WrittenExample], report: DocumentReport) -> None:
-    """Check that the examples from hardware can show an error, and that one of them is data from an encoder.
+def _check_vectors(evidence: Evidence, examples: Mapping[str, WrittenExample], report: DocumentReport) -> None:
+    """Check ``vectors``, the names of the examples that support the evidence, such as frames from real hardware.
 
-    The second applies only to a grade that needs it, and if all of the examples exist.
+    None of them may consist of equal bits. If the grade needs data from hardware, one must be data from an encoder.
+    This is not checked if one of the examples does not exist.
     """
-    for index, name in enumerate(stated.vectors):
+    for index, name in enumerate(evidence.vectors):
         if name in examples and not _has_different_bits(examples[name]):
             problem = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
             report.add("evidence-grade", ("evidence", "vectors", index), problem)
-    are_known = bool(stated.vectors) and all(name in examples for name in stated.vectors)
-    has_reading = are_known and any(_is_reading(examples[name]) for name in stated.vectors)
-    if stated.grade in _WITH_FRAME and are_known and not has_reading:
-        problem = f"the grade {quoted(stated.grade)} needs data from an encoder"
-        remedy = "add a frame 'from: encoder' without 'refused', or a register reading"
-        report.add(
-            "evidence-grade", ("evidence", "vectors", 0), f"{problem}: {remedy}, {_OR_CORROBORATED} without 'vectors'"
+    all_exist = bool(evidence.vectors) and all(name in examples for name in evidence.vectors)
+    has_reading = all_exist and any(_is_reading(examples[name]) for name in evidence.vectors)
+    if evidence.grade in _GRADES_WITH_FRAME and all_exist and not has_reading:
+        message = (
+            f"the grade {quoted(evidence.grade)} needs data from an encoder: add a frame 'from: encoder' without"
+            f" 'refused', or a register reading, {_OR_CORROBORATED} without 'vectors'"
         )
+        report.add("evidence-grade", ("evidence", "vectors", 0), message)
 
 
-def _yield_missing_support(stated: Evidence) -> Iterator[str]:
-    """Yield each reason that the evidence does not support its grade, such as what it needs, with the remedy."""
-    grade = stated.grade
-    documents_read = stated.documents
-    implementations = stated.implementations
-    has_source = bool(documents_read) or bool(implementations)
+def _yield_missing_support(evidence: Evidence) -> Iterator[str]:
+    """Yield each reason that the evidence of a spec does not support its grade, with the fix.
+
+    Each text continues a sentence that begins with the grade, such as "needs an implementation: …".
+    """
+    grade = evidence.grade
+    documents_read = evidence.documents
+    implementations = evidence.implementations
+    has_source = bool(documents_read or implementations)
     if grade == "manual" and documents_read.get("manual") != _ALL_PAGES:
         yield f"needs the whole manual: write 'documents: {{manual: {_ALL_PAGES}}}', or another grade"
     if grade == "quoted" and not documents_read:
@@ -253,24 +269,24 @@ def _yield_missing_support(stated: Evidence) -> Iterator[str]:
     if grade == "uncorroborated" and not has_source:
         yield "needs a source: list it under 'documents', with the pages that were read, or under 'implementations'"
     needed_implementations = 1 if documents_read else 2
-    if grade in _CORROBORATED_STATES and len(implementations) < needed_implementations:
+    if grade in _CORROBORATED_GRADES and len(implementations) < needed_implementations:
         yield "needs two sources that share no code: list them under 'implementations'"
-    if grade in _WITH_FRAME and not stated.vectors:
+    if grade in _GRADES_WITH_FRAME and not evidence.vectors:
         yield f"needs an example from real hardware: list it under 'vectors', {_OR_CORROBORATED}"
-    _, grade_without_frame = _CORROBORATED_STATES
-    if grade == grade_without_frame and stated.vectors:
+    _, grade_without_frame = _CORROBORATED_GRADES
+    if grade == grade_without_frame and evidence.vectors:
         yield "has no vectors: remove them, or write 'corroborated'"
 
 
 def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each fact cites the manufacturer or, for a corroborated grade, two implementations.
+    """Check that each fact cites a document of the manufacturer or, for a corroborated grade, two implementations.
 
-    A source without a key cites the manual. Errata and examples are not checked.
+    A source without a key before a colon cites the manual. Errata and examples are not checked.
     """
     grade = spec.evidence.part.grade
     documents_read = spec.evidence.part.documents
     implementations = spec.evidence.part.implementations
-    is_corroborated = grade in _CORROBORATED_STATES
+    is_corroborated = grade in _CORROBORATED_GRADES
     can_cite_two_implementations = is_corroborated and len(implementations) > 1
     if not documents_read and not can_cite_two_implementations:
         return  # Reported as missing.
@@ -294,7 +310,11 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
-    """Return how to write a source whose place lacks the key of a document, or an empty string without such a place."""
+    """Return a suggestion for a source that cites a place without the key of its document, such as ``6.4 p.35``.
+
+    If the place itself is the key of a document, the place in this document is missing. The result is empty if
+    ``cited_place`` is empty.
+    """
     if not cited_place:
         return ""
     if cited_place in documents:
@@ -303,7 +323,7 @@ def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
 
 
 def _has_different_bits(example: WrittenExample) -> bool:
-    """Return True if not all bits (or bytes) of an example are the same."""
+    """Return True if the bits (or bytes) of an example are not all the same."""
     frame_text = example.bits or example.bytes
     is_bytes = " " in frame_text
     bits_or_bytes = frame_text.split() if is_bytes else list(frame_text)
@@ -311,88 +331,93 @@ def _has_different_bits(example: WrittenExample) -> bool:
 
 
 def _is_reading(example: WrittenExample) -> bool:
-    """Return True if an example is an accepted frame of the encoder or the content of a register."""
+    """Return True if an example is a frame that an encoder sent and a decoder accepts, or the content of a register."""
     is_frame = example.kind == "frame" and example.from_ == "encoder" and not example.refused
     return is_frame or example.kind == "register"
 
 
-#: Grades with which every fact is in the manufacturer's words.
-_IN_THE_MANUFACTURERS_WORDS = ("manual", "quoted")
-#: The document that a source cites. Without a key, it is the manual.
-_CITED_DOCUMENT = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?")
+#: Grades for which every fact is in the manufacturer's words.
+_GRADES_FROM_MANUFACTURER = ("manual", "quoted")
+#: The key of the document that a source cites. Without a key, it is the manual.
+_DOCUMENT_KEY = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?")
 
 
 @dataclass(frozen=True, slots=True)
 class _LimitKeys:
-    """Keys of limits, and the alternative if no document of the manufacturer gives them."""
+    """Keys of limits, and what to write instead if no document of the manufacturer gives these limits."""
 
     keys: tuple[str, ...]
     alternative: str
 
 
 @dataclass(frozen=True, slots=True)
-class _Limited:
-    """A part of a spec that can have limits, with its source, which it may inherit from the part around it."""
+class _LimitedPart:
+    """A part of a spec that can have limits, with its source, which can be the source of its interface."""
 
     part: PlacedPart
     source: str
-    kind: _LimitKeys
+    limits: _LimitKeys
 
 
 _CLOCK_LIMITS = _LimitKeys(("min_hz", "max_hz"), "write 'used_hz' for a clock that a program or a master uses")
 _TIMING_LIMITS = _LimitKeys(("at_least_us", "at_most_us"), "write 'typical_us', or describe the time in a 'note'")
-_TIMEOUT_LIMITS = _LimitKeys(("at_most_ns",), "write 'typical_ns', or remove the time-out")
+_TIMEOUT_LIMITS = _LimitKeys(("at_most_ns",), "write 'typical_ns', or remove the timeout")
 _CABLE_LIMITS = _LimitKeys(("below_hz",), "remove the table")
 _SUPPLY_LIMITS = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
 
 
-def check_limit_sources(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that limits cite a document of the manufacturer if the grade does not require it for every fact."""
+def check_limit_sources(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that every limit, such as a highest clock, cites a document of the manufacturer.
+
+    Specs of the grades ``manual`` and ``quoted`` are not checked, because all of their facts cite one.
+    """
     grade = spec.evidence.part.grade
-    documents_read = spec.evidence.part.documents
-    if not spec.evidence.is_valid("grade") or grade in _IN_THE_MANUFACTURERS_WORDS:
+    manufacturer_documents = spec.evidence.part.documents
+    if not spec.evidence.is_valid("grade") or grade in _GRADES_FROM_MANUFACTURER:
         return
-    listed_documents = f" ({join_words(documents_read, 'and')})" if documents_read else ""
-    for limited in _yield_limited(spec):
-        cited_keys = set()
-        for piece in limited.source.split(";"):
-            document = _CITED_DOCUMENT.match(piece)
-            if document is not None:
-                cited_keys.add(document[1] or "manual")  # A place without a key refers to the manual.
-        given_limits = [key for key in limited.kind.keys if key in limited.part.data]
-        if given_limits and cited_keys.isdisjoint(documents_read):
-            needed_source = f"its source must be in 'documents' of 'evidence'{listed_documents}"
-            new_document = (
-                f"if {join_words(map(quoted, sorted(cited_keys)), 'or')} is by the manufacturer, add it there"
-            )
+    listed_documents = f" ({join_words(manufacturer_documents, 'and')})" if manufacturer_documents else ""
+    for limited in _yield_limited_parts(spec):
+        given_limits = [key for key in limited.limits.keys if key in limited.part.data]
+        cited_documents = _cited_documents(limited.source)
+        cites_manufacturer = not cited_documents.isdisjoint(manufacturer_documents)
+        if given_limits and not cites_manufacturer:
             message = (
-                f"{quoted(given_limits[0])} is a limit, so {needed_source}; {new_document}; "
-                f"otherwise, {limited.kind.alternative}"
+                f"{quoted(given_limits[0])} is a limit, so its source must be in 'documents' of"
+                f" 'evidence'{listed_documents}; if {join_words(map(quoted, sorted(cited_documents)), 'or')} is by the"
+                f" manufacturer, add it there; otherwise, {limited.limits.alternative}"
             )
             report.add("limit-source", (*limited.part.path, given_limits[0]), message, at_key=True)
 
 
-def _yield_limited(spec: WrittenSpec) -> Iterator[_Limited]:
-    """Yield each part of a spec that can have limits, with its own source or else its interface's source."""
+def _cited_documents(source: str) -> set[str]:
+    """Return the keys of the documents that a source cites. A place without a key is in the manual."""
+    matches = [_DOCUMENT_KEY.match(cited_place) for cited_place in source.split(";")]
+    return {match[1] or "manual" for match in matches if match is not None}
+
+
+def _yield_limited_parts(spec: WrittenSpec) -> Iterator[_LimitedPart]:
+    """Yield each part of a spec that can have limits, with its own source or otherwise that of its interface."""
     if spec.supply is not None:
-        yield _Limited(spec.supply, _source_of_part(spec.supply), _SUPPLY_LIMITS)
+        yield _LimitedPart(spec.supply, _source_of_part(spec.supply), _SUPPLY_LIMITS)
     for timing in spec.timings:
-        yield _Limited(timing, _source_of_part(timing), _TIMING_LIMITS)
+        yield _LimitedPart(timing, _source_of_part(timing), _TIMING_LIMITS)
     for _, interface in interfaces(spec):
-        for part, kind in _limited_parts(interface):
-            yield _Limited(part, _source_of_part(part) or interface.source, kind)
+        for part, limits in _limited_parts_of_interface(interface):
+            yield _LimitedPart(part, _source_of_part(part) or interface.source, limits)
 
 
-def _limited_parts(interface: WrittenInterface) -> Iterator[tuple[LocatedPart[object], _LimitKeys]]:
-    """Yield the parts of an interface that can have limits, each with the keys for them."""
+def _limited_parts_of_interface(interface: WrittenInterface) -> Iterator[tuple[LocatedPart[object], _LimitKeys]]:
+    """Yield the parts of an interface that can have limits, each with the keys of these limits."""
     for clock in clocks_of(interface):
         yield clock, _CLOCK_LIMITS
-    for timeout in interface.timeout if isinstance(interface, WrittenBiss) else ():
-        yield timeout, _TIMEOUT_LIMITS
     for timing in interface.timings:
         yield timing, _TIMING_LIMITS
-    for cable_length in interface.cable_lengths if isinstance(interface, WrittenSsi) else ():
-        yield cable_length, _CABLE_LIMITS
+    if isinstance(interface, WrittenBiss):
+        for timeout in interface.timeout:
+            yield timeout, _TIMEOUT_LIMITS
+    if isinstance(interface, WrittenSsi):
+        for cable_length in interface.cable_lengths:
+            yield cable_length, _CABLE_LIMITS
 
 
 def _source_of_part(located_part: LocatedPart[object]) -> str:
@@ -400,10 +425,10 @@ def _source_of_part(located_part: LocatedPart[object]) -> str:
     return str(located_part.source or "")
 
 
-def check_revision_in_history(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the history of a manual lists its own revision, unless an erratum explains it."""
+def check_revision_in_history(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the revision table of a manual lists the manual's own revision, unless an erratum explains it."""
     # A revision that is not text is reported by the schema, and can still be the right revision.
-    revisions = [str(history_row.data.get("revision")) for history_row in as_read.manual.history]
+    revisions = [str(history_row.data.get("revision")) for history_row in spec.with_invalid_parts.manual.history]
     revision = spec.manual.revision
     is_repeated = len(set(revisions)) < len(revisions)  # Reported by another rule.
     if not revisions or is_repeated or not revision or revision in revisions:
@@ -415,8 +440,8 @@ def check_revision_in_history(spec: WrittenSpec, as_read: WrittenSpec, report: D
     report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")
 
 
-def check_open_quotation(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that double quotation marks in the printed text of an erratum come in pairs."""
+def check_open_quotation(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that double quotation marks come in pairs in ``printed``, the manual's text that an erratum corrects."""
     for erratum in spec.errata:
         has_open_quotation = erratum.printed.count('"') % 2 == 1
         if has_open_quotation:

@@ -41,11 +41,11 @@ _KEYS_OF_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
 _KEYS_ABOUT_OTHER_DOCUMENTS = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
 
 
-def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the quantities in an erratum's ``used`` match the facts that it affects.
+def check_erratum_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the quantities in ``used``, an erratum's text about what applies, are in the facts that it affects.
 
-    An erratum without quantities under 'used' uses those that are printed. A quantity is compared with all quantities
-    of its kind in the facts, if there are any. Overlays and older editions change facts without changing every text.
+    Without quantities in ``used``, those in ``printed`` are compared. Quantities are compared only with quantities of
+    the same kind. Overlays and older editions change facts without changing every text, so they are not checked.
     """
     if report.document.family or report.document.other_files:
         return
@@ -62,16 +62,17 @@ def check_erratum_quantities(spec: WrittenSpec, as_read: WrittenSpec, report: Do
         stated_by_kind: dict[str, dict[Decimal, str]] = {}
         for kind, number, stated_text in _stated_quantities(facts):
             stated_by_kind.setdefault(kind, {})[number] = stated_text
-        messages = [_contradiction_of(match, stated_by_kind) for match in matches]
+        messages = [_message_on_quantity(match, stated_by_kind) for match in matches]
         first_message = next(filter(None, messages), "")
         if first_message:
             report.add("left-behind", erratum.place_of(key), first_message)
 
 
-def _contradiction_of(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
-    """Return the message about a quantity that differs from all of its kind in the facts, or an empty string.
+def _message_on_quantity(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
+    """Return the message about a quantity in a text that differs from all quantities of its kind in the facts.
 
-    ``stated_by_kind`` contains the quantities of the facts: their numbers in the smallest unit, with their texts.
+    ``stated_by_kind`` contains, for each kind such as voltage, the numbers in the facts in the smallest unit, with
+    their texts. The result is empty if the quantity is one of them, or if there are none.
     """
     number_text, unit = quantity.group("number", "unit")
     text_by_number = stated_by_kind.get(_KIND_OF_UNIT[unit], {})
@@ -105,8 +106,11 @@ def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
     return Decimal(number_text.replace(",", "").replace("−", "-")) * _UNIT_FACTORS[_KIND_OF_UNIT[unit]][unit]
 
 
-def check_repeated_waits(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a timing about writes to a register, by its printed name, has the wait of this register."""
+def check_repeated_waits(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a timing about writes to a register has the same wait as this register.
+
+    The register is recognized by its name in the manual.
+    """
     waiting_registers: dict[str, WrittenRegister] = {}  # By their names in the manual.
     for register in by_name(spec.registers).values():
         if register.printed_name and register.wait_at_least_ms is not None:
@@ -117,11 +121,9 @@ def check_repeated_waits(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
 
 
 def _check_wait(timing: LocatedPart[Timing], registers: Mapping[str, WrittenRegister], report: DocumentReport) -> None:
-    """Check that a timing about writes to a register has its wait.
+    """Check that a timing whose meaning says ``write to the … register`` has the wait of this register.
 
-    ``registers`` contains the registers with a wait, by printed name.
-
-    The meaning of such a timing says ``write to the … register``.
+    ``registers`` contains the registers that need a wait after a write, by their names in the manual.
     """
     match = re.search(r"\bwrite to the (.+?) register\b", timing.part.meaning)
     if match is None:
@@ -138,8 +140,8 @@ def _check_wait(timing: LocatedPart[Timing], registers: Mapping[str, WrittenRegi
         report.add("left-behind", (*timing.path, "at_least_us"), message)
 
 
-def check_quoted_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a bit, register, command, alarm or input that a text names in quotes has this printed name.
+def check_quoted_names(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a bit, register, command, alarm or input that a text names in quotes exists in the spec.
 
     Names are compared without regard to capitals and punctuation. Overlays and older editions change names without
     changing every text, so specs with either are not checked.
@@ -152,15 +154,16 @@ def check_quoted_names(spec: WrittenSpec, as_read: WrittenSpec, report: Document
         if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or path[-1] not in _KEYS_OF_TEXTS:
             continue
         for match in _QUOTED_NAME.finditer(text):
-            before, after = match.group("before", "after")
-            name = before or after
+            # The name is before the word for its kind, as in "Preset" register, or after it.
+            name_before, name_after = match.group("before", "after")
+            name = name_before or name_after
             if _fold_name(name) not in folded_names:
                 message = f"nothing here is called {quoted(name)}{suggest_word(name, names_in_spec)}; correct the text"
                 report.add("left-behind", path, message, cause=name)
 
 
 def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
-    """Return the names of all parts of a spec, as printed, in specs and in other languages, each once."""
+    """Return the names of all parts of a spec, each once: names in the manual, in other languages and in the spec."""
     names: dict[str, None] = {}  # In the order of the spec, each once.
     for path, text in leaves_of(spec.data, report):
         if path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or path[0] == "errata" or not isinstance(text, str):
@@ -179,10 +182,11 @@ def _fold_name(printed_name: str) -> str:
 _WORD_IN_CAPITALS = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
 
 
-def check_labels_in_errata(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that an erratum about order codes uses only existing labels next to another label of the same shape.
+def check_labels_in_errata(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that labels in errata about order codes exist in the order code.
 
-    Labels have the same shape if they have letters and digits at the same places, such as ``A12`` and ``B07``.
+    A word counts as a label if an existing label in the same text has the same shape: letters and digits at the same
+    places, as in ``A12`` and ``B07``.
     """
     if report.document.family or report.document.other_files:
         return
@@ -221,10 +225,10 @@ def _shape_of_label(label: str) -> str:
 _NAMED_ERROR = re.compile(r"\b([A-Z]{2,}) (error|alarm|flag|warning)\b")
 
 
-def check_alarm_names(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a name such as ``ST error`` in a text has a word in capitals that is in some printed name of the spec.
+def check_alarm_names(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that alarms named in texts, such as ``ST error``, exist: their word in capitals must be in a printed name.
 
-    This holds if an alarm of the spec has such a name. Specs with overlays and older editions are not checked.
+    Only specs with an alarm of such a name are checked. Specs with overlays and older editions are not checked.
     """
     if report.document.family or report.document.other_files:
         return
@@ -255,8 +259,8 @@ _LED_IS = re.compile(
 _TEXTS_ON_LEDS = frozenset(("meaning", "when_active", "when_inactive", "low", "high"))
 
 
-def check_led_states(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a state in the text of a flag or an LED, such as ``the LED is off``, is a state of the LEDs.
+def check_led_states(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a state of an LED in a text, as in ``the LED is off``, is a state that some LED of the spec has.
 
     A spec without LEDs is not checked.
     """
@@ -280,13 +284,13 @@ _REGISTER_AT = re.compile(r"\b[Rr]egisters? \(?(?P<address>[0-9A-F]{2})h\b")
 _COMMANDS = re.compile(r"\b[Cc]ommands? [0-9A-F]{2}(?:(?:, (?:and )?| and | or )[0-9A-F]{2})*\b")
 _FIRST_BYTE = re.compile(r"\b(?P<byte>low|high) byte (?:comes|is sent) first\b")
 #: Keys of the numbers that a text may call a command.
-_CODES = frozenset(("value", "constant", "control", "id"))
+_KEYS_OF_CODES = frozenset(("value", "constant", "control", "id"))
 
 
-def check_addresses_and_commands(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that texts name no register by an address, and no command by a code, that the spec does not have.
+def check_addresses_and_commands(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that registers named by their address in texts, and commands named by their code, exist in the spec.
 
-    A spec without registers is not checked. A printed text of an erratum may name what is missing.
+    A spec without registers is not checked, nor is ``printed``, the text of the manual that an erratum corrects.
     """
     registers = by_name(spec.registers).values()
     if not registers or report.document.family or report.document.other_files:
@@ -294,7 +298,8 @@ def check_addresses_and_commands(spec: WrittenSpec, as_read: WrittenSpec, report
     addresses: set[int] = set()
     for register in registers:
         addresses.update(range(register.address, register.address + register.length))
-    codes = {number for path, number in leaves_of(spec.data, report) if path[-1] in _CODES and isinstance(number, int)}
+    located_values = leaves_of(spec.data, report)
+    known_codes = {number for path, number in located_values if path[-1] in _KEYS_OF_CODES and isinstance(number, int)}
     for path, text in leaves_of(spec.data, report):
         is_text = path[-1] in _KEYS_OF_TEXTS or path[0] == "tables"
         if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or not is_text:
@@ -306,10 +311,14 @@ def check_addresses_and_commands(spec: WrittenSpec, as_read: WrittenSpec, report
                 message = f"the text says {named_register}, but no register has this address; correct one of the two"
                 report.add("left-behind", path, message, cause=address)
         for code in _command_codes(text):
-            # A manual prints codes in hexadecimal or in decimal.
-            if codes.isdisjoint((int(code, 16), int(code) if code.isdigit() else -1)):
+            if known_codes.isdisjoint(_possible_numbers(code)):
                 message = f"the text says {quoted(f'command {code}')}, but nothing here has this value"
                 report.add("left-behind", path, f"{message}; correct one of the two", cause=code)
+
+
+def _possible_numbers(code: str) -> set[int]:
+    """Return the numbers that a code in a text can be, because manuals print codes in hexadecimal or in decimal."""
+    return {int(code, 16), int(code)} if code.isdigit() else {int(code, 16)}
 
 
 def _command_codes(text: str) -> Iterator[str]:
@@ -318,8 +327,8 @@ def _command_codes(text: str) -> Iterator[str]:
         yield from re.findall(r"\b[0-9A-F]{2}\b", commands)
 
 
-def check_byte_order_in_texts(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a text of a register that says which byte comes first agrees with its byte order."""
+def check_byte_order_in_texts(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the byte order of a register agrees with its meaning and note, if they say which byte comes first."""
     if report.document.family or report.document.other_files:
         return
     for register in by_name(spec.registers).values():

@@ -20,7 +20,7 @@ _NUMBER_WORDS = ("two", "three", "four", "five", "six", "seven", "eight", "nine"
 _REPETITIONS_IN_TEXT = re.compile(rf"\b({'|'.join(_NUMBER_WORDS)}|[1-9]\d?) requests\b", re.IGNORECASE)
 
 
-def check_interface_of_steps(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_interface_of_steps(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure for an interface of the spec accesses only registers of this interface."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -36,9 +36,9 @@ def check_interface_of_steps(spec: WrittenSpec, as_read: WrittenSpec, report: Do
                 report.add("interface-mismatch", step.place_of("register"), message, cause=procedure.name)
 
 
-def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the register whose limits apply to an argument is one of those to which steps write the argument."""
-    registers = by_name(as_read.registers)  # Including invalid parts, which ``spec`` lacks.
+def check_register_of_argument(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that an argument of a procedure is written to the register whose limits apply to it (``of``)."""
+    registers = by_name(spec.with_invalid_parts.registers)
     for procedure in spec.procedures:
         for argument in procedure.arguments:
             writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
@@ -51,10 +51,10 @@ def check_register_of_argument(spec: WrittenSpec, as_read: WrittenSpec, report: 
                 report.add("argument-register", argument.place_of("of"), message)
 
 
-def check_polled_values(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a poll waits for a value that its field can have."""
+def check_polled_values(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a step that polls a field waits for a value that fits in the field."""
     registers = by_name(spec.registers)
-    groups = by_name(as_read.field_groups)  # Including invalid parts, which ``spec`` lacks.
+    groups = by_name(spec.with_invalid_parts.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = registers.get(step.register)
@@ -68,28 +68,28 @@ def check_polled_values(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
 
 
 def _width_of(register: WrittenRegister, field_name: str, groups: Groups) -> int | None:
-    """Return the width of a field of a register, or None if it is not constant or there is no such field."""
+    """Return the width of a field of a register, or None if the width is not constant or the field does not exist."""
     for field in fields_of(register, groups):
         if field.name == field_name:
             return constant_width(field)
     return None
 
 
-def check_waits_of_registers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the waits after a write are together not longer than the register needs.
+def check_waits_of_registers(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the waits directly after a write are together not longer than the register needs.
 
-    A text of the procedure that gives the time explains it.
+    A text of the procedure that contains the longer time explains it.
     """
     if is_second(report.document.file):  # It has no texts.
         return
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
-        printed_ms = set(_printed_milliseconds(procedure))
+        explained_ms = set(_milliseconds_in_texts(procedure))
         for write, waits in _waits_after_writes(procedure):
             register = registers.get(write.register)
             needed_ms = register.wait_at_least_ms if register is not None else None
             waited_ms = sum(wait.at_least_ms or 0 for wait in waits)
-            if needed_ms is not None and waited_ms > needed_ms and waited_ms not in printed_ms:
+            if needed_ms is not None and waited_ms > needed_ms and waited_ms not in explained_ms:
                 message = (
                     f"{quoted(write.register)} needs a wait of {needed_ms} ms after a write, but the wait here is"
                     f" {waited_ms} ms; correct one of the two, or say in a 'note' of the procedure why it takes"
@@ -98,7 +98,7 @@ def check_waits_of_registers(spec: WrittenSpec, as_read: WrittenSpec, report: Do
                 report.add("wait-mismatch", waits[0].place_of("at_least_ms"), message)
 
 
-def _printed_milliseconds(procedure: WrittenProcedure) -> Iterator[int]:
+def _milliseconds_in_texts(procedure: WrittenProcedure) -> Iterator[int]:
     """Yield the times in milliseconds in the texts of a procedure."""
     for _, text in leaves(procedure.data):
         if isinstance(text, str):
@@ -114,10 +114,10 @@ def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenSt
             yield step, waits
 
 
-def check_wait_at_end(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Report a procedure that ends with a wait and a write, if the write needs exactly this wait.
+def check_wait_at_end(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Report a procedure that ends with a wait and then a write, if the register needs exactly this wait after a write.
 
-    The wait is then likely on the wrong side of the write, unless the step before it needs a wait, too.
+    The two steps are then probably in the wrong order, unless the step before the wait needs a wait, too.
     """
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
@@ -137,16 +137,19 @@ def check_wait_at_end(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _needed_wait(step: WrittenStep, registers: Mapping[str, WrittenRegister]) -> int | None:
-    """Return the wait in ms that the register of a step needs after a write, or None if it needs none."""
+    """Return the wait in ms that the register of a step needs after a write, or None if none is known."""
     register = registers.get(step.register)
     return register.wait_at_least_ms if register is not None else None
 
 
-def check_intervals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the interval between requests is one of the shortest times of the RS-485 interface, if it has any."""
-    interface = spec.interfaces.rs485
-    shortest_times = [] if interface is None else [timing.part.at_least_us for timing in interface.timings]
-    known_us = sorted({time for time in shortest_times if time is not None})
+def check_intervals(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the interval between the requests of a step is a shortest time in ``timings`` of RS-485.
+
+    Nothing is checked if ``timings`` contains no shortest time.
+    """
+    rs485 = spec.interfaces.rs485
+    shortest_times = {timing.part.at_least_us for timing in rs485.timings} if rs485 is not None else set()
+    known_us = sorted(time for time in shortest_times if time is not None)
     for procedure in spec.procedures:
         for step in procedure.steps:
             interval_us = step.every_at_least_us
@@ -159,8 +162,11 @@ def check_intervals(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentRep
                 report.add("time-repeated", step.place_of("every_at_least_us"), message)
 
 
-def check_counted_requests(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a text of a procedure with one repeated request among others gives the number of its repetitions."""
+def check_counted_requests(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a number of requests in the texts of a procedure is the number of times that its step sends a request.
+
+    Only procedures with several steps are checked, exactly one of which repeats its request.
+    """
     for procedure in spec.procedures:
         repeated_steps = [step for step in procedure.steps if step.times is not None]
         if len(repeated_steps) != 1 or len(procedure.steps) == 1:  # Another rule checks a procedure of one step.
@@ -168,13 +174,12 @@ def check_counted_requests(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
         (repeated_step,) = repeated_steps
         for path, number in _counts_in_texts(procedure.data):
             if number != repeated_step.times:
-                message = f"the text says {number} requests, but 'times' is {repeated_step.times}"
-                message += "; one of the two is wrong"
-                report.add("quantity-repeated", (*procedure.path, *path), message)
+                problem = f"the text says {number} requests, but 'times' is {repeated_step.times}"
+                report.add("quantity-repeated", (*procedure.path, *path), f"{problem}; one of the two is wrong")
 
 
 def _counts_in_texts(part_data: Mapping[str, object]) -> Iterator[tuple[Path, int]]:
-    """Yield the numbers of requests in the texts of a procedure, with the paths of the texts below it."""
+    """Yield each number of requests in the texts of a procedure, with the path of its text in the procedure."""
     for path, text in leaves(part_data):
         if not isinstance(text, str):
             continue
@@ -185,11 +190,11 @@ def _counts_in_texts(part_data: Mapping[str, object]) -> Iterator[tuple[Path, in
                 yield path, _NUMBER_WORDS.index(number_text.casefold()) + 2  # The words begin with two.
 
 
-def check_polled_levels(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a meaning such as ``0 until the value is saved`` agrees with the value for which the poll waits.
+def check_polled_levels(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a step that polls a bit waits for the level that follows from its meaning.
 
-    The bit has the stated level until, while or during something, so the poll waits for the other level. With ``when``,
-    it waits for the stated level.
+    If the meaning is ``0 until the value is saved``, or has ``while`` or ``during`` instead of ``until``, the step must
+    wait for 1. If it is ``0 when …``, the step must wait for 0.
     """
     for procedure in spec.procedures:
         for step in procedure.steps:

@@ -1,4 +1,4 @@
-"""Rules for the cells of tables that other facts repeat: frequencies, resolutions, order codes, reserved addresses."""
+"""Rules for tables: their shape and units, and cells that other facts repeat, such as frequencies and order codes."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from decimal import Decimal
 
 from ...model import Table
+from ...say.text import count_with_unit
 from ..problems import DocumentReport, quoted
 from ..written import LocatedPart
 from ..written_parts import WrittenSpec
@@ -19,30 +20,29 @@ _FREQUENCY_UNITS = frozenset(("Hz", "kHz", "MHz"))
 _NANOMETRES_PER_UNIT = {"nm": 1, "µm": 1_000, "mm": 1_000_000}
 
 
-def check_edges_and_periods(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a table with frequencies of periods and of edges has four edges a period.
+def check_edges_and_periods(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that in tables with the frequencies of periods and of edges, there are four edges per period.
 
-    The signals A and B have two edges each in one period. Other ratios need an erratum about the table with both
-    numbers.
+    The incremental signals A and B have two edges each in one period. An erratum about the table that contains both
+    numbers explains another ratio.
     """
     for table in spec.tables:
-        periods, edges = (_frequency_column(table.part, word) for word in ("periods", "edges"))
-        if periods is None or edges is None:
+        period_column = _frequency_column(table.part, "periods")
+        edge_column = _frequency_column(table.part, "edges")
+        if period_column is None or edge_column is None:
             continue
         numbers_of_errata = _numbers_of_errata(spec, f"tables.{table.part.name}")
         for index, row in enumerate(table.part.rows):
-            period_frequency, edge_frequency = _number_in_cell(row, periods), _number_in_cell(row, edges)
-            if (
-                period_frequency is None
-                or edge_frequency is None
-                or edge_frequency == _EDGES_PER_PERIOD * period_frequency
-            ):
+            period_frequency = _number_in_cell(row, period_column)
+            edge_frequency = _number_in_cell(row, edge_column)
+            if period_frequency is None or edge_frequency is None:
                 continue
-            is_explained = {row[periods], row[edges]} <= numbers_of_errata
-            if not is_explained:
-                factor = f"{_EDGES_PER_PERIOD} times the period frequency {row[periods]}"
-                message = f"the edge frequency {row[edges]} is not {factor}"
-                path = (*table.path, "rows", index, edges)
+            is_correct = edge_frequency == _EDGES_PER_PERIOD * period_frequency
+            is_explained = {row[period_column], row[edge_column]} <= numbers_of_errata
+            if not is_correct and not is_explained:
+                factor = f"{_EDGES_PER_PERIOD} times the period frequency {row[period_column]}"
+                message = f"the edge frequency {row[edge_column]} is not {factor}"
+                path = (*table.path, "rows", index, edge_column)
                 report.add("table-arithmetic", path, f"{message}; correct one of the two")
 
 
@@ -53,7 +53,10 @@ def _numbers_of_errata(spec: WrittenSpec, affected_path: str) -> set[str]:
 
 
 def _frequency_column(table: Table, word: str) -> int | None:
-    """Return the only column of frequencies with this word in its heading, if it has the unit of the other columns."""
+    """Return the index of the column of frequencies with this word in its heading.
+
+    The result is None if there is not exactly one, or if the table has frequencies in different units.
+    """
     columns: list[int] = []
     for index, (heading, unit) in enumerate(zip(table.columns, table.units, strict=False)):
         if unit in _FREQUENCY_UNITS and re.search(rf"\b{word}\b", heading, re.IGNORECASE):
@@ -69,11 +72,11 @@ def _number_in_cell(row: tuple[str, ...], column: int) -> Decimal | None:
     return Decimal(cell) if _DECIMAL_NUMBER.fullmatch(cell) else None
 
 
-def check_order_codes_in_rows(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a row about an order code has the quantity that the meaning of its label gives.
+def check_order_codes_in_rows(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a row about a value of the order code has the quantity that this value means.
 
-    For example, the label ``0050`` means ``50 µm``, so its row has 50 in the column ``Resolution µm``. The column
-    begins with the meaning of the part of the order code.
+    For example, the label ``0050`` means ``50 µm``, so its row must have 50 in the column ``Resolution µm``. The
+    heading of the column begins with the meaning of the part of the order code.
     """
     for table in spec.tables:
         for part in spec.order_code.parts:
@@ -91,7 +94,10 @@ def check_order_codes_in_rows(spec: WrittenSpec, as_read: WrittenSpec, report: D
 
 
 def _compare_rows(table: LocatedPart[Table], column: int, meanings: dict[str, str], report: DocumentReport) -> None:
-    """Report each row whose quantity is not the meaning of the only label of ``meanings`` in its other cells."""
+    """Report each row of a table whose number in a column differs from the meaning of the label in its other cells.
+
+    ``meanings`` contains the meaning of each label, such as ``50 µm``. Rows with no label or several are skipped.
+    """
     unit = table.part.units[column]
     for index, row in enumerate(table.part.rows):
         other_cells = " ".join(cell for cell_index, cell in enumerate(row) if cell_index != column)
@@ -108,10 +114,11 @@ def _compare_rows(table: LocatedPart[Table], column: int, meanings: dict[str, st
             report.add("table-arithmetic", (*table.path, "rows", index, column), message)
 
 
-def check_order_codes_in_tables(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the order codes in a column named after them begin as the pattern does, and have its numbers.
+def check_order_codes_in_tables(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the codes in table columns with the heading "order code" begin with the fixed text of order codes.
 
-    A number between two hyphens is a label of a part of the order code, or one that an open part accepts.
+    Also check that each number between two hyphens in them is a label of a part of the order code, or one that an open
+    part accepts.
     """
     start, _, _ = spec.order_code.pattern.partition("{")  # The text before the first part.
     if not start.strip("-/ "):
@@ -123,7 +130,7 @@ def check_order_codes_in_tables(spec: WrittenSpec, as_read: WrittenSpec, report:
         column = headings.index("order code")
         for index, row in enumerate(table.part.rows):
             codes = re.findall(r"\S+-\.\.\.", row[column]) if column < len(row) else []
-            problems = [_wrong_code(code, start, spec) for code in codes]
+            problems = [_problem_of_code(code, start, spec) for code in codes]
             first_problem = next(filter(None, problems), "")
             path = (*table.path, "rows", index, column)
             is_reported = path in report.faults()  # As an order code in a text.
@@ -131,8 +138,11 @@ def check_order_codes_in_tables(spec: WrittenSpec, as_read: WrittenSpec, report:
                 report.add("table-arithmetic", path, f"{first_problem}; correct it")
 
 
-def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
-    """Return why a text cannot be an order code, or an empty string."""
+def _problem_of_code(code: str, start: str, spec: WrittenSpec) -> str:
+    """Return the reason that a text cannot be an order code, or an empty string if it can.
+
+    ``start`` is the fixed text with which order codes begin.
+    """
     if not code.startswith(start):
         return f"{quoted(code)} does not begin with {quoted(start)}, as order codes do"
     for word in code.removeprefix(start).split("-"):
@@ -145,7 +155,7 @@ def _wrong_code(code: str, start: str, spec: WrittenSpec) -> str:
     return ""
 
 
-def check_reserved_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_reserved_addresses(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no register is in a range of addresses that a table calls reserved."""
     for table in spec.tables:
         headings = [heading.casefold() for heading in table.part.columns]
@@ -160,16 +170,20 @@ def check_reserved_addresses(spec: WrittenSpec, as_read: WrittenSpec, report: Do
             last_match = _HEX_NUMBER.fullmatch(row[headings.index("last address")])
             if first_match is None or last_match is None:
                 continue
-            first, last = int(first_match[1], 16), int(last_match[1], 16)
+            reserved_addresses = range(int(first_match[1], 16), int(last_match[1], 16) + 1)
             for register in spec.registers:
-                if not register.reserved and register.bank is None and first <= register.address <= last:
+                is_in_bank = register.bank is not None
+                if not register.reserved and not is_in_bank and register.address in reserved_addresses:
                     message = f"the register {quoted(register.name)} is at {register.address:02X}h"
                     report.add("table-arithmetic", (*table.path, "rows", index), f"{message}; correct one of the two")
                     break
 
 
-def check_lengths_of_errata(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the lengths that an erratum about a table uses are in this table, if it has a column of lengths."""
+def check_lengths_of_errata(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the lengths in ``used``, an erratum's text about what applies, are in the tables that it affects.
+
+    Only errata about tables with a column of lengths are checked.
+    """
     tables = {f"tables.{table.part.name}": table.part for table in spec.tables}
     for erratum in spec.errata:
         lengths: set[Decimal] = set()
@@ -192,3 +206,35 @@ def _yield_lengths(table: Table) -> Iterator[Decimal]:
             number = _number_in_cell(row, column)
             if unit in _NANOMETRES_PER_UNIT and number is not None:
                 yield number * _NANOMETRES_PER_UNIT[unit]
+
+
+_CELL_WITH_NUMBER = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:\.\d+)?")
+
+
+def check_column_units(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a table with units has one per column, and only numbers in the columns whose unit is not empty."""
+    for table in spec.tables:
+        units, columns = table.part.units, table.part.columns
+        if not units:
+            continue
+        if len(units) != len(columns):
+            counts = f"{count_with_unit(len(columns), 'column')} but {count_with_unit(len(units), 'unit')}"
+            report.add("column-units", (*table.path, "units"), f'the table has {counts}; give one for each, or ""')
+            continue
+        for row_index, cells in enumerate(table.part.rows):
+            # Another rule reports a row with too few or too many cells.
+            for column_index, (unit, cell) in enumerate(zip(units, cells, strict=False)):
+                if unit and not _CELL_WITH_NUMBER.fullmatch(cell):
+                    message = f"{quoted(cell)} is not a number, but the column has the unit {unit}"
+                    report.add("column-units", (*table.path, "rows", row_index, column_index), message)
+
+
+def check_table_shape(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that each row of a table has one cell per column."""
+    for table in spec.tables:
+        column_count = len(table.part.columns)
+        for row_index, row in enumerate(table.part.rows):
+            if len(row) != column_count:
+                cells, columns = count_with_unit(len(row), "cell"), count_with_unit(column_count, "column")
+                message = f"the row has {cells}, but the table has {columns}"
+                report.add("table-shape", (*table.path, "rows", row_index), message)

@@ -9,7 +9,7 @@ from itertools import combinations, pairwise
 
 from ...model import INTERFACES, CableLength, Clock, Revision, Supply
 from ...say.plain_text import count_with_unit
-from ..document import Path, is_placeholder
+from ..document import Path
 from ..problems import DocumentReport, missing_keys_message, quoted, suggest_word
 from ..schema_files import is_second
 from ..written import LocatedPart
@@ -29,7 +29,7 @@ from .parts import (
     share_codes,
     timings,
 )
-from .walk import leaves_of, sources
+from .walk import is_placeholder, leaves_of, sources
 
 _CITATION_PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
@@ -41,9 +41,9 @@ _PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
 _CITED_PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
 
 
-def check_field_count(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_field_count(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no list of fields has more than ``MAX_FIELDS`` if the groups in it are written out."""
-    counts_by_group = {name: len(group.fields) for name, group in by_name(as_read.field_groups).items()}
+    counts_by_group = {name: len(group.fields) for name, group in by_name(spec.with_invalid_parts.field_groups).items()}
     for field_list in field_lists(spec):
         count = sum(counts_by_group.get(field.use, 1) for field in field_list.fields)
         if count > MAX_FIELDS:
@@ -51,7 +51,7 @@ def check_field_count(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             report.add("too-long", field_list.owner.place_of("fields"), problem)
 
 
-def check_crc_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_crc_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that polynomial, start value and final XOR of a CRC fit its width, and that the polynomial is odd."""
     for crc in spec.crcs:
         width = crc.part.width
@@ -73,7 +73,10 @@ def check_crc_numbers(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
-    """Yield each number that a field must hold, with its path and the start of a message, such as ``'constant' is``."""
+    """Yield each number that must fit in a field, with its path and the start of a message, such as ``'constant' is``.
+
+    These are the numbers of its named values, and its fixed, default and expected numbers.
+    """
     for name, value in field.values.items():
         yield value.place_of("value"), f"the value {quoted(name)} is", value.value
     numbers = {"constant": field.constant, "unused": field.unused, "default": field.default, "equals": field.equals}
@@ -82,8 +85,11 @@ def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
             yield field.place_of(key), f"{quoted(key)} is", number
 
 
-def check_value_widths(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the numbers of a field are not negative and fit into it, if its width is the same for all codes."""
+def check_value_widths(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the numbers of a field are not negative and fit in the width of the field.
+
+    A field whose width depends on the order code is not checked.
+    """
     for field_list in field_lists(spec):
         for field in field_list.fields:
             width = constant_width(field)
@@ -91,15 +97,15 @@ def check_value_widths(spec: WrittenSpec, as_read: WrittenSpec, report: Document
                 continue
             for path, subject, number in _numbers_in(field):
                 is_too_wide = number < 0 or number >> width > 0
-                # The number represented by zero is sent as zero. A constant is sent as it is.
+                # The number for which a stored 0 stands is sent as 0. A constant is sent as it is.
                 is_sent_as_zero = number == field.zero_means and path != field.place_of("constant")
                 if is_too_wide and not is_sent_as_zero:
                     message = f"{subject} {number:#x}, which does not fit into {count_with_unit(width, 'bit')}"
                     report.add("value-too-wide", path, message)
 
 
-def check_register_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a register is within the addresses of its interface, or of a bank if it is in one."""
+def check_register_range(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that all bytes of a register are within the addresses of its interface, or of its bank."""
     for register in spec.registers:
         interface = INTERFACES[interface_of(register)]
         if register.bank is not None and interface.highest_in_bank is not None:
@@ -117,7 +123,7 @@ def check_register_range(spec: WrittenSpec, as_read: WrittenSpec, report: Docume
             report.add("register-range", register.place_of("address"), message)
 
 
-def check_timing_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_timing_bounds(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing has a lowest, a typical or a highest value, and that these are in ascending order."""
     for timing in timings(spec):
         part = timing.part
@@ -136,11 +142,11 @@ def check_timing_bounds(spec: WrittenSpec, as_read: WrittenSpec, report: Documen
                 report.add("timing-order", (*timing.path, high_key), message)
 
 
-def check_clock_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_clock_range(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a clock has a highest limit or clocks in use, in ascending order and within the limits."""
     # Documents must not give a clock. Then the outputs say that it is not known.
     may_be_unknown = spec.evidence.part.grade == "uncorroborated"
-    raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(as_read)}
+    raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(spec.with_invalid_parts)}
     for name, interface in interfaces(spec):
         raw_clocks_by_path = {clock.path: clock for clock in raw_clocks[name]}
         for clock in clocks_of(interface):
@@ -171,10 +177,9 @@ def _check_clock(clock: LocatedPart[Clock], report: DocumentReport) -> None:
 def _report_missing_limit(
     clock: LocatedPart[Clock], raw_clock: LocatedPart[Clock] | None, report: DocumentReport
 ) -> None:
-    """Report that a clock has no highest frequency, which a clock without frequencies in use needs.
+    """Report a clock without a highest frequency, unless it lists frequencies in use (``used_hz``).
 
-    ``raw_clock`` is the clock as read. A key rejected by the schema was removed. Such a key must not be reported as
-    missing, too.
+    ``raw_clock`` is the clock together with its invalid keys, which must not be reported as missing.
     """
     is_complete = raw_clock is not None and clock.data.keys() == raw_clock.data.keys()
     is_known = clock.part.max_hz is not None or bool(clock.part.used_hz)
@@ -184,18 +189,18 @@ def _report_missing_limit(
         report.add("missing-key", clock.path, f"{missing_keys_message(['max_hz'], 'a clock')}; {remedy}", at_key=True)
 
 
-def check_cable_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that longer cables have slower clocks, and that no two rows of the table have the same length.
+def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the clock limit of SSI is lower for longer cables, and that no two rows have the same length.
 
-    An erratum that affects the clocks of the table explains a different order.
+    An erratum that affects the table of cable lengths explains a different order.
     """
     for name, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi):
             continue
         if has_erratum_at(report.document, "interfaces", name, "cable_lengths"):
             continue
-        by_length = sorted(interface.cable_lengths, key=lambda row: row.part.shorter_than_m)
-        for shorter, longer in combinations(by_length, 2):
+        shortest_first = sorted(interface.cable_lengths, key=lambda row: row.part.shorter_than_m)
+        for shorter, longer in combinations(shortest_first, 2):
             if share_codes(shorter.part, longer.part):
                 _check_cable_order(shorter.part, longer, f"interfaces.{name}.cable_lengths", report)
 
@@ -203,7 +208,10 @@ def check_cable_order(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 def _check_cable_order(
     shorter: CableLength, row: LocatedPart[CableLength], affected_path: str, report: DocumentReport
 ) -> None:
-    """Report the row of a longer cable whose clock is not slower than the clock of a shorter cable."""
+    """Report the row of a longer cable if its clock limit is not lower than the limit of a shorter cable.
+
+    ``affected_path`` is the path that an erratum must affect to explain it.
+    """
     longer = row.part
     is_slower = longer.below_hz < shorter.below_hz
     if not is_slower or shorter.shorter_than_m == longer.shorter_than_m:
@@ -215,7 +223,7 @@ def _check_cable_order(
         report.add("cable-order", (*row.path, "below_hz"), problem)
 
 
-def check_dates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_dates(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that dates exist, that revisions are in order, and that the transcribed revision has the manual's date."""
     _check_that_dates_exist(spec.manual, report)
     dated_history = [revision for revision in spec.manual.history if _parse_date(revision.part.date)]
@@ -224,7 +232,7 @@ def check_dates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport)
 
 
 def _check_that_dates_exist(manual: WrittenManual, report: DocumentReport) -> None:
-    """Check each date of the manual, its editions and its history. It may be empty or only a year."""
+    """Check that each date of the manual, its editions and its revisions exists. It may be empty or only a year."""
     dated_parts = [(manual.path, manual.date)]
     dated_parts += [(edition.path, edition.part.date) for edition in manual.editions]
     dated_parts += [(revision.path, revision.part.date) for revision in manual.history]
@@ -238,16 +246,18 @@ def _check_order_of_revisions(dated_history: Sequence[LocatedPart[Revision]], re
     """Check that no revision of the history has an earlier date than the one before it."""
     for earlier, later in pairwise(dated_history):
         if later.part.date < earlier.part.date:
-            problem = f"revision {later.part.revision} is dated {later.part.date}"
-            problem += f", before revision {earlier.part.revision}, dated {earlier.part.date}"
-            report.add("date", (*later.path, "date"), f"{problem}; list the oldest first")
+            message = (
+                f"revision {later.part.revision} is dated {later.part.date}, before revision {earlier.part.revision},"
+                f" dated {earlier.part.date}; list the oldest first"
+            )
+            report.add("date", (*later.path, "date"), message)
 
 
 def _check_date_in_history(
     manual: WrittenManual, dated_history: Sequence[LocatedPart[Revision]], report: DocumentReport
 ) -> None:
-    """Check that the history gives the revision of the manual the date of the manual, if it has both."""
-    date_by_revision = {release.part.revision: release.part.date for release in dated_history}
+    """Check that the revision table gives the manual's own revision the date of the manual, if it has both."""
+    date_by_revision = {revision.part.revision: revision.part.date for revision in dated_history}
     date_in_history = date_by_revision.get(manual.revision)
     if date_in_history is None or not _parse_date(manual.date):
         return
@@ -257,15 +267,15 @@ def _check_date_in_history(
 
 
 def _parse_date(date_text: str) -> datetime.date | None:
-    """Return the date that a text gives as 2024-05-31, or None."""
+    """Return the date in a text such as 2024-05-31, or None if it is not a date."""
     try:
         return datetime.date.fromisoformat(date_text)
     except ValueError:
         return None
 
 
-def check_supply_range(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that only the device or only order code values have a supply, and that the voltages are in order."""
+def check_supply_range(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that either the device or values of the order code have a supply, and that its voltages are in order."""
     supplies: list[LocatedPart[Supply]] = []
     if spec.supply is not None and spec.supply.is_given:
         supplies.append(spec.supply)
@@ -284,31 +294,34 @@ def check_supply_range(spec: WrittenSpec, as_read: WrittenSpec, report: Document
             report.add("supply-range", (*supply.path, "min_mv"), problem)
 
 
-def check_source_format(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_source_format(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that sources are well-formed, and that cited editions and documents are listed.
 
     A source has one or more places, separated by semicolons, each with an optional document: ``6.4 p.35; errata: 2``.
     """
-    editions = [edition.part.language for edition in as_read.manual.editions if edition.part.language]
-    documents = document_names(as_read)
-    own_language = as_read.manual.language
+    editions = [edition.part.language for edition in spec.with_invalid_parts.manual.editions if edition.part.language]
+    documents = document_names(spec)
+    own_language = spec.with_invalid_parts.manual.language
     for path, value in sources(leaves_of(spec.data, report)):
         for cited_place in value.split(";"):
-            _check_piece(cited_place.strip(), path, editions, documents, own_language, report)
+            _check_citation(cited_place.strip(), path, editions, documents, own_language, report)
 
 
-def document_names(as_read: WrittenSpec) -> list[str]:
+def document_names(spec: WrittenSpec) -> list[str]:
     """Return the keys of the documents, even of documents with a wrong shape."""
-    return as_read.names_in("documents")
+    return spec.with_invalid_parts.names_in("documents")
 
 
-def _check_piece(
-    piece: str, path: Path, editions: list[str], documents: list[str], own_language: str, report: DocumentReport
+def _check_citation(
+    citation: str, path: Path, editions: list[str], documents: list[str], own_language: str, report: DocumentReport
 ) -> None:
-    """Check one place that a source cites: its edition or document, and within the manual also its form."""
+    """Check one citation of a source, such as ``6.4 p.35``, or ``errata: 2`` in the document with the key ``errata``.
+
+    ``own_language`` is the language of the manual, which needs no key. Only there, the form of the place is checked.
+    """
     # TODO marks a place that is still to be checked.
-    match = _CITATION_PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
-    key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
+    match = _CITATION_PIECE.fullmatch(citation.replace("\n", " ").removeprefix("TODO "))
+    key, place = (match["key"], match["place"].strip()) if match is not None else (None, citation)
     if key is not None and key == own_language:
         report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; remove '{key}:'")
     elif key is not None and key not in editions and key not in documents:
@@ -317,13 +330,13 @@ def _check_piece(
     elif key in documents and place:
         return  # Public documents have sections of every kind.
     elif not _CITED_PLACE.fullmatch(place):
-        piece_text = quoted(piece) if piece else "empty text"
+        citation_text = quoted(citation) if citation else "empty text"
         forms = (
             "cite a section ('6.4' or 'Cover'), a table ('Table 41'), a page ('p.35'), "
             "or a section or table followed by a page"
         )
         message = (
-            f"{piece_text} is not a valid source; {forms}. "
+            f"{citation_text} is not a valid source; {forms}. "
             "Separate several sources with semicolons, and prefix those in other documents with the document's key and"
             " a colon"
         )
@@ -342,7 +355,7 @@ _LIKELY_MEGA = 50
 _STANDARD_BAUDS = (9600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 921_600)
 
 
-def check_plausible_rates(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_plausible_rates(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no clock or baud rate is too low for an encoder, unless the interface has a note."""
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
@@ -361,7 +374,7 @@ def check_plausible_rates(spec: WrittenSpec, as_read: WrittenSpec, report: Docum
 
 
 def _report_rate(rate: int, rate_key: str, unit: str, path: Path, report: DocumentReport) -> None:
-    """Report a rate that is too low, with the number to write if the manual gives it in a larger unit."""
+    """Report a rate that is implausibly low, with the number that is probably meant: in kHz or MHz instead of Hz."""
     prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
     likely_rate = rate * factor
     if unit == "baud":
@@ -383,7 +396,7 @@ _DECIMAL_DIGITS = re.compile("[0-9]{2,}")
 _LEADING_ZERO = re.compile("[-+]?0[0-9]+")
 
 
-def check_number_base(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_number_base(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that numbers printed in hexadecimal are written with 0x, and that no number has leading zeros.
 
     A JSON file may use decimal numbers, because JSON has no hexadecimal numbers. A single digit is the same in both
@@ -411,7 +424,7 @@ def check_number_base(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
             report.add("number-base", path, message)
 
 
-def check_typographic_quotes(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
+def check_typographic_quotes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text begins and ends with typographic quotes, which YAML treats as part of the text."""
     for path, value in leaves_of(spec.data, report):
         if not isinstance(value, str) or len(value) < 2:
@@ -426,7 +439,10 @@ def check_typographic_quotes(spec: WrittenSpec, as_read: WrittenSpec, report: Do
 
 
 def _is_hexadecimal(path: Path) -> bool:
-    """Return True for the ``value`` of a write, and for a key of ``HEXADECIMAL`` that is not a name of the spec."""
+    """Return True for the place of a number that manuals print in hexadecimal, such as an address.
+
+    Names that the spec defines, which can be the same as such a key, do not count.
+    """
     if path[-1] == "value":
         return "writes" in path
     is_name_in_spec = len(path) > 1 and path[-2] in _OWN_NAMES

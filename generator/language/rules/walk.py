@@ -5,8 +5,10 @@ The data may have any structure, so every function here checks it. ``parts.py`` 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from ..document import as_affected
 from ..problems import DocumentReport, Path
 
 #: A part of a spec, in which any key can have any value.
@@ -14,14 +16,14 @@ Data = Mapping[str, object]
 
 
 def mapping(root: object, *keys: str) -> Data:
-    """Return the map found by following ``keys``, or an empty one."""
+    """Return the map that is reached by following ``keys`` from the map ``root``, or an empty map if there is none."""
     for key in keys:
         root = root.get(key) if isinstance(root, dict) else None
     return root if isinstance(root, dict) else {}
 
 
 def maps_in_list(root: object, *keys: str) -> Iterator[tuple[Path, Data]]:
-    """Yield the maps in the list found by following ``keys``, each with its path.
+    """Yield the maps in the list that is reached by following ``keys``, each with its path.
 
     For ``("manual", "editions")`` these have paths such as ``("manual", "editions", 0)``.
     """
@@ -33,9 +35,9 @@ def maps_in_list(root: object, *keys: str) -> Iterator[tuple[Path, Data]]:
 
 
 def leaves_of(spec: Data, report: DocumentReport) -> Sequence[tuple[Path, object]]:
-    """Return the leaves of a whole spec, each with its path.
+    """Return every value of a spec that is neither a map nor a list, with its path.
 
-    The report keeps the leaves of the last spec, because one rule after another needs them.
+    The report keeps the result for the last spec, because one rule after another needs it.
     """
     spec_of_leaves, _ = report.leaves
     if spec_of_leaves is not spec:
@@ -64,7 +66,70 @@ def _add_leaves(node: object, path: Path, located_values: list[tuple[Path, objec
 
 
 def sources(located_values: Iterable[tuple[Path, object]]) -> Iterator[tuple[Path, str]]:
-    """Yield every source among leaves, with its path."""
+    """Yield every text among these values that is under a key for a source, with its path."""
     for path, value in located_values:
         if isinstance(value, str) and (path[-1] == "source" or str(path[-1]).endswith("_source")):
             yield path, value
+
+
+def next_steps(node: object) -> Iterator[tuple[str, object]]:
+    """Yield the possible next steps of a path from a map or list, each with the data to which it leads.
+
+    From a map, these are its keys, the names of parts in its lists, and the names in ``values``: in
+    ``interfaces.biss.word``, ``word`` is a part in the list ``layouts``. From a list, these are the names of its parts,
+    and the keys of parts without names, such as clocks.
+    """
+    if isinstance(node, list):
+        for element in node:
+            if isinstance(element, dict) and "name" not in element:
+                yield from element.items()
+        yield from _named_parts(node)
+    elif isinstance(node, dict):
+        for key, value in node.items():
+            if isinstance(value, list):
+                yield from _named_parts(value)
+            elif key == "values" and isinstance(value, dict):
+                yield from value.items()
+        yield from node.items()  # Last, so that a key takes precedence over a name.
+
+
+def _named_parts(elements: list[object]) -> Iterator[tuple[str, object]]:
+    """Yield each element of a list that is a map with a name, after its name."""
+    for element in elements:
+        if isinstance(element, dict) and "name" in element:
+            yield str(element["name"]), element
+
+
+_TODO_MARKER = re.compile(r"\bTODO\b")
+
+
+def is_placeholder(source_text: object) -> bool:
+    """Return True if a value is text with the word TODO, which marks a source that is still to be added."""
+    return isinstance(source_text, str) and _TODO_MARKER.search(source_text) is not None
+
+
+def placeholder_paths(root: object, path: Path = ()) -> Iterator[Path]:
+    """Yield the path of each placeholder, a text with TODO, in the data of a spec, in its order."""
+    if isinstance(root, dict):
+        for key, value in root.items():
+            yield from placeholder_paths(value, (*path, key))
+    elif isinstance(root, list):
+        for index, value in enumerate(root):
+            yield from placeholder_paths(value, (*path, index))
+    elif is_placeholder(root):
+        yield path
+
+
+def placeholder_names(spec_data: Data) -> list[str]:
+    """Return the names of all parts of a spec that contain a placeholder, a text with TODO, each once."""
+    names = (placeholder_name(spec_data, path) for path in placeholder_paths(spec_data))
+    return list(dict.fromkeys(names))
+
+
+def placeholder_name(spec_data: Data, path: Path) -> str:
+    """Return the name of the placeholder at ``path``, a text with TODO.
+
+    If it is a source, it is the name of the part with this source, such as ``registers.preset``.
+    """
+    owner = path[:-1] if path[-1] == "source" and len(path) > 1 else path
+    return as_affected(spec_data, owner) or str(path[0])

@@ -42,38 +42,38 @@ _SUPPLY_LINE = re.compile(r"(?<![A-Za-z])[+-]?\d*(?:[.,]\d+)? ?V", re.IGNORECASE
 _KEYS_OF_TEXTS = ("meaning", "note", "remedy", "detected", "precondition", "result", "when_active", "when_inactive")
 
 
-def check_threshold_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the texts of an alarm below a voltage do not say that it is raised above the same voltage."""
+def check_threshold_words(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the texts of an alarm that is raised below a voltage do not say that it is raised above it."""
     for alarm in spec.alarms:
-        limit = alarm.part.below_mv
-        if limit is None:
+        threshold_mv = alarm.part.below_mv
+        if threshold_mv is None:
             continue
         for path, text in _texts_of(alarm, _KEYS_OF_TEXTS):
-            for word, number, milli in _VOLTAGE_LIMIT.findall(text):  # ("above", "3.6", ""), or ("below", "100", "m").
-                millivolts = float(number) * (1 if milli else 1000)
-                if word in _WORDS_FOR_ABOVE and millivolts == limit:
-                    message = (
-                        f"the text says {quoted(word)}, but the alarm has 'below_mv: {limit}'; correct one of the two"
-                    )
+            for word, number, prefix in _VOLTAGE_LIMIT.findall(text):  # ("above", "3.6", "") or ("below", "100", "m").
+                factor = 1 if prefix == "m" else 1000
+                if word in _WORDS_FOR_ABOVE and float(number) * factor == threshold_mv:
+                    problem = f"the text says {quoted(word)}, but the alarm has 'below_mv: {threshold_mv}'"
+                    message = f"{problem}; correct one of the two"
                     report.add("words-contradict", path, message)
 
 
-def check_latch_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no text says that a latching alarm clears itself, or that another alarm stays."""
+def check_latch_words(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no text says that a latching alarm clears itself, or that any other alarm stays active."""
     for alarm in spec.alarms:
-        latch = alarm.part.latch
-        if latch is None:
+        is_latching = alarm.part.latch
+        if is_latching is None:
             continue
-        contradictions, word = (_CLEARS_ITSELF, "true") if latch else (_LATCHED_WORDS, "false")
+        contradicting_words = _CLEARS_ITSELF if is_latching else _LATCHED_WORDS
         for path, text in _texts_of(alarm, _KEYS_OF_TEXTS):
-            contradiction = contradictions.search(text)
-            if contradiction is not None:
-                message = f"the text says {quoted(contradiction[0])}, but 'latch' is {word}; correct one of the two"
+            match = contradicting_words.search(text)
+            if match is not None:
+                latch_text = "true" if is_latching else "false"
+                message = f"the text says {quoted(match[0])}, but 'latch' is {latch_text}; correct one of the two"
                 report.add("words-contradict", path, message)
 
 
-def check_level_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the texts of a flag that say at which level it is active name its active level."""
+def check_level_words(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that texts of a flag such as "active at 0" give the level at which the flag is active."""
     levels = {"low": "0", "high": "1"}
     for field_list in field_lists(spec):
         for field in field_list.fields:
@@ -90,8 +90,11 @@ def check_level_words(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
                     report.add("words-contradict", path, message)
 
 
-def check_name_and_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a value whose name has a word such as ``binary`` does not have only its opposite in the meaning."""
+def check_name_and_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the meaning of a named value does not contain the opposite of a word in its name.
+
+    For example, ``binary`` must not mean "Gray code". A meaning that contains both words is accepted.
+    """
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, value in field.values.items():
@@ -100,9 +103,12 @@ def check_name_and_meaning(spec: WrittenSpec, as_read: WrittenSpec, report: Docu
                     report.add("words-contradict", value.place_of("meaning"), f"{message}; correct one of the two")
 
 
-def _yield_contradictions(field_name: str, meaning: str) -> Iterator[tuple[str, str]]:
-    """Yield each word of a name with its opposite, if only the opposite is in the meaning: ``("binary", "gray")``."""
-    plain_name = field_name.replace("counter_clockwise", "counterclockwise")
+def _yield_contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
+    """Yield each word of a name whose opposite, but not itself, is in the meaning, with this opposite.
+
+    For the name ``binary`` and the meaning ``Gray code``, this is ``("binary", "gray")``.
+    """
+    plain_name = name.replace("counter_clockwise", "counterclockwise")
     plain_meaning = re.sub(r"counter-?clockwise", "counterclockwise", meaning.casefold())
     meaning_words = set(re.findall(r"[a-z]+", plain_meaning))
     for word in plain_name.split("_"):
@@ -111,18 +117,18 @@ def _yield_contradictions(field_name: str, meaning: str) -> Iterator[tuple[str, 
             yield word, opposite
 
 
-def check_named_wires(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentReport) -> None:
-    """Check that two wires named together are both of a supply or of a pair, as the tables of cables say.
+def check_named_wires(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that two wires that a text names together, by their colors, are a supply or a differential pair.
 
-    Wires that no cable has are not checked. A colour may have several signals, in different cables.
+    The signals of the wires are those in the tables of cables. Wires that no cable has are not checked.
     """
-    signals_by_colour = _signals_by_wire(spec)
-    if not signals_by_colour:
+    signals_by_color = _signals_by_wire(spec)
+    if not signals_by_color:
         return
     for path, text in _all_texts(spec):
         for first_wire, second_wire in _TWO_WIRES.findall(text):
-            first_signals = signals_by_colour.get(first_wire.casefold())
-            second_signals = signals_by_colour.get(second_wire.casefold())
+            first_signals = signals_by_color.get(first_wire.casefold())
+            second_signals = signals_by_color.get(second_wire.casefold())
             if first_signals is None or second_signals is None:
                 continue
             signal_pairs = itertools.product(first_signals, second_signals)
@@ -136,20 +142,20 @@ def check_named_wires(spec: WrittenSpec, as_read: WrittenSpec, report: DocumentR
 
 
 def _signals_by_wire(spec: WrittenSpec) -> dict[str, set[str]]:
-    """Return the signals of each wire colour, in lower case, in all cables: ``{"white": {"MA+"}}``."""
-    signals_by_colour: dict[str, set[str]] = {}
+    """Return the signals that a wire of each color has in some cable: ``{"white": {"MA+"}}``."""
+    signals_by_color: dict[str, set[str]] = {}
     for connector in spec.connectors:
         if connector.part.kind != "cable":
             continue
         for contact in connector.part.contacts:
-            signals_by_colour.setdefault(contact.contact.casefold(), set()).add(contact.signal)
-    return signals_by_colour
+            signals_by_color.setdefault(contact.contact.casefold(), set()).add(contact.signal)
+    return signals_by_color
 
 
 def _belong_together(first: str, second: str) -> bool:
-    """Return True for the signals of two supply lines or of a differential pair, or for two equal ones.
+    """Return True if two signals are both supply lines, or have the same letters and digits.
 
-    The lines of a pair have the same letters and digits, as in ``MA+`` and ``MA-``.
+    The latter is true for the lines of a differential pair, such as ``MA+`` and ``MA-``.
     """
     if _SUPPLY_LINE.search(first) and _SUPPLY_LINE.search(second):
         return True
@@ -158,7 +164,7 @@ def _belong_together(first: str, second: str) -> bool:
 
 
 def _all_texts(spec: WrittenSpec) -> Iterator[tuple[Path, str]]:
-    """Yield the texts of the parts that describe work by hand and hardware."""
+    """Yield the texts of procedures, characteristics and alarms, each with its path."""
     for procedure in spec.procedures:
         yield from _texts_of(procedure, _KEYS_OF_TEXTS)
     for characteristic in spec.characteristics:

@@ -103,12 +103,12 @@ INTERFACES = (
         ModelMember(
             "timeout",
             "timeout?",
-            "Time-out after a frame. null if it depends on the order code.",
+            "Timeout after a frame. null if it depends on the order code.",
         ),
         ModelMember(
             "timeouts",
             "[timeout]",
-            "Time-outs after a frame, each with its order codes. Empty if they do not depend on the order code.",
+            "Timeouts after a frame, each with its order codes. Empty if they do not depend on the order code.",
             of="timeouts_by_code",
         ),
         ModelMember("channels", "data_channels?", "Data channels in one frame. null if each is received alone."),

@@ -85,7 +85,7 @@ class ModelMember:
 
     @property
     def is_limit(self) -> bool:
-        """True if changes in the two directions, allowing more and allowing less, have different rules."""
+        """True if a change that allows more and a change that allows less are reported under different rules."""
         return self.rule in WIDER
 
     @property
@@ -97,8 +97,9 @@ class ModelMember:
 class ModelPart:
     """A part of the model with its members in the order of the data.
 
-    ``of`` names the classes of the model, if they are not called like the part. ``identity`` names the members of the
-    model by which a part is recognised under another name. A part that ``is_sourced`` also has its sources in the data.
+    ``of`` names the classes of the model if their names differ from the name of the part. ``identity`` names the
+    members by which a part is recognized if it has another name in another version. A part that ``is_sourced`` also has
+    its sources in the data.
     """
 
     def __init__(
