@@ -11,16 +11,20 @@ from ..model.record import dataclass
 
 @dataclass(frozen=True, slots=True)
 class FrameChannels:
-    """Names of the data channels that the frame with the position carries before and after it, in the order sent."""
+    """Names of the data channels before and after the position in its frame, in the order in which they are sent."""
 
     before: tuple[str, ...] = ()
     after: tuple[str, ...] = ()
 
     def __bool__(self) -> bool:
+        """Return whether the frame has other data channels than the one with the position."""
         return bool(self.before or self.after)
 
     def refusal(self, position_layout: str) -> str:
-        """Return the reason why a master for a single data channel cannot read the position, or an empty string."""
+        """Return the reason why a master for a single data channel cannot read the position, or an empty string.
+
+        Such a master reads only the first channel of a frame. ``position_layout`` is the channel with the position.
+        """
         if not self.before:
             return ""
         first_name = self.before[0]
@@ -39,7 +43,7 @@ NO_CHANNELS = FrameChannels()
 
 
 def frame_channels(interface: Interface, position_layout: PlacedLayout) -> FrameChannels:
-    """Return the other data channels of the frame with the position. There are none if it carries a single channel."""
+    """Return the names of the other data channels in the frame with the position, if the frame has several channels."""
     frame = channel_frame(interface)
     layouts = frame.layouts if frame is not None else ()
     names = [layout.name for layout in layouts if layout.is_sent(position_layout.parameters)]
@@ -50,7 +54,7 @@ def frame_channels(interface: Interface, position_layout: PlacedLayout) -> Frame
 
 
 def channel_notes(interface: Interface, position_layout: PlacedLayout) -> Iterator[str]:
-    """Yield a sentence about the channels of BiSS whose data the settings leave out."""
+    """Yield a sentence about BiSS data channels that the settings do not cover, because they lack the position."""
     channel = position_layout.layout.channel
     sent_layouts = [layout for layout in interface.layouts if layout.is_sent(position_layout.parameters)]
     other_layouts = [layout for layout in sent_layouts if layout.channel and layout.channel != channel]

@@ -43,10 +43,10 @@ _RULE_LISTS = ("limits", "settings", "writing", "notes", "files")
 
 @dataclass(frozen=True, slots=True)
 class Master:
-    """A master as described in its file. The lists of rules are checked data.
+    """A master as described in its file. ``limits``, ``settings``, ``writing``, ``notes`` and ``files`` are its rules.
 
-    ``several_channels`` says how it reads several data channels of one frame. It is empty if its description covers
-    a single one.
+    ``takes`` are the interfaces that it supports. ``several_channels`` says how it reads several data channels of one
+    frame, and is empty if its description covers only a single channel.
     """
 
     name: str
@@ -65,9 +65,10 @@ class Master:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One setting. If its value is unknown, ``value`` is None and ``text`` gives the reason.
+    """One setting of a master. If its value is unknown, ``value`` is None, and ``text`` gives the reason.
 
-    ``bound`` is ``at_least``, ``at_most``, ``below``, ``start_with`` or empty.
+    ``bound`` is ``at_least``, ``at_most``, ``below``, ``start_with`` or empty. ``at`` is the name of the setting in the
+    master's documentation, and ``places`` are its locations in the devices of the master.
     """
 
     name: str
@@ -88,7 +89,7 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class MasterRefusal:
-    """Reason why a master cannot use an order code. ``source`` is empty if the master lacks the interface."""
+    """Reason why a master cannot use an order code. ``source`` is empty if no document states it."""
 
     reason: str
     standing: str
@@ -97,12 +98,12 @@ class MasterRefusal:
 
 @dataclass(frozen=True, slots=True)
 class SettingsSheet:
-    """Settings of one master for one order code, empty if there are refusals.
+    """Settings of one master for one order code.
 
-    ``writing`` are the conditions for writing the settings.
-    ``is_described`` is false if the master is not described for the interface. ``unusable_devices`` are devices that
-    cannot use the order code although others can. ``gaps`` are the parts of the frame that the description of the
-    master does not cover. Settings that depend on them are unknown.
+    If there are ``refusals``, reasons why the master cannot use the order code, there are no settings. ``writing`` are
+    the conditions for writing the settings. ``is_described`` is false if the description of the master does not cover
+    the interface. ``unusable_devices`` are devices that cannot use the order code although others can. ``gaps`` are
+    statements about parts of the frame that the description does not cover. Settings that depend on them are unknown.
     """
 
     master: Master
@@ -115,7 +116,10 @@ class SettingsSheet:
     gaps: tuple[MasterRefusal, ...] = ()
 
     def devices_with(self, file: Raw) -> list[str]:
-        """Return the names of the usable devices to which a file of the master applies: ``on``, or all."""
+        """Return the names of the usable devices to which a file of the master applies.
+
+        The file lists its devices under ``on``. Without this key, it applies to all devices.
+        """
         names = [device.name for device in self.master.devices if device.name not in self.unusable_devices]
         return [name for name in names if name in file.get("on", names)]
 
@@ -130,16 +134,16 @@ class SettingsSheet:
 
 
 def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], ProblemReport]:
-    """Return the shipped masters and the masters at ``paths``, by title.
+    """Load the masters of the package and the masters at ``paths``, sorted by title.
 
-    A master with the same name replaces a shipped one.
+    A master with the same name replaces one of the package.
 
     Returns:
         The masters, valid only if the report is empty, and the report.
     """
     report = ProblemReport()
     masters: dict[str, Master] = {}
-    # The user's masters come second, so they replace shipped ones. Within a group, each name may occur once.
+    # The user's masters are loaded last, so they replace those of the package. Names within a group must be unique.
     for group in ([packaged_masters()], paths):
         group_names: set[str] = set()
         for document in read_specs(group, report):
@@ -158,7 +162,7 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Proble
 
 @functools.cache
 def shipped_masters() -> tuple[Master, ...]:
-    """Return the shipped masters. They are read once.
+    """Return the masters of the package, which are loaded only once.
 
     Raises:
         ValueError: There are problems in a description.
@@ -170,7 +174,7 @@ def shipped_masters() -> tuple[Master, ...]:
 
 
 def _master_from_spec(master_data: Raw) -> Master:
-    """Return the master that a checked description describes. Lists of rules that it lacks are empty."""
+    """Return the master for a checked description. A list of rules that the description lacks is empty."""
     documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in master_data["documents"].items())
     return Master(
         name=master_data["master"],
@@ -185,13 +189,16 @@ def _master_from_spec(master_data: Raw) -> Master:
 
 
 def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
-    """Return the master's settings for the order code of ``record``, or the reasons why it cannot use it."""
+    """Return the settings of a master for an order code, or the reasons why the master cannot use it.
+
+    ``record`` contains the facts about the order code.
+    """
     interface = record.words["interface"]
     if interface not in master.takes:
         return replace(_refusing_sheet(master, _interface_refusal(master, record)), is_described=False)
     if record.obstacle:
         return _refusing_sheet(master, MasterRefusal(reason=record.obstacle, standing="inferred", source=""))
-    # Names of parts of the frame as one text, which is empty if the description covers all of them.
+    # A text with the parts of the frame that the description does not cover, or empty.
     uncovered = _uncovered_parts(master, record)
     settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
     unusable_devices = frozenset[str]().union(*(devices for _, devices in device_refusals))
@@ -202,8 +209,9 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     channel_refusal = "" if master.several_channels else record.channels.refusal(record.layout)
     if channel_refusal:
         refusals.append(MasterRefusal(reason=channel_refusal, standing="inferred", source=""))
-    # What only some devices cannot express is a note. If no device is left, the master refuses.
-    if len(unusable_devices) == len(master.devices):
+    # If only some devices cannot use the order code, this becomes a note.
+    are_all_devices_unusable = len(unusable_devices) == len(master.devices)
+    if are_all_devices_unusable:
         refusals += [refusal for refusal, _ in device_refusals]
     if not refusals:
         refusals = list(_refusals_of_values(settings))
@@ -230,11 +238,12 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
 
 
 def _refusing_sheet(master: Master, *refusals: MasterRefusal) -> SettingsSheet:
-    """Return the sheet of a master that cannot use an order code."""
+    """Return the sheet of a master that cannot use an order code for these reasons."""
     return SettingsSheet(master=master, refusals=refusals, settings=(), notes=())
 
 
 def _interface_refusal(master: Master, record: EncoderFacts) -> MasterRefusal:
+    """Return the refusal of a master whose description does not cover the interface of the order code."""
     described_interfaces = join_words(INTERFACES[name].title for name in master.takes)
     encoder_interface = INTERFACES[record.words["interface"]].title
     reason = f"This master is described for {described_interfaces} only, but {record.code} has {encoder_interface}."
@@ -244,10 +253,11 @@ def _interface_refusal(master: Master, record: EncoderFacts) -> MasterRefusal:
 def _settings_and_device_refusals(
     master: Master, record: EncoderFacts, uncovered: str
 ) -> tuple[list[Setting], list[tuple[MasterRefusal, set[str]]]]:
-    """Return the settings, and the refusals of settings that some devices cannot express, with these devices.
+    """Return the settings of a master for an order code, and the settings that have no value for it.
 
-    ``uncovered`` names the parts of the frame that the description does not mention. If it names any, settings that
-    depend on the whole frame are unknown.
+    For each of the latter, return a refusal, and the devices that have this setting and therefore cannot use the order
+    code. ``uncovered`` is a text with the parts of the frame that the description does not cover. If it is not empty,
+    settings that depend on the whole frame are unknown.
     """
     settings: list[Setting] = []
     device_refusals: list[tuple[MasterRefusal, set[str]]] = []
@@ -266,12 +276,13 @@ def _settings_and_device_refusals(
 
 
 def _limit_refusal(rule: Raw, master: Master, record: EncoderFacts) -> MasterRefusal:
+    """Return the refusal for a limit of a master that the order code does not meet."""
     reason = f"{rule['reason']} {encoder_has(rule['item'], record)}"
     return MasterRefusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
 
 
 def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[MasterRefusal]:
-    """Yield a refusal for each setting whose value does not fit its location."""
+    """Yield a refusal for each setting whose value is too large or too small for its location in the master."""
     for setting in settings:
         reason = reason_for_misfit(setting.name, setting.value, setting.places)
         if reason:
@@ -279,30 +290,31 @@ def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[MasterRefusal]:
 
 
 def _refusals_of_crc(master: Master, record: EncoderFacts) -> Iterator[MasterRefusal]:
-    """Yield a refusal if no master can check the CRC, and ``master`` does, since its rules depend on the CRC.
+    """Yield a refusal if the master checks CRCs, but no master can check the CRC of this encoder.
 
-    ``crc_obstacle`` is the reason why none can, or an empty string.
+    ``crc_obstacle`` is the reason, or empty. A master checks CRCs if its rules depend on the parameters of a CRC.
     """
     checks_crc = bool(_CRC_ITEMS & _mentioned_items((master.limits, master.settings)))
     if record.crc_obstacle and checks_crc:
         yield MasterRefusal(reason=record.crc_obstacle, standing="inferred", source="")
 
 
-#: Items about the computation of the CRC, such as ``crc_polynomial``.
+#: Names of facts about the computation of the CRC, such as ``crc_polynomial``.
 _CRC_ITEMS = {name for name in NUMBERS if name.startswith("crc_")} - {"crc_bits"}
-#: Items whose values are valid for any frame, as they do not depend on other bits of it.
+#: Names of facts that do not depend on other bits of the frame.
 _ITEMS_OF_ANY_FRAME = {"multiturn_bits", "singleturn_bits", "position_bits", "status_bits", *_CRC_ITEMS, "crc_bits"}
-#: Items that count bits of the frame, such as ``data_bits``, ``padding_left`` and ``other_bits_right``.
+#: Names of facts that count bits of the frame, such as ``data_bits``, ``padding_left`` and ``other_bits_right``.
 _FRAME_ITEMS = {name for name in NUMBERS if name.endswith("_bits") or "padding" in name or "bits_" in name}
 
 
 def _depends_on_whole_frame(rule: Raw) -> bool:
-    """Return whether other bits of the frame may change the value of a setting.
+    """Return whether parts of the frame that a master's description does not cover can change the value of a setting.
 
-    They cannot change one that depends on a single item of ``_ITEMS_OF_ANY_FRAME``, or on no number of bits.
+    They cannot if the value depends on no number of bits, or only on one that is independent of the other bits, such as
+    ``position_bits``.
     """
-    # A string describes every part of the frame.
-    if "string" in rule:
+    describes_every_part = "string" in rule
+    if describes_every_part:
         return True
     items_in_value = _mentioned_items({key: rule[key] for key in ("value", "choice") if key in rule})
     items_in_text = set(re.findall(r"\{(\w+)\}", rule.get("text", "")))
@@ -312,18 +324,18 @@ def _depends_on_whole_frame(rule: Raw) -> bool:
 
 
 def _uncovered_parts(master: Master, record: EncoderFacts) -> str:
-    """Return the names of the uncommon parts of the frame that the master's description does not mention.
+    """Return a text with the unusual parts of the frame that a master's description does not cover.
 
-    They are one text, such as ``'parity' and 'reserved'``, which is empty if there are none. Uncommon parts are parity
-    bits and other bits. The description mentions one if a rule depends on the item that counts its bits.
+    The text, such as ``'parity' and 'reserved'``, is empty if there are none. Unusual parts are parity bits and bits
+    with the role ``other``. The description covers one if a rule depends on the number of its bits.
     """
     parts_and_items = zip(record.parts, _items_of_parts(record.parts), strict=True)
-    # The common parts have an empty item.
+    # For usual parts, the name of the fact is empty.
     item_by_uncommon_part = {part.name: item for part, item in parts_and_items if item}
     if not item_by_uncommon_part:
         return ""
     mentioned_items = _mentioned_items((master.limits, master.settings, master.notes))
-    # The word "parity" of a record implies the bit.
+    # A rule that depends on the kind of parity also covers the parity bit.
     if "parity" in mentioned_items:
         mentioned_items.add("parity_bits")
     uncovered_names = [name for name, item in item_by_uncommon_part.items() if item not in mentioned_items]
@@ -331,14 +343,15 @@ def _uncovered_parts(master: Master, record: EncoderFacts) -> str:
 
 
 def _refusal_of_gap(uncovered: str) -> MasterRefusal:
+    """Return the statement that a master's description does not cover these parts of the frame."""
     reason = f"The description of this master does not say how it handles {uncovered} in the frame."
     return MasterRefusal(reason=reason, standing="inferred", source="")
 
 
 def _items_of_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:
-    """Yield, for each part, the item that counts its bits, such as ``parity_bits``.
+    """Yield for each part of a frame the name of the fact that counts its bits, such as ``parity_bits``.
 
-    For the parts of the common frame, which every master has, yield an empty string.
+    For usual parts, which every master can read, the name is empty.
     """
     is_after_position = False
     for part in frame_parts:
@@ -353,9 +366,10 @@ def _items_of_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:
 
 
 def _mentioned_items(rule: Any) -> set[str]:
-    """Return the items of a record on which rules depend, at any depth: ``{"crc_bits", "coding"}``.
+    """Return the names of the facts about an encoder on which rules depend: ``{"crc_bits", "coding"}``.
 
-    They are the texts under ``item`` and ``of``, and the parameters of an expression under ``value``.
+    ``rule`` is a rule, a list of rules, or any part of one. The names are the values of the keys ``item`` and ``of``,
+    and the parameters of expressions under ``value``, at any depth.
     """
     if isinstance(rule, (list, tuple)):
         return set[str]().union(*map(_mentioned_items, rule))
@@ -369,7 +383,10 @@ def _mentioned_items(rule: Any) -> set[str]:
 
 
 def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
-    """Return the names of the devices that have a setting. A place without ``on`` applies to all of them."""
+    """Return the names of the devices of a master that have a setting.
+
+    A location of the setting lists its devices under ``on``. Without this key, it applies to all devices.
+    """
     all_names = [device.name for device in master.devices]
     names_with_setting: set[str] = set()
     for place in rule["places"]:
@@ -378,7 +395,7 @@ def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
 
 
 def _with_setting_names(rule: Raw, record: EncoderFacts) -> Raw:
-    """Return a condition for writing, with the names of settings as on the sheet, without braces."""
+    """Return a condition for writing in which names of settings have their braces filled in, as on the sheet."""
     named_rule = dict(rule)
     for key in ("of", "after"):
         if key in rule:
@@ -387,9 +404,10 @@ def _with_setting_names(rule: Raw, record: EncoderFacts) -> Raw:
 
 
 def _setting_of_rule(rule: Raw, master: Master, record: EncoderFacts, unknown_parts: str) -> Setting:
-    """Return a setting. Its value is None if the record lacks it, or if it depends on ``unknown_parts`` of the frame.
+    """Return one setting of a master for an order code.
 
-    ``unknown_parts`` are names in a text, such as ``'parity' and 'reserved'``, which is empty if there are none.
+    Its value is None if the spec does not give a number that it needs, or if it depends on ``unknown_parts``: a text
+    with parts of the frame that the description does not cover, or empty.
 
     Raises:
         UnsupportedFeature: The master offers no value for it.
@@ -417,16 +435,16 @@ def _setting_of_rule(rule: Raw, master: Master, record: EncoderFacts, unknown_pa
 
 
 def _start_note(bound: str, record: EncoderFacts) -> str:
-    """Return why a clock is only a value to start with, or an empty string if it is a limit."""
+    """Return a note on a clock that is only a starting value, or an empty string if it is a limit."""
     if bound != START_WITH:
         return ""
     return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
 
 
 def _cable_note(rule: Raw, value: int | bool | str | None, record: EncoderFacts) -> str:
-    """Return a sentence about the cables that allow the clock of a setting.
+    """Return a note on the cable lengths that allow the clock of a setting.
 
-    Return an empty string if the setting has no clock, or if the user gave a cable length.
+    It is empty if the setting is not a clock, or if the user gave a cable length.
     """
     if value is None or record.cable_m is not None:
         return ""
