@@ -13,24 +13,12 @@ from fractions import Fraction
 from types import MappingProxyType
 
 from ..language.master_items import NUMBERS
-from ..model import (
-    Biss,
-    Clock,
-    Crc,
-    Device,
-    Interface,
-    Layout,
-    Measurement,
-    PlacedLayout,
-    Ssi,
-    Timeout,
-    Variant,
-)
+from ..model import Biss, Clock, Crc, Device, Interface, Layout, Measurement, PlacedLayout, Ssi, Timeout, Variant
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
 from ..say.evidence import Topic, reference_to_mention, word_for_document
 from ..say.text import hertz, timeout_words
-from .channels import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
+from .coverage import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
 from .frame_parts import (
     CableRow,
     CableTable,
@@ -187,7 +175,7 @@ def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[FramePart, ...], s
     layout = frame.placed_layout.layout
     try:
         if layout.in_bytes:
-            raise NoRecord(f"'{layout.name}' is sent as bytes, and the rules for masters cover only frames of bits")
+            raise NoRecord(f"'{layout.name}' is sent as bytes, but the rules for masters cover frames of bits")
         return tuple(frame_parts(frame.placed_layout, frame.measurement, frame.variant)), ""
     except NoRecord as reason:
         approximate_parts = tuple(rough_parts(frame.placed_layout, frame.measurement, frame.variant))

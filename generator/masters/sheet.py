@@ -6,23 +6,19 @@ Everything about a master is in its description, a file in ``specs/masters``. Se
 from __future__ import annotations
 
 import functools
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from ..language.check import check_document
 from ..language.files import packaged_masters
-from ..language.master_items import NUMBERS
 from ..language.problems import ProblemReport, join_words
 from ..language.read import read_specs
 from ..model import INTERFACES, Document
-from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..say.order_code import clocks_in_use
-from .frame_parts import FramePart
-from .places import MasterDevice, SettingPlace, WriteCondition, devices_of, places_of, reason_for_misfit, writing_of
+from .coverage import depends_on_crc, depends_on_whole_frame, uncovered_parts
+from .places import MasterDevice, SettingPlace, devices_of, places_of, reason_for_misfit
 from .record import EncoderFacts
 from .setting_values import (
     START_WITH,
@@ -37,6 +33,7 @@ from .setting_values import (
     rule_applies,
     value_of_setting,
 )
+from .writing import WriteCondition, writing_of
 
 _RULE_LISTS = ("limits", "settings", "writing", "notes", "files")
 
@@ -199,16 +196,10 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     if record.obstacle:
         return _refusing_sheet(master, MasterRefusal(reason=record.obstacle, standing="inferred", source=""))
     # A text with the parts of the frame that the description does not cover, or empty.
-    uncovered = _uncovered_parts(master, record)
+    uncovered = uncovered_parts((master.limits, master.settings, master.notes), record.parts)
     settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
     unusable_devices = frozenset[str]().union(*(devices for _, devices in device_refusals))
-    applicable_limits = [rule for rule in master.limits if rule_applies(rule, record)]
-    violated_limits = [rule for rule in applicable_limits if not is_within_limits(rule, record)]
-    refusals = [_limit_refusal(rule, master, record) for rule in violated_limits]
-    refusals += _refusals_of_crc(master, record)
-    channel_refusal = "" if master.several_channels else record.channels.refusal(record.layout)
-    if channel_refusal:
-        refusals.append(MasterRefusal(reason=channel_refusal, standing="inferred", source=""))
+    refusals = list(_refusals_of_order_code(master, record))
     # If only some devices cannot use the order code, this becomes a note.
     are_all_devices_unusable = len(unusable_devices) == len(master.devices)
     if are_all_devices_unusable:
@@ -218,23 +209,49 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     if refusals:
         return _refusing_sheet(master, *refusals)
     device_notes = [f"Not for {join_words(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
-    notes = [fill_template(note["text"], record) for note in master.notes if rule_applies(note, record)]
-    gaps = [_refusal_of_gap(uncovered)] if uncovered else []
-    if record.channels and master.several_channels:
-        notes.insert(0, master.several_channels)
-    elif record.channels:
-        gaps.append(MasterRefusal(reason=record.channels.gap, standing="inferred", source=""))
     writing_rules = [_with_setting_names(rule, record) for rule in master.writing if rule_applies(rule, record)]
     setting_names = [setting.name for setting in settings]
     return SettingsSheet(
         master=master,
         refusals=(),
         settings=tuple(settings),
-        notes=(*device_notes, *notes),
+        notes=(*device_notes, *_notes_of_master(master, record)),
         writing=writing_of(writing_rules, setting_names, master.devices, master.standing),
         unusable_devices=unusable_devices,
-        gaps=tuple(gaps),
+        gaps=tuple(_gaps_in_description(master, record, uncovered)),
     )
+
+
+def _refusals_of_order_code(master: Master, record: EncoderFacts) -> Iterator[MasterRefusal]:
+    """Yield the reasons why a master cannot use an order code: limits of the master, the CRC, and data channels."""
+    for rule in master.limits:
+        if rule_applies(rule, record) and not is_within_limits(rule, record):
+            yield _limit_refusal(rule, master, record)
+    yield from _refusals_of_crc(master, record)
+    reads_single_channel = not master.several_channels
+    channel_refusal = record.channels.refusal(record.layout) if reads_single_channel else ""
+    if channel_refusal:
+        yield MasterRefusal(reason=channel_refusal, standing="inferred", source="")
+
+
+def _notes_of_master(master: Master, record: EncoderFacts) -> Iterator[str]:
+    """Yield the notes of a master that apply to an order code, first about several data channels in its frame."""
+    if record.channels and master.several_channels:
+        yield master.several_channels
+    for note in master.notes:
+        if rule_applies(note, record):
+            yield fill_template(note["text"], record)
+
+
+def _gaps_in_description(master: Master, record: EncoderFacts, uncovered: str) -> Iterator[MasterRefusal]:
+    """Yield statements about parts of the frame that a master's description does not cover.
+
+    ``uncovered`` is a text with unusual bits of the frame, or empty. Other data channels in the frame are also parts.
+    """
+    if uncovered:
+        yield _refusal_of_gap(uncovered)
+    if record.channels and not master.several_channels:
+        yield MasterRefusal(reason=record.channels.gap, standing="inferred", source="")
 
 
 def _refusing_sheet(master: Master, *refusals: MasterRefusal) -> SettingsSheet:
@@ -265,7 +282,7 @@ def _settings_and_device_refusals(
         if not rule_applies(rule, record):
             continue
         try:
-            unknown_parts = uncovered if _depends_on_whole_frame(rule) else ""
+            unknown_parts = uncovered if depends_on_whole_frame(rule) else ""
             settings.append(_setting_of_rule(rule, master, record, unknown_parts))
         except UnsupportedFeature as reason:
             refusal = MasterRefusal(
@@ -294,92 +311,15 @@ def _refusals_of_crc(master: Master, record: EncoderFacts) -> Iterator[MasterRef
 
     ``crc_obstacle`` is the reason, or empty. A master checks CRCs if its rules depend on the parameters of a CRC.
     """
-    checks_crc = bool(_CRC_ITEMS & _mentioned_items((master.limits, master.settings)))
+    checks_crc = depends_on_crc((master.limits, master.settings))
     if record.crc_obstacle and checks_crc:
         yield MasterRefusal(reason=record.crc_obstacle, standing="inferred", source="")
-
-
-#: Names of facts about the computation of the CRC, such as ``crc_polynomial``.
-_CRC_ITEMS = {name for name in NUMBERS if name.startswith("crc_")} - {"crc_bits"}
-#: Names of facts that do not depend on other bits of the frame.
-_ITEMS_OF_ANY_FRAME = {"multiturn_bits", "singleturn_bits", "position_bits", "status_bits", *_CRC_ITEMS, "crc_bits"}
-#: Names of facts that count bits of the frame, such as ``data_bits``, ``padding_left`` and ``other_bits_right``.
-_FRAME_ITEMS = {name for name in NUMBERS if name.endswith("_bits") or "padding" in name or "bits_" in name}
-
-
-def _depends_on_whole_frame(rule: Raw) -> bool:
-    """Return whether parts of the frame that a master's description does not cover can change the value of a setting.
-
-    They cannot if the value depends on no number of bits, or only on one that is independent of the other bits, such as
-    ``position_bits``.
-    """
-    describes_every_part = "string" in rule
-    if describes_every_part:
-        return True
-    items_in_value = _mentioned_items({key: rule[key] for key in ("value", "choice") if key in rule})
-    items_in_text = set(re.findall(r"\{(\w+)\}", rule.get("text", "")))
-    frame_items = _FRAME_ITEMS & (items_in_value | items_in_text)
-    has_several_items = len(frame_items) > 1
-    return has_several_items or not frame_items <= _ITEMS_OF_ANY_FRAME
-
-
-def _uncovered_parts(master: Master, record: EncoderFacts) -> str:
-    """Return a text with the unusual parts of the frame that a master's description does not cover.
-
-    The text, such as ``'parity' and 'reserved'``, is empty if there are none. Unusual parts are parity bits and bits
-    with the role ``other``. The description covers one if a rule depends on the number of its bits.
-    """
-    parts_and_items = zip(record.parts, _items_of_parts(record.parts), strict=True)
-    # For usual parts, the name of the fact is empty.
-    item_by_uncommon_part = {part.name: item for part, item in parts_and_items if item}
-    if not item_by_uncommon_part:
-        return ""
-    mentioned_items = _mentioned_items((master.limits, master.settings, master.notes))
-    # A rule that depends on the kind of parity also covers the parity bit.
-    if "parity" in mentioned_items:
-        mentioned_items.add("parity_bits")
-    uncovered_names = [name for name, item in item_by_uncommon_part.items() if item not in mentioned_items]
-    return join_words(f"'{name}'" for name in uncovered_names)
 
 
 def _refusal_of_gap(uncovered: str) -> MasterRefusal:
     """Return the statement that a master's description does not cover these parts of the frame."""
     reason = f"The description of this master does not say how it handles {uncovered} in the frame."
     return MasterRefusal(reason=reason, standing="inferred", source="")
-
-
-def _items_of_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:
-    """Yield for each part of a frame the name of the fact that counts its bits, such as ``parity_bits``.
-
-    For usual parts, which every master can read, the name is empty.
-    """
-    is_after_position = False
-    for part in frame_parts:
-        if part.role in ("multiturn", "singleturn"):
-            is_after_position = True
-        if part.role == "other":
-            yield "other_bits_right" if is_after_position else "other_bits_left"
-        elif part.role == "parity":
-            yield "parity_bits"
-        else:
-            yield ""
-
-
-def _mentioned_items(rule: Any) -> set[str]:
-    """Return the names of the facts about an encoder on which rules depend: ``{"crc_bits", "coding"}``.
-
-    ``rule`` is a rule, a list of rules, or any part of one. The names are the values of the keys ``item`` and ``of``,
-    and the parameters of expressions under ``value``, at any depth.
-    """
-    if isinstance(rule, (list, tuple)):
-        return set[str]().union(*map(_mentioned_items, rule))
-    if not isinstance(rule, Mapping):
-        return set()
-    items = _mentioned_items(tuple(rule.values()))
-    items |= {str(rule[key]) for key in ("item", "of") if key in rule}
-    if isinstance(rule.get("value"), str):
-        items |= set(Expression.parse(rule["value"]).parameters)
-    return items
 
 
 def _devices_with_setting(rule: Raw, master: Master) -> set[str]:

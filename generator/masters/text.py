@@ -19,9 +19,10 @@ from ..say.evidence import Topic, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
 from ..say.plain_text import WIDTH, two_columns, wrap_text
 from ..say.text import PLAIN_STYLE, count_with_unit, hertz, time_text, volts
-from .places import WriteCondition, place_lines, write_order
+from .places import place_lines
 from .record import EncoderFacts
 from .sheet import Master, MasterRefusal, Setting, SettingsSheet
+from .writing import WriteCondition, write_order
 
 VERSION = 1
 
