@@ -136,7 +136,7 @@ def _equal_lines(recording: RecordedFrames, layout: FoundLayout, line_parts: _Pa
     """
     interface = recording.interface
     if layout.crc is not None:
-        reason = "start value and inversion of a CRC cannot be told apart with frames of one length"
+        reason = "the start value and inversion of a CRC cannot be determined from frames of one length"
         less_usual_forms = layout.crc.forms[1:]
         for form in less_usual_forms:
             crc = _crc_text(interface, layout.crc, form)

@@ -1,7 +1,4 @@
-"""Output of ``codewheel master``: facts about an order code and its master settings, as text and as plain data.
-
-The record of an order code contains the facts, and a sheet contains the settings of one master for the order code.
-"""
+"""Output of ``codewheel master``: facts about an order code and its master settings, as text and as plain data."""
 
 from __future__ import annotations
 
@@ -267,7 +264,19 @@ def sheet_text(device: Device, code_match: LabelMatch, record: EncoderFacts, she
     usable_sheets = [sheet for sheet in sheets if not sheet.refusals]
     for sheet in usable_sheets:
         lines += ["", *_sheet_lines(sheet, with_documents=is_single_master)]
-    # Masters whose description does not cover the interface are only listed.
+    lines += _lines_of_unusable_masters(record, sheets)
+    if usable_sheets and not is_single_master:
+        example = usable_sheets[0].master.name
+        lines += ["", f"--master NAME shows one of them with its documents, such as {example}."]
+    return "\n".join(lines)
+
+
+def _lines_of_unusable_masters(record: EncoderFacts, sheets: Sequence[SettingsSheet]) -> list[str]:
+    """Return lines with the masters that cannot use an order code, each with the reasons.
+
+    Masters whose description does not cover the interface follow as a list.
+    """
+    lines: list[str] = []
     refusing_sheets = [sheet for sheet in sheets if sheet.refusals and sheet.is_described]
     if refusing_sheets:
         lines += ["", wrap_text(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
@@ -279,10 +288,7 @@ def sheet_text(device: Device, code_match: LabelMatch, record: EncoderFacts, she
         title = INTERFACES[record.words["interface"]].title
         sentence = f"These masters are not described for {title}: {'; '.join(undescribed_titles)}."
         lines += ["", wrap_text(sentence, WIDTH, prefix="  ", first="")]
-    if usable_sheets and len(sheets) > 1:
-        example = usable_sheets[0].master.name
-        lines += ["", f"--master NAME shows one of them with its documents, such as {example}."]
-    return "\n".join(lines)
+    return lines
 
 
 def _record_lines(device: Device, code_match: LabelMatch, record: EncoderFacts) -> list[str]:
@@ -291,11 +297,8 @@ def _record_lines(device: Device, code_match: LabelMatch, record: EncoderFacts) 
     if code_match.written_as_in:
         lines.append(wrap_text(f"the label is written as in {code_match.written_as_in}", WIDTH, prefix="  "))
     if code_match.unlisted:
-        lines.append(
-            wrap_text(
-                f"accepted, although not listed in the manual: {', '.join(code_match.unlisted)}", WIDTH, prefix="  "
-            )
-        )
+        unlisted_parts = ", ".join(code_match.unlisted)
+        lines.append(wrap_text(f"accepted, although not listed in the manual: {unlisted_parts}", WIDTH, prefix="  "))
     statements = (*grade_below_manual(device), *origin(device))
     lines += [wrap_text(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ") for statement in statements]
     if code_match.special:
@@ -371,13 +374,11 @@ def _lines_of_files_and_documents(master: Master) -> list[str]:
 
 def masters_text(masters: Sequence[Master]) -> str:
     """Return the list of masters as text, one per line, each with its interfaces."""
-    rows = ((master.name, f"{master.title}: {_interface_titles(master)}") for master in masters)
+    rows: list[tuple[str, str]] = []
+    for master in masters:
+        interface_titles = ", ".join(INTERFACES[name].title for name in master.takes)
+        rows.append((master.name, f"{master.title}: {interface_titles}"))
     return "\n".join(two_columns(rows, indent=0))
-
-
-def _interface_titles(master: Master) -> str:
-    """Return the titles of the interfaces that a master supports, such as ``BiSS C-mode, SSI``."""
-    return ", ".join(INTERFACES[name].title for name in master.takes)
 
 
 def masters_data(masters: Sequence[Master]) -> dict[str, Any]:

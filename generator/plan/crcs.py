@@ -50,15 +50,15 @@ def residual_of(crc: Crc, bits: int) -> UndetectedErrors:
         remainder <<= 1
         if remainder >> crc.width:
             remainder ^= crc.poly_with_top_bit
-    # An error is missed if the remainders of its bits cancel each other.
+    # The CRC misses an error of several bits if the XOR of their remainders is 0.
     pairs_by_remainder = Counter(first ^ second for first, second in combinations(remainders, 2))
-    missed_pairs = pairs_by_remainder[0]
-    # In each missed triple, any of the three pairs cancels the third bit.
-    missed_triples = sum(pairs_by_remainder[remainder] for remainder in remainders) // 3
-    # Each missed four consists of two pairs with the same remainder in three ways. Such pairs have no common bit,
-    # unless the CRC also misses pairs, which then decide.
-    missed_fours = sum(comb(number_of_pairs, 2) for number_of_pairs in pairs_by_remainder.values()) // 3
-    for distance, missed in ((2, missed_pairs), (3, missed_triples), (4, missed_fours)):
+    missed_2_bit_errors = pairs_by_remainder[0]
+    # A missed error of three bits is counted three times: once for each pair with the remainder of the third bit.
+    missed_3_bit_errors = sum(pairs_by_remainder[remainder] for remainder in remainders) // 3
+    # A missed error of four bits consists of two pairs with the same remainder, in three ways. If two such pairs have a
+    # common bit, the CRC also misses errors of two bits, and this number is not used.
+    missed_4_bit_errors = sum(comb(number_of_pairs, 2) for number_of_pairs in pairs_by_remainder.values()) // 3
+    for distance, missed in ((2, missed_2_bit_errors), (3, missed_3_bit_errors), (4, missed_4_bit_errors)):
         if missed:
             return UndetectedErrors(bits=bits, distance=distance, missed=missed)
     return UndetectedErrors(bits=bits, distance=5, missed=0)

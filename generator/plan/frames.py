@@ -224,7 +224,7 @@ def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
     return frozenset(contents) if is_whole_byte_known else frozenset()
 
 
-#: Before the start bit of a BiSS frame come two idle clocks, the acknowledge and the line delay. No manual states how
+#: Two idle clocks, the acknowledge and the line delay precede the start bit of a BiSS frame. No manual states how
 #: long an encoder takes. This is an allowance in bits, equal to 4 us at 10 MHz.
 BISS_REST, BISS_ACKNOWLEDGE = 2, 40
 #: Start bit and CDS before the data, and stop bit after the data.

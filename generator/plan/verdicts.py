@@ -241,13 +241,15 @@ def verdict_of(field: Field) -> Verdict | None:
 def verdict_causes(layout_plan: LayoutPlan) -> Iterator[Cause]:
     """Yield everything in a frame that can cause a verdict: flags, reserved bits, and combinations of values.
 
-    Flags that lead to no verdict are included.
+    Flags that lead to no verdict are included. A sign of the layout is a combination of values: fields that decide the
+    verdict together if each of them has a certain value.
     """
     yield from (part for part in layout_plan.parts if isinstance(part.field.kind, Flag))
     yield from layout_plan.reserved
     part_by_name = {part.field.name: part for part in layout_plan.parts}
     for sign in layout_plan.layout.signs:
-        yield MatchingValues(sign.flag, tuple((part_by_name[name], value) for name, value in sign.conditions))
+        conditions = [(part_by_name[name], value) for name, value in sign.conditions]
+        yield MatchingValues(sign.flag, tuple(conditions))
 
 
 def by_order_code(field: Field) -> Iterator[tuple[Field, CodeCondition | None]]:
