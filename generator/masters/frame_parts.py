@@ -12,7 +12,6 @@ from ..model import (
     Device,
     Field,
     Flag,
-    Layout,
     Measurement,
     Parity,
     PlacedField,
@@ -183,10 +182,8 @@ def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool
     """
     kind = field.field.kind
     is_last_field = field.low == 0
-    if not isinstance(kind, Parity) or not is_last_field:
-        return False
-    covers_only_some_bits = bool(kind.over)  # Only the odd or the even bits of each field.
-    if covers_only_some_bits:
+    # With ``over``, the parity covers only the odd or the even bits of each field.
+    if not isinstance(kind, Parity) or kind.over or not is_last_field:
         return False
     covered_names = set(kind.constants)
     for covered_item in kind.of:
@@ -278,7 +275,7 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
     It is ``gray_with_status`` if position and status bits form one number in Gray code, ``gray_excess`` if a constant
     is added to the position first, and ``other`` if a different set of bits is in Gray code.
     """
-    layout: Layout = placed_layout.layout
+    layout = placed_layout.layout
     for placed_field in placed_layout.find_fields(layout.names_in(measurement.of)):
         if placed_field.field.number.digit_code:
             return placed_field.field.number.digit_code
