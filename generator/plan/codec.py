@@ -244,7 +244,11 @@ def _bits_at_end(layout: Layout, width: int) -> FieldBits:
     bit_slices = []
     starts_of_bytes = range(0, width, 8) if layout.in_bytes else ()
     for low_in_crc in starts_of_bytes:
-        byte = byte_count - (width - low_in_crc) // 8 if low_byte_first else byte_count - 1 - low_in_crc // 8
+        if low_byte_first:
+            bytes_to_end = (width - low_in_crc) // 8
+        else:
+            bytes_to_end = 1 + low_in_crc // 8
+        byte = byte_count - bytes_to_end
         bits_in_byte = min(8, width - low_in_crc)
         mask = (1 << bits_in_byte) - 1
         bit_slices.append(BitSlice(byte=byte, low_in_byte=0, mask=mask, low_in_number=low_in_crc))

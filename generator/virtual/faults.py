@@ -54,9 +54,9 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
         "spi": "all bits are 1",
     },
     "busy": {
-        "rs485": "the encoder is busy for 20 ms, and either reports this or does not reply",
-        "biss": "the start bit arrives 9 to 40 clocks late, and register accesses are delayed by 20 ms",
-        "ssi": "the encoder is busy for 20 ms, and either reports this or holds the line low",
+        "rs485": "the encoder is busy for 20 ms, and reports this or does not reply",
+        "biss": "the start bit is 9 to 40 clocks late, registers wait for 20 ms",
+        "ssi": "the encoder is busy for 20 ms: it reports this or the line is low",
     },
     "restart": {
         "rs485": "the supply is off for 20 ms",

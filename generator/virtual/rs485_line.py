@@ -254,16 +254,17 @@ class Rs485Line:
         """
         now = self.encoder.clock()
         sent_fields = [placed_field.field for placed_field in self.encoder.place(layout).fields]
-        flags = [field.name for field in sent_fields if isinstance(field.kind, Flag)]
-        busy_flags = flags[:1]
+        flag_names = [field.name for field in sent_fields if isinstance(field.kind, Flag)]
+        busy_flag = flag_names[0] if flag_names else ""
         is_busy = now < self._memory_busy_until
         if is_busy:
-            return {**dict.fromkeys(busy_flags, True), "data": 0} if busy_flags else None
+            return {busy_flag: True, "data": 0} if busy_flag else None
         address = int(request_values["address"])
         if data_id.purpose == "write":
             self._eeprom[address] = int(request_values["data"])
             self._memory_busy_until = now + EEPROM_S
-        return {**dict.fromkeys(busy_flags, False), "data": self._eeprom.get(address, 0xFF)}
+        data = self._eeprom.get(address, 0xFF)
+        return {busy_flag: False, "data": data} if busy_flag else {"data": data}
 
     def _count_reset_request(self, data_id: DataId) -> None:
         """Count a request if it belongs to a reset, and execute the reset after the last request that it needs.
