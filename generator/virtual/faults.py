@@ -28,7 +28,7 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
     },
     "doubled": {"rs485": "the reply is sent twice"},
     "repeated": {"rs485": "the reply is sent again 0.1 to 1 ms later"},
-    "second": {"rs485": "a second encoder at a different position also replies, up to 1 ms later"},
+    "second": {"rs485": "a second encoder at another position also replies within 1 ms"},
     "late": {
         "rs485": "the reply arrives 5 to 40 ms late",
         "biss": "the start bit arrives 1 to 8 clocks late",
