@@ -1,4 +1,4 @@
-"""Write a found layout as a line, with the other lines that are equal for these frames."""
+"""Write a layout as a line, together with other lines that describe these frames equally well."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _FLAG_NAMES = {1: "error", 2: "error,warning"}
 
 @dataclass(frozen=True, slots=True)
 class EqualLine:
-    """A line that describes these frames as well, and why the frames cannot decide."""
+    """A line that describes these frames equally well, and the reason why the frames do not distinguish them."""
 
     line: str
     reason: str
@@ -49,7 +49,7 @@ class _Parts:
 
 
 def answer_with_lines(recording: RecordedFrames, layout: FoundLayout) -> PossibleLine:
-    """Return a layout as a line, with the lines that are equal to it for these frames and with notes."""
+    """Return a layout as a line, with other lines that describe the frames equally well, and with notes on evidence."""
     parts = _parts_of_line(recording, layout)
     return PossibleLine(
         line=parts.line(recording.interface),
@@ -59,9 +59,9 @@ def answer_with_lines(recording: RecordedFrames, layout: FoundLayout) -> Possibl
 
 
 def _parts_of_line(recording: RecordedFrames, layout: FoundLayout) -> _Parts:
-    """Return the parts of the line for a layout, with the most usual form of its CRC.
+    """Return the parts of the line that describes a layout, with the most usual form of its CRC.
 
-    Fields are texts such as ``before=3``, ``unused=2`` or ``parity=even``, in the order sent.
+    Fields are texts such as ``before=3``, ``unused=2`` or ``parity=even``, in the order in which they are sent.
     """
     split = layout.split
     options = ["gray"] if split.is_gray else []
@@ -90,9 +90,9 @@ def _parts_of_line(recording: RecordedFrames, layout: FoundLayout) -> _Parts:
 
 
 def _field_texts(field: FoundField, name: str) -> Iterator[str]:
-    """Yield a field as in a line, such as ``before=3``. Bits that never change are ``unused``.
+    """Yield a field as it is written in a line, such as ``before=3``. Bits that never change are ``unused``.
 
-    A field of more than 64 bits, which a line cannot have, becomes several.
+    A field of more than 64 bits, which a line cannot have, is split into several.
     """
     for bits_before in range(0, field.width, MOST_BITS):
         width = min(field.width - bits_before, MOST_BITS)
@@ -100,21 +100,26 @@ def _field_texts(field: FoundField, name: str) -> Iterator[str]:
 
 
 def _with_distinct_names(fields: Sequence[str]) -> list[str]:
-    """Return fields such as ``before=3`` with names that differ: ``before``, ``before_2`` and so on."""
+    """Return fields such as ``before=3`` with distinct names: ``before``, ``before_2`` and so on.
+
+    Several fields may have the name ``unused``.
+    """
     distinct_fields: list[str] = []
     fields_by_name: dict[str, int] = {}
     for field in fields:
         name, _, width = field.partition("=")
         occurrence = fields_by_name.get(name, 0) + 1
         fields_by_name[name] = occurrence
-        may_repeat = name == "unused"
-        keeps_name = occurrence == 1 or may_repeat
+        keeps_name = occurrence == 1 or name == "unused"
         distinct_fields.append(field if keeps_name else f"{name}_{occurrence}={width}")
     return distinct_fields
 
 
 def _crc_text(interface: str, crc: FoundCrc, form: CrcForm) -> str:
-    """Return a CRC as in a line, such as ``crc=6:0x43``. By default it is inverted over BiSS, and plain elsewhere."""
+    """Return a CRC as it is written in a line, such as ``crc=6:0x43``.
+
+    A start value of 0 is omitted, as is ``inverted`` over BiSS and ``plain`` over other interfaces.
+    """
     text = f"crc={crc.width}:{crc.polynomial:#x}"
     if form.start:
         text += f":{form.start:#x}"
@@ -125,15 +130,15 @@ def _crc_text(interface: str, crc: FoundCrc, form: CrcForm) -> str:
 
 
 def _equal_lines(recording: RecordedFrames, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
-    """Yield the lines that differ from the first one only in what the frames cannot show, each with the reason.
+    """Yield other lines that describe the frames equally well, each with the reason why the frames do not decide.
 
-    ``line_parts`` are the parts of the first line.
+    ``line_parts`` are the parts of the line for the layout itself.
     """
     interface = recording.interface
     if layout.crc is not None:
-        reason = "start value and inversion of a CRC cannot be told apart with frames of one length"
-        # The line itself has the first form.
-        for form in layout.crc.forms[1:]:
+        reason = "the start value and inversion of a CRC cannot be determined from frames of one length"
+        less_usual_forms = layout.crc.forms[1:]
+        for form in less_usual_forms:
             crc = _crc_text(interface, layout.crc, form)
             yield EqualLine(replace(line_parts, crc=crc).line(interface), reason)
     if layout.other_code and layout.parity is None:
@@ -153,7 +158,7 @@ def _equal_lines(recording: RecordedFrames, layout: FoundLayout, line_parts: _Pa
 
 
 def _constant_bits_in_position(recording: RecordedFrames, layout: FoundLayout) -> int:
-    """Return the number of bits at the beginning of the position that did not change. Over RS-485, whole bytes."""
+    """Return the number of constant bits with which the position begins, rounded down to whole bytes over RS-485."""
     split = layout.split
     changes = recording.changing[split.start : split.end]
     constant_bits = changes.index(True)  # At least one bit of a position changes.
@@ -164,23 +169,25 @@ def _constant_bits_in_position(recording: RecordedFrames, layout: FoundLayout) -
 def _line_with_wider_position(
     recording: RecordedFrames, layout: FoundLayout, line_parts: _Parts
 ) -> Iterator[EqualLine]:
-    """Yield the line in which constant bits in front of the position are its highest bits, if there are any.
+    """Yield the line in which constant bits before the position are its highest bits, if there are any.
 
-    A position has at most 64 bits.
+    Nothing is yielded if the position would then have more than 64 bits.
     """
     front = layout.split.front
-    if front and not front[-1].changes and layout.split.width + front[-1].width <= MOST_BITS:
-        width = layout.split.width + front[-1].width
-        # The last field in front becomes part of the position.
-        wider_parts = replace(line_parts, front=line_parts.front[:-1], position=f"position={width}")
+    if not front:
+        return
+    last_field_before = front[-1]
+    wider_width = layout.split.width + last_field_before.width
+    if not last_field_before.changes and wider_width <= MOST_BITS:
+        wider_parts = replace(line_parts, front=line_parts.front[:-1], position=f"position={wider_width}")
         reason = "constant bits in front of the position may be its highest bits"
         yield EqualLine(wider_parts.line(recording.interface), reason)
 
 
 def _line_with_flags(recording: RecordedFrames, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
-    """Yield the line with the flags of BiSS instead of one or two 1 bits after the position, if there are any.
+    """Yield the line in which one or two constant 1 bits before the CRC are the error and warning bits of BiSS.
 
-    They are the last bits before the CRC. With a parity bit, there is no such line.
+    Nothing is yielded without such bits, over other interfaces, and with a parity bit.
     """
     last_field = layout.split.behind[-1] if layout.split.behind else None
     if recording.interface != "biss" or last_field is None or last_field.changes:
@@ -210,9 +217,9 @@ def _describe_certainty(recording: RecordedFrames, layout: FoundLayout) -> Itera
 
 
 def _constant_text(recording: RecordedFrames, field: FoundField) -> str:
-    """Return the bits of a constant field with their values, such as ``bits 7:6 were always 10``."""
+    """Return a text about the values of a constant field, such as ``bits 7:6 were always 10``."""
     levels = "".join(str(recording.level(place)) for place in range(field.start, field.end))
-    # ``start`` and ``end`` count from the first bit sent, these from the last.
+    # ``start`` and ``end`` are counted from the first bit sent, and bit numbers from the last.
     high_bit = recording.bits - 1 - field.start
     low_bit = recording.bits - field.end
     if high_bit == low_bit:

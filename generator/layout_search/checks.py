@@ -1,4 +1,4 @@
-"""Find the CRCs and parity bits that all frames satisfy.
+"""Find the CRCs and parity bits that are correct in all frames.
 
 A frame with its CRC is a polynomial over GF(2). The difference of two frames of one length is divisible by the
 polynomial of the CRC, whatever its start value and inversion are.
@@ -15,9 +15,9 @@ from .frames import MOST_FRAMES, RecordedFrames
 
 #: Fewest bits that must match before a CRC is considered.
 _LEAST_EVIDENCE = 4
-#: Narrowest and widest CRC whose polynomial is not in the list.
+#: Smallest and largest width of a CRC whose polynomial is not in the list of known ones.
 _NARROWEST_CRC, _WIDEST_CRC = 3, 32
-#: Evidence for a polynomial that is not in the list, in bits.
+#: Fewest bits of evidence for a polynomial that is not in the list.
 _UNLISTED_EVIDENCE = 24
 
 
@@ -31,9 +31,11 @@ class CrcForm:
 
 @dataclass(frozen=True, slots=True)
 class FoundCrc:
-    """A CRC in the last bits of all frames. ``forms`` are equal for frames of this length, the most usual first.
+    """A CRC in the last bits of all frames.
 
-    ``cost`` is its share of the description length in bits, and ``evidence`` the number of bits that matched.
+    ``forms`` are the start values and inversions with which it matches, which frames of one length cannot distinguish,
+    the most usual first. ``cost`` is the number of bits that describe the CRC in all frames. ``evidence`` is the number
+    of CRC bits that match and could have differed.
     """
 
     polynomial: int
@@ -44,17 +46,19 @@ class FoundCrc:
 
     @property
     def width(self) -> int:
+        """Number of bits of the CRC."""
         return self.polynomial.bit_length() - 1
 
 
 def crcs_of(recording: RecordedFrames) -> list[FoundCrc]:
-    """Return the CRCs that all frames satisfy: all known ones with enough evidence, or else one of another polynomial.
+    """Return the CRCs that are correct in all frames.
 
-    The list is empty if there are none.
+    These are the known CRCs for which there is enough evidence. If there are none, it is a CRC with an unknown
+    polynomial. The list is empty if no CRC matches.
     """
     polynomials = dict.fromkeys(known.polynomial for known in KNOWN_CRCS)
     if recording.interface == "rs485":
-        # Only a CRC of 8 bits fills the last byte. Its polynomial has 9 bits with the top bit.
+        # Only 8-bit CRCs fill the last byte. Including the top bit, their polynomials have 9 bits.
         polynomials = {polynomial: None for polynomial in polynomials if polynomial.bit_length() == 9}
     dividing_polynomials = [polynomial for polynomial in polynomials if _divides_all(recording, polynomial)]
     known_crcs = [_crc_with_polynomial(recording, polynomial) for polynomial in dividing_polynomials]
@@ -63,22 +67,25 @@ def crcs_of(recording: RecordedFrames) -> list[FoundCrc]:
 
 
 def _divides_all(recording: RecordedFrames, polynomial: int) -> bool:
-    """Return True if the polynomial divides the differences of all frames, and its CRC leaves bits in front."""
-    # A polynomial has one bit more than its CRC.
-    leaves_bits = polynomial.bit_length() <= recording.bits
-    # The remainder of a difference is 0 if the polynomial divides it.
-    return leaves_bits and not any(remainder(difference, polynomial) for difference in recording.differences)
+    """Return whether all frames can end with a CRC with this polynomial.
+
+    The polynomial must divide the differences of all frames, and the CRC must be shorter than the frame.
+    """
+    crc_bits = polynomial.bit_length() - 1
+    if crc_bits >= recording.bits:
+        return False
+    return all(remainder(difference, polynomial) == 0 for difference in recording.differences)
 
 
 def _crc_with_polynomial(recording: RecordedFrames, polynomial: int) -> FoundCrc:
-    """Return the CRC with the two forms in which it matches the frames: plain and inverted, the most usual first.
+    """Return the CRC with this polynomial in the two forms in which it matches the frames: inverted and not inverted.
 
-    Each form has the start value that the first frame needs.
+    Each form has the start value that it needs to match. The more usual form is the first.
     """
     width = polynomial.bit_length() - 1
     message_bits = recording.bits - width
     all_ones = (1 << width) - 1
-    # A CRC with start value 0 that is not inverted would leave the remainder 0.
+    # The remainder is 0 for a CRC with the start value 0 that is not inverted.
     frame_remainder = remainder(recording.frames[0], polynomial)
     plain = CrcForm(_start_value(frame_remainder, message_bits, polynomial), is_inverted=False)
     inverted = CrcForm(_start_value(frame_remainder ^ all_ones, message_bits, polynomial), is_inverted=True)
@@ -89,8 +96,8 @@ def _crc_with_polynomial(recording: RecordedFrames, polynomial: int) -> FoundCrc
 
     forms = sorted((inverted, plain), key=form_cost)
     evidence = width * recording.independent
-    # A CRC saves the description of its bits in each frame, except for those that the frames do not prove. A known
-    # polynomial costs as many bits as its number in the list.
+    # CRC bits need no description if the frames prove them. Choosing a polynomial from the list costs log2 of its
+    # length.
     sample_count = min(len(recording.frames), MOST_FRAMES)
     unproved_bits = max(width * sample_count - evidence, 0)
     cost = unproved_bits - width + form_cost(forms[0]) + log2(len(KNOWN_CRCS))
@@ -98,7 +105,10 @@ def _crc_with_polynomial(recording: RecordedFrames, polynomial: int) -> FoundCrc
 
 
 def _form_cost(form: CrcForm, usual_starts: set[int], width: int, interface: str) -> float:
-    """Return how unusual a form is, in bits. CRCs are usually inverted over BiSS, and plain over other interfaces."""
+    """Return the number of bits that describe the start value and inversion of a CRC: more for unusual ones.
+
+    CRCs are usually inverted over BiSS, and not inverted over other interfaces.
+    """
     all_ones = (1 << width) - 1
     is_usual_inversion = form.is_inverted == (interface == "biss")
     inversion_cost = 1 if is_usual_inversion else 2
@@ -107,27 +117,29 @@ def _form_cost(form: CrcForm, usual_starts: set[int], width: int, interface: str
     elif form.start in (0, all_ones):
         start_cost = 2
     else:
-        start_cost = width + 2  # The bits of the value, and 2 for being none of the above.
+        start_cost = width + 2  # The bits of the value, and 2 for being none of the usual ones.
     return inversion_cost + start_cost
 
 
 def _start_value(constant: int, message_bits: int, polynomial: int) -> int:
-    """Return the start value whose CRC of ``message_bits`` zeros is ``constant``: ``constant`` divided by x^n.
+    """Return the start value with which the CRC of ``message_bits`` zeros is ``constant``.
 
-    n is ``message_bits``. Each step divides by x, after the polynomial has made the number divisible.
+    This undoes the steps of the CRC. Each step divides by x, after adding the polynomial if the number is odd.
     """
     start = constant
     for _ in range(message_bits):
-        if start & 1:
+        is_odd = start & 1
+        if is_odd:
             start ^= polynomial
         start >>= 1
     return start
 
 
 def _unlisted_crcs(recording: RecordedFrames) -> Iterator[FoundCrc]:
-    """Yield the CRC whose polynomial is the greatest common divisor of all differences, if the frames prove it.
+    """Yield a CRC with an unknown polynomial, if the frames prove that there is one.
 
-    Nothing is yielded over RS-485, or if the CRC has fewer than 3 or more than 32 bits.
+    Its polynomial is the greatest common divisor of the differences of all frames. Nothing is yielded over RS-485, or
+    if the CRC has fewer than 3 or more than 32 bits.
     """
     polynomial = 0  # The divisor of 0 and any number is that number.
     for difference in recording.differences:
@@ -140,7 +152,7 @@ def _unlisted_crcs(recording: RecordedFrames) -> Iterator[FoundCrc]:
     if recording.interface == "rs485" or not _NARROWEST_CRC <= width <= widest:
         return
     crc = _crc_with_polynomial(recording, polynomial)
-    # The frames decide the polynomial first, and prove it only with the rest.
+    # Determining the polynomial uses up as many bits as ``width`` frames have in their CRCs.
     deciding_bits = width * width
     evidence = crc.evidence - deciding_bits
     if evidence >= _UNLISTED_EVIDENCE:
@@ -148,7 +160,7 @@ def _unlisted_crcs(recording: RecordedFrames) -> Iterator[FoundCrc]:
 
 
 def remainder(dividend: int, polynomial: int) -> int:
-    """Return the remainder of a division of polynomials over GF(2)."""
+    """Return the remainder of ``dividend`` divided by ``polynomial``, as polynomials over GF(2)."""
     excess_bits = dividend.bit_length() - polynomial.bit_length()
     while excess_bits >= 0:
         dividend ^= polynomial << excess_bits
@@ -165,14 +177,18 @@ def _common_divisor(dividend: int, divisor: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class FoundParity:
-    """A parity bit over all bits of the body, which has ``body_bits`` bits. ``place`` counts from the first bit."""
+    """A parity bit over all bits before the CRC. ``place`` is its index, counted from 0 for the first bit sent."""
 
     place: int
     is_odd: bool
 
 
 def parities_of(recording: RecordedFrames, body_bits: int) -> list[FoundParity]:
-    """Return the parity bits that all frames satisfy: the first bit, or the last bit before the CRC, if it changes."""
+    """Return the places at which all frames can have a parity bit: the first bit, and the last bit before the CRC.
+
+    ``body_bits`` is the number of bits before the CRC. A bit that is the same in all frames is not a parity bit. The
+    list is empty if the frames have different parities, and over RS-485.
+    """
     crc_bits = recording.bits - body_bits
     parities = {(frame >> crc_bits).bit_count() % 2 for frame in recording.frames}
     if len(parities) > 1 or recording.interface == "rs485":

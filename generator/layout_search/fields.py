@@ -1,4 +1,8 @@
-"""Split bits into the position, other numbers and constants, and measure the description length of each split."""
+"""Split bits into the position, other numbers and constants, and estimate the bits that describe each split.
+
+The cost of a split is the number of bits that describe the fields and their values in all frames. The split with the
+lowest cost is the most likely one.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +17,13 @@ from typing import NamedTuple
 from ..reference.bits import gray_to_binary
 from .frames import MOST_FRAMES, RecordedFrames
 
-#: Bits that describe one more field, whose values change or not.
+#: Bits that describe a field with changing values, and a constant field, in addition to their values.
 _NUMBER_BITS, _CONSTANT_BITS = 8.0, 3.0
-#: Most leading ones that are more likely flags that are active low than the highest bits of a position.
+#: Up to this many leading ones are more likely active-low flags than the highest bits of a position.
 _MOST_FLAGS = 2
 #: Bits that describe that a position is in Gray code, by interface.
 _GRAY_BITS = {"ssi": 0.5}
-#: Most bits of a field of a line, and so of a position.
+#: Maximum number of bits of a field in a line, and therefore of a position.
 MOST_BITS = 64
 #: Bits that describe the scale of the steps of a number.
 _SCALE_BITS = 4.0
@@ -27,7 +31,7 @@ _SCALE_BITS = 4.0
 
 @dataclass(frozen=True, slots=True)
 class FoundField:
-    """Bits from ``start`` to before ``end``, all of which change, or none."""
+    """Bits from ``start`` to before ``end``, all of which change between frames, or none of them."""
 
     start: int
     end: int
@@ -35,15 +39,17 @@ class FoundField:
 
     @property
     def width(self) -> int:
+        """Number of bits."""
         return self.end - self.start
 
 
 @dataclass(frozen=True, slots=True)
 class FrameSplit:
-    """The place of the position, and the other fields in front of it and behind it.
+    """The place of the position, from bit ``start`` to before ``end``, and the other fields before and after it.
 
-    ``byte_order`` is set if the position has several bytes over RS-485. ``is_smooth`` is true if the values of the
-    position fit a moving shaft or the positions that the user turned to.
+    ``byte_order`` is set if the position has several bytes over RS-485. ``cost`` is the number of bits that describe
+    the fields and their values. ``is_smooth`` is true if the values of the position fit a moving shaft, or the
+    positions to which the user turned it.
     """
 
     start: int
@@ -57,19 +63,21 @@ class FrameSplit:
 
     @property
     def width(self) -> int:
+        """Number of bits of the position."""
         return self.end - self.start
 
 
 def splits_of(recording: RecordedFrames, first: int, end: int) -> Iterator[FrameSplit]:
-    """Yield every split of the bits from ``first`` to before ``end`` that has a position, with its cost in bits.
+    """Yield every way to split the bits from ``first`` to before ``end`` into a position and other fields.
 
-    There is a split for each place of the position, and each code or byte order in which it may be sent. The cost is
-    the number of bits that describe the recording with this split, so the lowest one is the best.
+    There is a split for each place of the position, and for each code or byte order in which it may be sent. The cost
+    of a split is the number of bits that describe the fields and their values, so the lowest cost is the best.
     """
     step = 8 if recording.interface == "rs485" else 1
 
     @cache
     def fields_and_cost(fields_start: int, fields_end: int) -> tuple[tuple[FoundField, ...], float]:
+        """Return the fields from ``fields_start`` to before ``fields_end``, and their cost."""
         is_in_front = fields_start == first
         fields = tuple(_divide_by_change(recording, fields_start, fields_end, step))
         return fields, sum(_field_cost(recording, field, is_in_front=is_in_front) for field in fields)
@@ -83,7 +91,7 @@ def splits_of(recording: RecordedFrames, first: int, end: int) -> Iterator[Frame
         for reading in _read_in_each_code(recording, sent_values, width):
             cost, is_smooth = _position_cost(recording, reading.values, width, constant_bits)
             gray_cost = _GRAY_BITS.get(recording.interface, 1.0) if reading.is_gray else 0.0
-            # Of several numbers, the widest one is rather the position.
+            # Of several numbers, the widest one is most likely the position.
             preference = width / 8
             yield FrameSplit(
                 start=position_start,
@@ -98,10 +106,10 @@ def splits_of(recording: RecordedFrames, first: int, end: int) -> Iterator[Frame
 
 
 def _places_of_position(recording: RecordedFrames, first: int, end: int, step: int) -> Iterator[tuple[int, int]]:
-    """Yield the start and end of each place for a position, in steps of a bit or a byte.
+    """Yield the start and the end of each place where the position can be. ``step`` is 1 for bits, and 8 for bytes.
 
-    The last step of a position changes. It begins with a step that changes, or with the first of the constant steps
-    before one, so that it has all of these or none.
+    The last bit or byte of the position changes between frames. The position includes either all of the constant bits
+    before its first changing bit, or none of them.
     """
     changing = recording.changing
     for start in range(first, end, step):
@@ -112,7 +120,8 @@ def _places_of_position(recording: RecordedFrames, first: int, end: int, step: i
             continue
         furthest_end = min(end, start + MOST_BITS)
         for position_end in range(start + step, furthest_end + 1, step):
-            if any(changing[position_end - step : position_end]):
+            changes_at_end = any(changing[position_end - step : position_end])
+            if changes_at_end:
                 yield start, position_end
 
 
@@ -125,9 +134,9 @@ class _Reading(NamedTuple):
 
 
 def _read_in_each_code(recording: RecordedFrames, sent_values: Sequence[int], width: int) -> Iterator[_Reading]:
-    """Yield the values read as binary and as Gray code or, over RS-485, in both byte orders.
+    """Yield the values of a position as binary numbers and as Gray code or, over RS-485, in both byte orders.
 
-    One bit is the same in both codes, and one byte in both orders.
+    A single bit is the same in both codes, and a single byte in both orders, so these are yielded once.
     """
     if recording.interface != "rs485":
         yield _Reading(list(sent_values))
@@ -141,151 +150,154 @@ def _read_in_each_code(recording: RecordedFrames, sent_values: Sequence[int], wi
         yield _Reading(swapped_values, byte_order="low_byte_first")
 
 
-def _with_bytes_swapped(two_bytes: int, byte_count: int) -> int:
-    """Return the number with its bytes in reverse order: 0x3412 for 0x1234."""
-    return int.from_bytes(two_bytes.to_bytes(byte_count, "big"), "little")
+def _with_bytes_swapped(number: int, byte_count: int) -> int:
+    """Return a number of ``byte_count`` bytes with its bytes in reverse order: 0x3412 for 0x1234."""
+    return int.from_bytes(number.to_bytes(byte_count, "big"), "little")
 
 
 def _constant_bits(recording: RecordedFrames, start: int) -> int:
-    """Return the number of constant bits at the beginning of a position, or 0 over RS-485.
-
-    Constant bytes there are more likely other fields.
-    """
+    """Return the number of constant bits with which a position begins, or 0 over RS-485."""
     if recording.interface == "rs485":
-        return 0
+        return 0  # Constant bytes are more likely other fields.
     return recording.changing[start:].index(True)
 
 
 def _position_cost(
     recording: RecordedFrames, values: Sequence[int], width: int, constant_bits: int
 ) -> tuple[float, bool]:
-    """Return the bits that describe the values of a position, and whether the values fit a moving shaft.
+    """Return the number of bits that describe the values of a position, and whether the values fit a moving shaft.
 
-    They fit if the steps from value to value, or the user's positions, describe them with fewer bits than random
-    values.
+    They fit if it takes fewer bits to describe the steps from value to value, or the differences from the positions to
+    which the user turned the shaft, than to describe random values.
     """
     random_cost = constant_bits + uniform_cost(width - constant_bits, len(values))
     if recording.positions:
-        moving_cost = cost_beside_positions(values, width, recording.positions[:MOST_FRAMES])
+        moving_cost = cost_with_known_positions(values, width, recording.positions[:MOST_FRAMES])
     else:
         moving_cost = smooth_cost(values, width)
-    # The constant bits are described only once.
+    # The constant bits are part of the random cost only once.
     moving_cost -= constant_bits
     is_smooth = moving_cost < random_cost
     return min(random_cost, moving_cost), is_smooth
 
 
 def _divide_by_change(recording: RecordedFrames, start: int, end: int, step: int) -> Iterator[FoundField]:
-    """Yield a field for each run of bits, or of bytes, that all change or that are all constant.
+    """Yield a field for each run of adjacent bits that all change between frames, or that are all constant.
 
-    ``step`` is 1 for bits and 8 for bytes. A byte changes if one of its bits does.
+    If ``step`` is 8, the fields consist of whole bytes. A byte changes if one of its bits changes.
     """
 
     def does_change(place: int) -> bool:
         return any(recording.changing[place : place + step])
 
     for changes, places in groupby(range(start, end, step), does_change):
-        # ``places`` are the starts of adjacent steps.
-        first_place, *later_places = places
-        last_place = later_places[-1] if later_places else first_place
-        yield FoundField(start=first_place, end=last_place + step, changes=changes)
+        places_of_field = list(places)
+        yield FoundField(start=places_of_field[0], end=places_of_field[-1] + step, changes=changes)
 
 
 def _field_cost(recording: RecordedFrames, field: FoundField, *, is_in_front: bool) -> float:
-    """Return the cost of a field other than the position: the bits that describe it and its values.
+    """Return the number of bits that describe a field other than the position, and its values in all frames.
 
-    A constant field costs its width and a few bits more, and any other also the bits of its value in each frame.
-    ``is_in_front`` is true for a field in front of the position.
+    The value of a constant field is described once. ``is_in_front`` is true for a field before the position.
     """
     if not field.changes:
         are_inactive_flags = is_in_front and field.width <= _MOST_FLAGS and is_all_ones(recording, field)
-        # Such flags have a lower cost, so that they are not read as the highest bits of the position.
-        return field.width - 1.0 if are_inactive_flags else field.width + _CONSTANT_BITS
+        if are_inactive_flags:
+            # A lower cost, so that they are not mistaken for the highest bits of the position.
+            return field.width - 1.0
+        return field.width + _CONSTANT_BITS
     values = recording.values(field.start, field.end)
     if field.width == 1:
         return _NUMBER_BITS / 2 + _cost_of_flag(values)
-    # Only the position may be smooth, because the highest bits of a smooth number are smooth, too.
+    # Only the position benefits from smooth values, because the highest bits of a smooth number are also smooth.
     return _NUMBER_BITS + uniform_cost(field.width, len(values))
 
 
 def is_all_ones(recording: RecordedFrames, field: FoundField) -> bool:
-    """Return True if all bits of a constant field are 1."""
+    """Return whether all bits of a constant field are 1."""
     return all(recording.level(place) for place in range(field.start, field.end))
 
 
 def _cost_of_flag(values: Sequence[int]) -> float:
-    """Return the bits of a flag, which are few if it is seldom active."""
+    """Return the number of bits that describe the values of a flag in all frames. It is small if they rarely change."""
     share_of_ones = sum(values) / len(values)
     # Bits that describe how many of the values are 1.
     bits_of_count = log2(len(values))
-    # The places of the ones take no bits if all values are equal, and else as many for each value as its entropy.
-    if share_of_ones in (0.0, 1.0):
+    are_all_equal = share_of_ones in (0.0, 1.0)
+    if are_all_equal:
         return bits_of_count
+    # The bits per value that describe which values are 1.
     entropy = -share_of_ones * log2(share_of_ones) - (1 - share_of_ones) * log2(1 - share_of_ones)
     return len(values) * entropy + bits_of_count
 
 
 def uniform_cost(width: int, count: int) -> float:
-    """Return the bits of ``count`` random numbers."""
+    """Return the number of bits that describe ``count`` random numbers of ``width`` bits."""
     return float(width * count)
 
 
 def smooth_cost(values: Sequence[int], width: int) -> float:
-    """Return the bits that describe values that change by similar steps, or by steps that change little.
+    """Estimate the number of bits that describe a series of values of ``width`` bits that change smoothly.
 
-    The first value, and with changes of steps also the first step, take ``width`` bits.
+    The series is described by its first value and its first differences, or by its first value, its first difference
+    and its second differences. The cheaper of the two descriptions counts.
     """
-    steps = [as_signed(after - before, width) for before, after in itertools.pairwise(values)]
-    changes_of_steps = [as_signed(after - before, width) for before, after in itertools.pairwise(steps)]
-    by_steps = width + _spread_cost(steps, width)
-    if not changes_of_steps:
-        return by_steps
-    by_changes = 2 * width + _spread_cost(changes_of_steps, width)
-    return min(by_steps, by_changes)
+    first_differences = [as_signed(after - before, width) for before, after in itertools.pairwise(values)]
+    second_differences = [as_signed(after - before, width) for before, after in itertools.pairwise(first_differences)]
+    cost_by_first = width + _cost_of_residuals(first_differences, width)
+    if not second_differences:
+        return cost_by_first
+    cost_by_second = 2 * width + _cost_of_residuals(second_differences, width)
+    return min(cost_by_first, cost_by_second)
 
 
-def _spread_cost(numbers: Sequence[float], width: int) -> float:
-    """Return the bits that describe numbers around zero with a common scale, from 0.5 to ``width`` each."""
-    mean = sum(map(abs, numbers)) / len(numbers)
-    # The entropy of a Laplace distribution with this mean deviation. The 0.25 keeps the entropy of equal numbers
-    # finite.
-    bits_each = min(log2(2 * e * (mean + 0.25)), float(width))
-    return len(numbers) * max(bits_each, 0.5) + _SCALE_BITS
+def _cost_of_residuals(numbers: Sequence[float], width: int) -> float:
+    """Estimate the number of bits that describe numbers around zero: the smaller the numbers, the fewer bits.
+
+    Each number takes 0.5 to ``width`` bits.
+    """
+    mean_deviation = sum(map(abs, numbers)) / len(numbers)
+    # The entropy of a Laplace distribution with this mean deviation. Adding 0.25 keeps the logarithm finite if all
+    # numbers are 0.
+    entropy = log2(2 * e * (mean_deviation + 0.25))
+    bits_per_number = max(min(entropy, float(width)), 0.5)
+    return len(numbers) * bits_per_number + _SCALE_BITS
 
 
 def as_signed(number: int, width: int) -> int:
-    """Return a number modulo 2^width as a number from -2^(width-1) to 2^(width-1) - 1: -1 for 7 with 3 bits."""
+    """Return the signed number of ``width`` bits that equals ``number`` modulo 2^width: -1 for 7 and 3 bits."""
     half = 1 << (width - 1)
     mask = (1 << width) - 1
     return ((number + half) & mask) - half
 
 
-def cost_beside_positions(values: Sequence[int], width: int, positions: Sequence[float]) -> float:
-    """Return the bits that describe values whose positions the user knows, in any unit and from any zero.
+def cost_with_known_positions(values: Sequence[int], width: int, positions: Sequence[float]) -> float:
+    """Estimate the number of bits that describe values if the user knows the position of the shaft for each of them.
 
-    The values are the positions times any factor, without a wrap, or else times one of four factors, across the wrap:
-    counts or degrees, in either direction. The best of these counts.
+    ``positions`` are in any unit and from any zero. Either the values do not wrap, and are the positions times any
+    factor, or they wrap, and the positions are in counts or degrees, in either direction. The best fit counts.
     """
-    costs = [_spread_cost(_residuals_of_line(values, width, positions), width)]
+    costs = [_cost_of_residuals(_residuals_of_line(values, width, positions), width)]
     counts_per_degree = (1 << width) / 360
     for factor in (1.0, -1.0, counts_per_degree, -counts_per_degree):
-        costs.append(_spread_cost(_residuals_of_factor(values, width, positions, factor), width))
+        residuals = _residuals_of_factor(values, width, positions, factor)
+        costs.append(_cost_of_residuals(residuals, width))
     return 2 * width + min(costs)
 
 
 def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[float]) -> list[float]:
-    """Return the differences of the values from the line that fits best, without a wrap.
+    """Return the differences between the values and the straight line that fits them best, if they do not wrap.
 
-    The line has the user's positions as x, and the values as y.
+    The line is a linear regression of the values (y) over the user's positions (x).
     """
     middle_position = sorted(positions)[len(positions) // 2]
     middle_value = values[list(positions).index(middle_position)]
     # Relative to the value in the middle, so that the values are as far from the wrap as possible.
-    heights = [as_signed(value - middle_value, width) for value in values]
-    mean_position, mean_height = sum(positions) / len(positions), sum(heights) / len(heights)
-    # The offsets from the mean, as x and y of the line.
+    relative_values = [as_signed(value - middle_value, width) for value in values]
+    mean_position = sum(positions) / len(positions)
+    mean_value = sum(relative_values) / len(relative_values)
     x_offsets = [position - mean_position for position in positions]
-    y_offsets = [height - mean_height for height in heights]
+    y_offsets = [value - mean_value for value in relative_values]
     variance = sum(x**2 for x in x_offsets)
     covariance = sum(x * y for x, y in zip(x_offsets, y_offsets, strict=True))
     slope = covariance / variance if variance else 0.0
@@ -293,7 +305,7 @@ def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[fl
 
 
 def _residuals_of_factor(values: Sequence[int], width: int, positions: Sequence[float], factor: float) -> list[float]:
-    """Return the differences of the values from the positions times a factor, across the wrap."""
+    """Return the differences between the values, which may wrap, and the user's positions times ``factor``."""
     offsets = [value - round(position * factor) for value, position in zip(values, positions, strict=True)]
     residuals = [as_signed(offset - offsets[0], width) for offset in offsets]
     mean = sum(residuals) / len(residuals)

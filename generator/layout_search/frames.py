@@ -8,7 +8,7 @@ from functools import cached_property
 
 #: Fewest frames from which a layout can be found.
 FEWEST = 2
-#: Frames whose values are compared. All of them must satisfy a CRC.
+#: Maximum number of frames whose values are compared. A CRC must be correct in all frames.
 MOST_FRAMES = 60
 
 
@@ -30,13 +30,13 @@ class RecordedFrames:
 
     @cached_property
     def differences(self) -> tuple[int, ...]:
-        """The bits in which each frame differs from the first frame. Frames that are equal to it are left out."""
+        """The bits in which each frame differs from the first frame. Frames that are equal to it are omitted."""
         first_frame = self.frames[0]
         return tuple(frame ^ first_frame for frame in self.frames if frame != first_frame)
 
     @cached_property
     def changing(self) -> tuple[bool, ...]:
-        """Which bits change, in the order in which they are sent."""
+        """True for each bit that differs between frames, in the order in which the bits are sent."""
         changing_bits = 0
         for difference in self.differences:
             changing_bits |= difference
@@ -45,11 +45,14 @@ class RecordedFrames:
 
     @cached_property
     def independent(self) -> int:
-        """Number of frames that are not the sum of others in GF(2). Only these prove something about a CRC."""
+        """Number of differences that are not the XOR of others. The remaining frames prove nothing about a CRC."""
         return rank(self.differences)
 
     def values(self, start: int, end: int) -> list[int]:
-        """Return the number in the bits from ``start`` to before ``end``, for each of the first frames."""
+        """Return the number that the bits from ``start`` to before ``end`` form in each frame, at most 60 frames.
+
+        Bits are counted from 0 for the first bit sent.
+        """
         mask = (1 << (end - start)) - 1
         bits_behind = self.bits - end
         return [(frame >> bits_behind) & mask for frame in self.frames[:MOST_FRAMES]]
@@ -57,21 +60,21 @@ class RecordedFrames:
     def level(self, place: int) -> int:
         """Return the value of a constant bit. ``place`` counts from 0 for the first bit sent."""
         bits_behind = self.bits - 1 - place
-        # A constant bit is the same in all frames.
-        return (self.frames[0] >> bits_behind) & 1
+        any_frame = self.frames[0]
+        return (any_frame >> bits_behind) & 1
 
 
 def rank(numbers: Sequence[int]) -> int:
-    """Return the rank of numbers as vectors over GF(2): how many of them are not the XOR of others.
+    """Return how many of the numbers are not the XOR of others, which is their rank as vectors over GF(2).
 
     It is 2 for 0b01, 0b10 and 0b11, since 0b11 is the XOR of the other two.
     """
-    # Numbers that are independent of each other, by their numbers of bits.
+    # Independent numbers by their bit length, as in Gaussian elimination.
     pivot_by_length: dict[int, int] = {}
     for number in numbers:
-        reduced = number
-        while reduced and reduced.bit_length() in pivot_by_length:
-            reduced ^= pivot_by_length[reduced.bit_length()]
-        if reduced:
-            pivot_by_length[reduced.bit_length()] = reduced
+        remaining = number
+        while remaining and remaining.bit_length() in pivot_by_length:
+            remaining ^= pivot_by_length[remaining.bit_length()]
+        if remaining:  # It is independent of all earlier numbers.
+            pivot_by_length[remaining.bit_length()] = remaining
     return len(pivot_by_length)

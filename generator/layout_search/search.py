@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 from .checks import FoundCrc, FoundParity, crcs_of, parities_of
 from .fields import FrameSplit, splits_of
 from .frames import FEWEST, MOST_FRAMES, NoLayout, RecordedFrames
 
-#: Number of layouts in an answer.
+#: Maximum number of layouts in an answer.
 MOST_LAYOUTS = 3
-#: Difference to the cost of the most likely layout in bits, above which a layout is not proposed.
+#: A layout whose cost exceeds the cost of the most likely one by more bits than this is not proposed.
 _MOST_MORE_BITS = 20.0
-#: Evidence in bits, above which a CRC cannot fit by chance, and frames without one need not be considered.
+#: Evidence in bits above which a CRC is not correct by chance, so that layouts without a CRC are not considered.
 _CERTAIN_EVIDENCE = 30
 #: Bits that describe a parity bit: in its usual place, in the other place, and in addition to a CRC.
 _PARITY_BITS, _OTHER_PLACE_BITS, _WITH_CRC_BITS = 4.0, 2.0, 4.0
@@ -23,9 +24,10 @@ _UNDECIDED_DIFFERENCE = 3.0
 
 @dataclass(frozen=True, slots=True)
 class FoundLayout:
-    """A layout with its cost in bits.
+    """A layout that all frames may have.
 
-    ``other_code`` is true if Gray code and binary describe the frames so equally that they do not decide.
+    ``cost`` is the number of bits that describe the layout and, with it, the frames. The layout with the lowest cost is
+    the most likely. ``other_code`` is true if the frames do not show whether the position is in Gray code or binary.
     """
 
     crc: FoundCrc | None
@@ -36,35 +38,38 @@ class FoundLayout:
 
 
 def find_layouts(recording: RecordedFrames) -> list[FoundLayout]:
-    """Return up to ``MOST_LAYOUTS`` layouts, the layout with the lowest cost first.
+    """Return up to three layouts that all frames may have, the most likely first.
 
-    Of layouts that differ only in constant bits in front of the position, only the layout with the lowest cost remains.
+    Each layout has a cost, the number of bits that describe the frames with it, and the lowest cost is the most likely.
+    Layouts that differ only in whether constant bits belong to the position are represented by the best one.
 
     Raises:
-        NoLayout: The frames do not change.
+        NoLayout: All frames are equal.
     """
     if len(set(recording.frames)) < FEWEST:
         raise NoLayout("all frames are equal; turn the shaft, and give at least 2 different frames")
-    best_layouts: dict[object, FoundLayout] = {}
-    # From the lowest cost on, so the first layout of a group is the best.
-    for layout in sorted(_possible_layouts(recording), key=lambda layout: layout.cost):
-        best_layouts.setdefault(_group_key(recording, layout), layout)
-    layouts = _with_undecided_codes_joined(list(best_layouts.values()))
+    best_first = sorted(_possible_layouts(recording), key=attrgetter("cost"))
+    best_of_group: dict[object, FoundLayout] = {}
+    for layout in best_first:
+        best_of_group.setdefault(_group_key(recording, layout), layout)
+    layouts = _merge_undecided_codes(list(best_of_group.values()))
     highest_cost = layouts[0].cost + _MOST_MORE_BITS
     return [layout for layout in layouts[:MOST_LAYOUTS] if layout.cost <= highest_cost]
 
 
 def _possible_layouts(recording: RecordedFrames) -> Iterator[FoundLayout]:
-    """Yield every combination of a CRC or none, a parity bit or none, and a split of the other bits.
+    """Yield every layout that the frames may have: with or without a CRC, and with or without a parity bit.
 
-    If the frames prove a CRC, layouts without a CRC are left out.
+    The other bits are split into the position and other fields in every possible way. If the frames prove a CRC,
+    layouts without one are omitted.
     """
     crcs = crcs_of(recording)
     crc_candidates: list[FoundCrc | None] = list(crcs)
-    if not any(crc.evidence > _CERTAIN_EVIDENCE for crc in crcs):
+    is_crc_proved = any(crc.evidence > _CERTAIN_EVIDENCE for crc in crcs)
+    if not is_crc_proved:
         crc_candidates.append(None)
     for crc in crc_candidates:
-        # The CRC is the last bits of a frame, and the body is the rest.
+        # The CRC is at the end of the frame, and the body is everything before it.
         body_bits = recording.bits - (crc.width if crc is not None else 0)
         crc_cost = crc.cost if crc is not None else 0.0
         for parity in (*parities_of(recording, body_bits), None):
@@ -76,7 +81,10 @@ def _possible_layouts(recording: RecordedFrames) -> Iterator[FoundLayout]:
 
 
 def _bits_between_checks(parity: FoundParity | None, body_bits: int) -> tuple[int, int]:
-    """Return the first bit and the end of the bits between a CRC and a parity bit."""
+    """Return the start and the end of the bits of a frame without its CRC and its parity bit.
+
+    ``body_bits`` is the number of bits before the CRC. The parity bit, if any, is the first or the last of these.
+    """
     if parity is None:
         return 0, body_bits
     is_first_bit = parity.place == 0
@@ -84,7 +92,11 @@ def _bits_between_checks(parity: FoundParity | None, body_bits: int) -> tuple[in
 
 
 def _parity_cost(recording: RecordedFrames, parity: FoundParity, crc: FoundCrc | None) -> float:
-    """Return the cost of a parity bit in bits: one for each frame that does not prove it, and its place and kind."""
+    """Return the number of bits that describe a parity bit.
+
+    They are one bit for each frame that does not prove it, a few bits for the parity itself, and more for an unusual
+    place, and in addition to a CRC.
+    """
     sample_count = min(len(recording.frames), MOST_FRAMES)
     unproved_bits = max(sample_count - recording.independent, 0)
     cost = _PARITY_BITS + unproved_bits
@@ -98,29 +110,31 @@ def _parity_cost(recording: RecordedFrames, parity: FoundParity, crc: FoundCrc |
 
 
 def _group_key(recording: RecordedFrames, layout: FoundLayout) -> object:
-    """Return a key that is equal for layouts that differ only in the constant bits in front of the position."""
+    """Return a key that is equal for layouts that differ only in how many constant bits the position begins with."""
     split = layout.split
     first_changing_bit = recording.changing.index(True, split.start, split.end)
     polynomial = layout.crc.polynomial if layout.crc is not None else 0
     return polynomial, layout.parity, first_changing_bit, split.end, split.is_gray, split.byte_order
 
 
-def _with_undecided_codes_joined(layouts: list[FoundLayout]) -> list[FoundLayout]:
-    """Return the layouts in their order, from the lowest cost to the highest.
+def _merge_undecided_codes(layouts: list[FoundLayout]) -> list[FoundLayout]:
+    """Merge layouts that differ only in the code of the position, Gray or binary, if the frames do not decide it.
 
-    Of two that differ only in the code, and whose costs differ by less than ``_UNDECIDED_DIFFERENCE`` bits, the first
-    remains, with ``other_code``.
+    This is the case if their costs differ by less than 3 bits. The better one remains, with ``other_code`` true. The
+    layouts are sorted by cost, and stay in this order.
     """
-    joined_layouts: list[FoundLayout] = []
-    # The index of the first layout in each code, by what a layout and the same one in the other code have in common.
-    indexes: dict[tuple[object, bool], int] = {}
+    merged_layouts: list[FoundLayout] = []
+    # Index of the best layout in Gray code and in binary, by everything else that distinguishes the layouts.
+    index_by_key: dict[tuple[object, bool], int] = {}
     for layout in layouts:
         split = layout.split
-        same_but_code = layout.crc, layout.parity, split.start, split.end
-        index = indexes.get((same_but_code, not split.is_gray))
-        if index is not None and layout.cost - joined_layouts[index].cost < _UNDECIDED_DIFFERENCE:
-            joined_layouts[index] = replace(joined_layouts[index], other_code=True)
-        else:
-            indexes.setdefault((same_but_code, split.is_gray), len(joined_layouts))
-            joined_layouts.append(layout)
-    return joined_layouts
+        key_without_code = layout.crc, layout.parity, split.start, split.end
+        index_in_other_code = index_by_key.get((key_without_code, not split.is_gray))
+        if index_in_other_code is not None:
+            better_layout = merged_layouts[index_in_other_code]
+            if layout.cost - better_layout.cost < _UNDECIDED_DIFFERENCE:
+                merged_layouts[index_in_other_code] = replace(better_layout, other_code=True)
+                continue
+        index_by_key.setdefault((key_without_code, split.is_gray), len(merged_layouts))
+        merged_layouts.append(layout)
+    return merged_layouts

@@ -1,4 +1,4 @@
-"""The ingredients of the record for a master: the parts of a frame by their role, and the clock for a cable."""
+"""Facts that master settings depend on: the parts of a frame by their role, and the highest clock for a cable."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from ..model import (
     Device,
     Field,
     Flag,
-    Layout,
     Measurement,
     Parity,
     PlacedField,
@@ -36,10 +35,10 @@ class NoRecord(ValueError):
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class FramePart:
-    """A run of bits in the frame.
+    """Adjacent bits in a frame that have the same role for a master.
 
-    ``role`` is ``padding``, ``multiturn``, ``singleturn``, ``status``, ``crc``, ``parity`` or ``other``.
-    ``active`` of a status bit is ``low``, ``high``, or empty if it never changes.
+    ``role`` is ``padding``, ``multiturn``, ``singleturn``, ``status``, ``crc``, ``parity`` or ``other``. ``active`` is
+    the active level of a status bit, ``low`` or ``high``, or empty if it never changes.
     """
 
     name: str
@@ -53,18 +52,23 @@ _ROLES_AS_SENT = ("before", "position", "after", "status", "crc")
 
 
 def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[FramePart]:
-    """Yield the parts of the frame in the order sent. Bits that the common frame does not have there are ``other``.
+    """Yield the parts of a frame by their role for a master, in the order in which they are sent.
+
+    Masters expect zero bits, the position, zero bits, status bits and a CRC, in this order. Bits that do not fit this
+    order have the role ``parity`` or ``other``.
 
     Raises:
-        NoRecord: Some bits have no field, the position is not in one piece, or no bits of it are the revolutions.
+        NoRecord: No master can read the frame, because some bits have no field, other bits are sent within the
+            position, or the revolutions are not the highest bits of the position.
     """
     layout = placed_layout.layout
     turn_bits = turn_bits_of_fields(placed_layout, measurement, variant)
     position_field_names = tuple(turn_bits)
     stage = "before"
-    unread_bits = placed_layout.bits  # Number of bits below the fields so far, the first of which is the highest.
+    unread_bits = placed_layout.bits  # Number of bits after the fields so far.
     for field in placed_layout.fields:
-        if field.high + 1 != unread_bits:
+        has_gap_before = field.high + 1 != unread_bits
+        if has_gap_before:
             raise NoRecord(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
         unread_bits = field.low
         role = _role_of_field(field, placed_layout, position_field_names, stage)
@@ -78,15 +82,21 @@ def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
 
 
 def _next_stage(stage: str, role: str) -> str:
-    """Return the role in the common frame (``_ROLES_AS_SENT``) that has been reached after a field with this role."""
+    """Return the stage of the frame after a field with this role: the last role of the usual order that was reached.
+
+    The usual order is ``before``, ``position``, ``after``, ``status``, ``crc``.
+    """
     if role in _ROLES_AS_SENT:
         return role
-    # Zero bits after a parity bit or an unexpected field are not next to the position, so they cannot pad it.
+    # After an unexpected field, later zero bits are not adjacent to the position, so they are not padding.
     return "status" if stage in ("position", "after") else stage
 
 
 def _part_without_position(field: PlacedField, role: str) -> FramePart:
-    """Return the part for a field that is not of the position. Zero bits on both sides of the position are padding."""
+    """Return the frame part for a field that is not part of the position.
+
+    The roles ``before`` and ``after`` are zero bits on either side of the position, which become ``padding``.
+    """
     if role in ("before", "after"):
         return FramePart(name=field.name, role="padding", bits=field.width)
     if role == "status":
@@ -95,10 +105,10 @@ def _part_without_position(field: PlacedField, role: str) -> FramePart:
 
 
 def rough_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[FramePart]:
-    """Yield the parts of a frame that masters cannot take, in the order sent.
+    """Yield the parts of a frame that no master can read, in the order in which they are sent.
 
-    The kind of a field decides its role, wherever it is in the frame. If no bits of the position are the revolutions,
-    all of them count as singleturn.
+    The role of a field follows only from its kind, wherever it is in the frame. If the revolutions are not the highest
+    bits of the position, all of its bits are ``singleturn``.
     """
     try:
         turn_bits = turn_bits_of_fields(placed_layout, measurement, variant)
@@ -108,7 +118,7 @@ def rough_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
         if field.name in turn_bits:
             yield from _position_parts(field, turn_bits[field.name])
             continue
-        # With this stage, zero bits are "after", which also counts as padding.
+        # At this stage, zero bits are padding.
         role = _expected_role(field, stage="after")
         if role == "other" and _is_parity_of_frame(field, placed_layout):
             role = "parity"
@@ -118,28 +128,31 @@ def rough_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
 def _role_of_field(
     field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str
 ) -> str:
-    """Return the role of a field, with ``before`` and ``after`` for zero bits.
+    """Return the role of a field: ``before`` (zero bits), ``position``, ``after`` (zero bits), ``status``, or ``crc``.
 
-    ``stage`` is the last role of the common frame that has been reached. A field that the common frame cannot have
-    from there on is ``parity`` or ``other``.
+    Masters expect the roles in this order. ``stage`` is the role that has been reached. A field that does not fit the
+    order has the role ``parity`` or ``other``. ``position_field_names`` are the fields that form the position, most
+    significant first.
 
     Raises:
-        NoRecord: The position is not in one piece.
+        NoRecord: Other bits are sent between the fields of the position.
     """
     if field.name in position_field_names:
         if stage not in ("before", "position"):
             raise NoRecord(f"the position is not in one piece: other bits are sent before '{field.name}'")
         return "position"
-    # The last field of the position has not been sent yet.
     if stage == "position":
-        lowest_bit_of_position, _ = placed_layout.place_of(position_field_names[-1])
-        if field.low > lowest_bit_of_position:
+        last_position_field = position_field_names[-1]
+        lowest_bit_of_position, _ = placed_layout.place_of(last_position_field)
+        is_within_position = field.low > lowest_bit_of_position
+        if is_within_position:
             raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
     role = _expected_role(field, stage)
-    roles_from_stage = _ROLES_AS_SENT[_ROLES_AS_SENT.index(stage) :]
-    # Before the position, the common frame has only zero bits.
-    may_come_now = role == "before" if stage == "before" else role in roles_from_stage
-    if may_come_now:
+    if stage == "before":
+        possible_roles: tuple[str, ...] = ("before",)  # Only zero bits can precede the position.
+    else:
+        possible_roles = _ROLES_AS_SENT[_ROLES_AS_SENT.index(stage) :]
+    if role in possible_roles:
         return role
     if _is_parity_of_frame(field, placed_layout):
         return "parity"
@@ -147,26 +160,30 @@ def _role_of_field(
 
 
 def _expected_role(field: PlacedField, stage: str) -> str:
-    """Return the role of a field that is not part of the position, from its kind.
+    """Return the role that follows from the kind of a field outside the position.
 
-    Zero bits are ``before`` or ``after`` the position, as ``stage`` says. A status bit is a flag, or a single constant
-    or unused bit that is 1. All others are ``other``.
+    Zero bits are ``before`` the position if ``stage`` is ``before``, and otherwise ``after`` it. A flag, and a single
+    constant or unused bit that is 1, is a status bit. All other fields except a CRC are ``other``.
     """
     kind = field.field.kind
     if isinstance(kind, CrcValue):
         return "crc"
     if isinstance(kind, (Constant, Unused)) and kind.value == 0:
         return "before" if stage == "before" else "after"
-    # A constant or unused bit is 1 here, since zeros have been handled above.
+    # Constant and unused zeros are handled above.
     is_status_bit = field.width == 1 and isinstance(kind, (Flag, Constant, Unused))
     return "status" if is_status_bit else "other"
 
 
 def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool:
-    """Return whether a field is the last field, and a parity bit over all other bits that are not always 0."""
+    """Return whether a field is a parity bit at the end of the frame that covers all other bits.
+
+    Bits that are always 0 need not be covered.
+    """
     kind = field.field.kind
-    # ``over`` limits the parity to some bits of the fields. The last field has its lowest bit at 0.
-    if not isinstance(kind, Parity) or kind.over or field.low:
+    is_last_field = field.low == 0
+    # With ``over``, the parity covers only the odd or the even bits of each field.
+    if not isinstance(kind, Parity) or kind.over or not is_last_field:
         return False
     covered_names = set(kind.constants)
     for covered_item in kind.of:
@@ -176,39 +193,43 @@ def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool
 
 
 def _is_always_zero(field: PlacedField) -> bool:
+    """Return whether a field consists of constant or unused bits that are 0."""
     return isinstance(field.field.kind, (Constant, Unused)) and field.field.kind.value == 0
 
 
 def _position_fields(placed_layout: PlacedLayout, measurement: Measurement) -> list[PlacedField]:
-    """Return the fields of the position that exist for the order code, the most significant field first."""
+    """Return the fields that form the position for the order code, most significant first."""
     return placed_layout.find_fields(placed_layout.layout.names_in(measurement.of))
 
 
 def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> dict[str, int]:
-    """Return the number of bits that count revolutions in each field of the position, the most significant field first.
+    """Return the number of bits that count revolutions in each field of the position, by the name of the field.
 
-    These are the highest bits of the position, even if one of the fields is only partly revolutions.
+    The revolutions are the highest bits of the position, even if a field contains bits of both parts. The fields are
+    sorted, most significant first.
 
     Raises:
-        NoRecord: No bits of the position are the revolutions.
+        NoRecord: The revolutions are not the highest bits of the position.
     """
     fields = _position_fields(placed_layout, measurement)
-    turn_bits_left = _turn_bits(measurement, sum(field.width for field in fields), variant)
-    turn_bits: dict[str, int] = {}
+    position_bits = sum(field.width for field in fields)
+    remaining_turn_bits = _turn_bits(measurement, position_bits, variant)
+    turn_bits_by_field: dict[str, int] = {}
     for field in fields:
-        turn_bits[field.name] = min(field.width, turn_bits_left)
-        turn_bits_left -= turn_bits[field.name]
-    return turn_bits
+        turn_bits_of_field = min(field.width, remaining_turn_bits)
+        turn_bits_by_field[field.name] = turn_bits_of_field
+        remaining_turn_bits -= turn_bits_of_field
+    return turn_bits_by_field
 
 
 def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -> int:
-    """Return how many of the highest bits of the position count revolutions, or 0 if none do or it is not known.
+    """Return how many of the highest bits of the position count revolutions.
 
-    No bits count revolutions in a measurement of length, which has no counts per revolution, and in one of a single
-    revolution. It is not known if the counts are not a power of two and the number of revolutions is not stated.
+    The result is 0 for a length, for a single revolution, and if the spec does not give the number of revolutions and
+    the counts per revolution are not a power of two.
 
     Raises:
-        NoRecord: There are several revolutions, of counts that are not a power of two, so no bits are the revolutions.
+        NoRecord: There are several revolutions with counts that are not a power of two, so no separate bits count them.
     """
     turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else None
     if measurement.counts_per_turn is None or turns == 1:
@@ -223,7 +244,7 @@ def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -
 
 
 def _position_parts(field: PlacedField, turn_bits: int) -> Iterator[FramePart]:
-    """Yield the part of a field of the position, or two parts if only its highest bits are revolutions."""
+    """Yield the frame parts of a field of the position: its highest ``turn_bits`` bits, and the bits below them."""
     singleturn_bits = field.width - turn_bits
     if turn_bits:
         turns_name = f"{field.name}_turns" if singleturn_bits else field.name
@@ -233,32 +254,34 @@ def _position_parts(field: PlacedField, turn_bits: int) -> Iterator[FramePart]:
 
 
 def _active_level(field: Field) -> str:
-    """Return the level at which a flag is active, ``low`` or ``high``, or an empty string for other fields."""
+    """Return the active level of a flag, ``low`` or ``high``, or an empty string for other fields."""
     if not isinstance(field.kind, Flag):
         return ""
     return "low" if field.kind.active_low else "high"
 
 
 def parity_of_frame(placed_layout: PlacedLayout, frame_parts: Sequence[FramePart]) -> str:
-    """Return ``odd`` or ``even`` for a frame that ends in a parity bit over the whole of it, or else ``none``."""
+    """Return ``odd`` or ``even`` if the frame ends with a parity bit over all of its bits, and otherwise ``none``."""
     kind = placed_layout.fields[-1].field.kind
-    if frame_parts[-1].role != "parity" or not isinstance(kind, Parity):
+    last_part = frame_parts[-1]
+    if last_part.role != "parity" or not isinstance(kind, Parity):
         return "none"
     return "odd" if kind.odd else "even"
 
 
 def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame_parts: Sequence[FramePart]) -> str:
-    """Return the code of the position: ``binary``, ``gray``, or a variety of Gray code.
+    """Return the code in which the position is sent: ``binary``, ``gray``, or the name of a code of digits (``bcd``).
 
-    It is ``gray_with_status`` if the bits in Gray code are the position and all status bits, ``gray_excess`` if
-    position 0 is sent as another number, and ``other`` if other bits are in Gray code. If the digits of the position
-    are sent separately, it is the name of their code, such as ``bcd``.
+    It is ``gray_with_status`` if position and status bits form one number in Gray code, ``gray_excess`` if a constant
+    is added to the position first, and ``other`` if a different set of bits is in Gray code.
     """
-    layout: Layout = placed_layout.layout
+    layout = placed_layout.layout
     for placed_field in placed_layout.find_fields(layout.names_in(measurement.of)):
         if placed_field.field.number.digit_code:
             return placed_field.field.number.digit_code
-    if not layout.gray_of or (layout.gray_when and not placed_layout.gray):
+    # With ``gray_when``, only some order codes use Gray code.
+    is_binary_order_code = bool(layout.gray_when) and not placed_layout.gray
+    if not layout.gray_of or is_binary_order_code:
         return "binary"
     gray_names = {field.name for field in placed_layout.find_fields(layout.names_in(layout.gray_of))}
     position_names = {field.name for field in placed_layout.find_fields(layout.names_in(measurement.of))}
@@ -271,14 +294,15 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
 
 
 def _bits_of_role(frame_parts: Sequence[FramePart], role: str) -> int:
+    """Return the total number of bits of all parts with this role."""
     return sum(part.bits for part in frame_parts if part.role == role)
 
 
 def bit_counts(frame_parts: Sequence[FramePart]) -> dict[str, int | None]:
-    """Return the numbers of bits of a frame by the names of the items for rules: ``{"crc_bits": 6, ...}``.
+    """Return the numbers of bits of a frame by their names in the rules for masters: ``{"crc_bits": 6, ...}``.
 
-    ``left`` in a name means bits sent before the position, and ``right`` means bits sent after it. ``frame_bits``
-    leaves out the parity bit.
+    ``left`` in a name means before the position, and ``right`` means after it. ``frame_bits`` does not include the
+    parity bit.
     """
     roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
     bits = {role: _bits_of_role(frame_parts, role) for role in roles}
@@ -307,14 +331,15 @@ def bit_counts(frame_parts: Sequence[FramePart]) -> dict[str, int | None]:
 
 
 def _parts_before_position(frame_parts: Sequence[FramePart]) -> Sequence[FramePart]:
-    """Return the parts that are sent before the position, which every frame of a record has."""
+    """Return the parts of a frame that are sent before the position. The frame must contain the position."""
     roles = [part.role for part in frame_parts]
     first_indices = [roles.index(role) for role in ("multiturn", "singleturn") if role in roles]
-    return frame_parts[: min(first_indices)]
+    start_of_position = min(first_indices)
+    return frame_parts[:start_of_position]
 
 
 def _parts_after_status(frame_parts: Sequence[FramePart]) -> Sequence[FramePart]:
-    """Return the parts from the first status bit on, or none without a status bit."""
+    """Return the parts of a frame starting with the first status bit, or an empty sequence without a status bit."""
     roles = [part.role for part in frame_parts]
     if "status" not in roles:
         return ()
@@ -335,9 +360,9 @@ _BISS_CLOCKS = (
 
 @dataclass(frozen=True, slots=True)
 class CableRow:
-    """A row of a table.
+    """A row of a table that gives the highest clock by cable length.
 
-    With ``is_below``, cable and clock must be below ``metres`` and ``hz``, else at most equal to them.
+    ``metres`` and ``hz`` are upper limits, which are exclusive if ``is_below`` is true.
     """
 
     metres: int
@@ -346,20 +371,23 @@ class CableRow:
 
     @property
     def cable(self) -> str:
+        """The range of cable lengths, such as ``shorter than 50 m``."""
         limit_words = "shorter than" if self.is_below else "up to"
         return f"{limit_words} {self.metres} m"
 
     @property
     def text(self) -> str:
+        """The cable lengths and the clock, such as ``up to 25 m: 5 MHz``."""
         clock_text = f"below {hertz(self.hz)}" if self.is_below else hertz(self.hz)
         return f"{self.cable}: {clock_text}"
 
     @property
     def highest_hz(self) -> int:
+        """The highest permitted clock in Hz, which is below an exclusive limit."""
         return self.hz - 1 if self.is_below else self.hz
 
     def includes(self, metres: int) -> bool:
-        """Return whether the row is valid for this cable length."""
+        """Return whether the row applies to this cable length."""
         if self.is_below:
             return metres < self.metres
         return metres <= self.metres
@@ -367,19 +395,22 @@ class CableRow:
 
 @dataclass(frozen=True, slots=True)
 class CableTable:
-    """The rows, their origin in words, and the names of the errata about them."""
+    """A table of clocks by cable length: its rows, its origin in words, and the names of the errata about it."""
 
     rows: tuple[CableRow, ...]
     origin: str
     errata: tuple[str, ...]
 
     def row_of(self, metres: int) -> CableRow | None:
-        """Return the row with the fastest clock for this cable length, or None if it exceeds the table."""
+        """Return the row with the highest clock for this cable length, or None if the table has no row for it."""
         rows_for_length = [row for row in self.rows if row.includes(metres)]
         return max(rows_for_length, key=lambda row: row.hz, default=None)
 
     def about(self, clock_hz: int) -> str:
-        """Return a sentence about the longest cable that allows a clock, or that none does, or "" without a table."""
+        """Return a sentence about the longest cable for a clock, or that no cable allows it.
+
+        Return an empty string without a table.
+        """
         if not self.rows:
             return ""
         rows_with_clock = [row for row in self.rows if clock_hz <= row.highest_hz]
@@ -394,15 +425,16 @@ class CableTable:
 
 
 def _printed_rows(interface: Ssi, code: str) -> list[CableRow]:
-    """Return the rows of the table in the manual that apply to an order code, or all rows without an order code."""
+    """Return the rows of the manual's table that apply to an order code, or all rows if ``code`` is empty."""
     lengths = facts_for_code(interface.cable_lengths, code) if code else interface.cable_lengths
     return [CableRow(metres=length.shorter_than_m, hz=length.below_hz, is_below=True) for length in lengths]
 
 
 def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
-    """Return the table for an interface: a public table for BiSS, the manual's table for SSI, which may have no rows.
+    """Return the table of clocks by cable length: the manual's table for SSI, and a published one for BiSS.
 
-    The rows and errata of a manual's table are the rows and errata for the order code, or all without an order code.
+    If the manual gives no table, it has no rows. The rows and errata of the manual are those for the order code, or all
+    if ``code`` is empty.
     """
     match interface:
         case Ssi():

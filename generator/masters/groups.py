@@ -1,4 +1,7 @@
-"""The order codes of a family in groups with the same settings, and the sheets of every master for each group."""
+"""Group the order codes of a family by their settings, and compute the settings of every master for each group.
+
+A sheet lists the settings of one master for one order code, or the reasons why the master cannot use it.
+"""
 
 from __future__ import annotations
 
@@ -25,9 +28,10 @@ class CodesWithSameSettings:
 
 
 def order_code_groups(device: Device, interface: Interface) -> list[CodesWithSameSettings]:
-    """Return the order codes of an interface in groups, each once for each choice on which its frame depends.
+    """Return the order codes of an interface in groups that have the same settings in every master.
 
-    Order codes are in one group if their records are equal apart from the code.
+    Two order codes are in the same group if their facts, such as widths and clocks, are equal. An order code whose
+    frame depends on a question that the manual leaves open is in one group for each answer.
     """
     records_by_facts: dict[str, list[EncoderFacts]] = {}
     for code_record in records_of(device, interface):
@@ -37,6 +41,7 @@ def order_code_groups(device: Device, interface: Interface) -> list[CodesWithSam
 
 
 def _build_group(device: Device, records: Sequence[EncoderFacts]) -> CodesWithSameSettings:
+    """Return the group of the order codes to which these records, which are equal apart from the code, belong."""
     codes = tuple(code_record.code for code_record in records)
     return CodesWithSameSettings(device, codes, record=records[0])
 
@@ -51,11 +56,10 @@ class GroupSheets:
 
 
 def sheets_of(device: Device, masters: Sequence[Master]) -> tuple[GroupSheets, ...]:
-    """Return the sheets of each interface whose position masters can read.
+    """Return the settings of each master for the order codes of a family, by interface.
 
-    The sheets of the last families are remembered.
-
-    The pages and the files of the masters both need them.
+    Interfaces without an order code that masters can read are omitted. The results for the last 32 families are cached,
+    because both the pages and the master files need them.
     """
     master_ids = tuple(map(id, masters))
     for family_sheets in _SHEETS_OF_LAST_FAMILIES:
@@ -74,12 +78,13 @@ class _FamilySheets(NamedTuple):
     sheets: tuple[GroupSheets, ...]
 
 
-#: Sheets of the last families.
-#: Families are compared by identity, because comparing their members takes longer than making the sheets.
+#: Cached sheets of the last families. Families are compared by identity, because comparing their members would take
+#: longer than computing the sheets.
 _SHEETS_OF_LAST_FAMILIES: deque[_FamilySheets] = deque(maxlen=32)
 
 
 def _compute_sheets(device: Device, masters: Sequence[Master]) -> Iterator[GroupSheets]:
+    """Yield the sheets of each master for the groups of each interface that masters can read."""
     for interface in device.interfaces:
         groups = tuple(order_code_groups(device, interface))
         if groups:
@@ -88,13 +93,15 @@ def _compute_sheets(device: Device, masters: Sequence[Master]) -> Iterator[Group
 
 
 def _sheets_for(master: Master, groups: Sequence[CodesWithSameSettings]) -> tuple[SettingsSheet, ...]:
+    """Return the sheet of one master for each group of order codes."""
     return tuple(sheet(master, group.record) for group in groups)
 
 
 def records_of(device: Device, interface: Interface) -> Iterator[EncoderFacts]:
-    """Yield the records of all listed order codes of an interface, once for each choice on which the frame depends.
+    """Yield the facts about each listed order code of an interface that masters need.
 
-    Order codes whose position no master can read are left out.
+    An order code whose frame depends on a question that the manual leaves open is yielded once for each answer. Order
+    codes whose position no master can read are omitted.
     """
     for variant in device.variants_over(interface.name):
         with suppress(NoRecord):
@@ -104,12 +111,12 @@ def records_of(device: Device, interface: Interface) -> Iterator[EncoderFacts]:
 
 
 def _records_by_answers(device: Device, variant: Variant) -> Iterator[EncoderFacts]:
-    """Yield the record of an order code, once for each choice on which its frame depends.
+    """Yield the facts about an order code, once for each answer to questions on which its frame depends.
 
-    Without such a choice, there is one record.
+    If its frame depends on no question, they are yielded once.
 
     Raises:
-        NoRecord: There is none for this order code.
+        NoRecord: There are no master settings for this order code.
     """
     try:
         yield record(device, variant)

@@ -1,4 +1,4 @@
-"""Sentences about the record of an order code: answers, clocks, and the bits of the frame."""
+"""Notes on the facts about an order code, as sentences: answers, clocks, and the bits of the frame."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from .frame_parts import CableTable, FramePart, NoRecord, turn_bits_of_fields
 
 
 def answer_notes(alternatives: Sequence[Alternative], answer_names: Mapping[str, str]) -> Iterator[str]:
-    """Yield a sentence with the meaning of each of the user's answers."""
+    """Yield a sentence for each of the user's answers to questions that the manual leaves open.
+
+    ``answer_names`` has the name of the answer to each question, by the name of the question.
+    """
     for alternative in alternatives:
         for answer in alternative.answers:
             if answer.name == answer_names[alternative.name]:
@@ -21,7 +24,9 @@ def answer_notes(alternatives: Sequence[Alternative], answer_names: Mapping[str,
 
 
 def clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:
-    if numbers["clock_max_hz"] is not None and cables.rows and cable_m is None:
+    """Yield a note if the clock also depends on the cable length, but the user gave none (``cable_m`` is None)."""
+    is_highest_clock_known = numbers["clock_max_hz"] is not None
+    if is_highest_clock_known and cables.rows and cable_m is None:
         yield (
             "The clocks shown are the fastest that encoder and master support, regardless of cable length. "
             "Use --cable METRES to get the clocks for a cable length."
@@ -29,7 +34,7 @@ def clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: 
 
 
 def _register_in_words(device: Device, name: str) -> str:
-    """Return a register in words. A register that is only reached over another interface has no address here."""
+    """Return the printed name of a register with its addresses, or only ``name`` if the spec has no such register."""
     for register in device.registers:
         if register.name == name:
             return f"{register.printed_name or name} ({addresses_text(register)})"
@@ -43,12 +48,15 @@ def frame_notes(
     frame_parts: Sequence[FramePart],
     as_delivered: bool,
 ) -> Iterator[str]:
-    """Yield sentences about registers that change the frame, about a signed position, and about fixed status bits.
+    """Yield notes on registers that change the frame, on a signed position, and on status bits that never change.
 
     ``as_delivered`` is true if the registers have their factory defaults.
     """
-    yield from _register_notes(device, "widths depend", set(placed_layout.layout.bits.parameters), as_delivered)
-    yield from _register_notes(device, "code depends", {placed_layout.layout.gray_when} - {""}, as_delivered)
+    layout = placed_layout.layout
+    width_parameters = set(layout.bits.parameters)
+    code_parameters = {layout.gray_when} if layout.gray_when else set[str]()
+    yield from _register_notes(device, "widths depend", width_parameters, as_delivered)
+    yield from _register_notes(device, "code depends", code_parameters, as_delivered)
     position = placed_layout.find_field(position_name)
     if position is not None and position.field.number.signed:
         lowest, highest = device.signed_range(position, placed_layout)
@@ -66,9 +74,10 @@ def frame_notes(
 def split_notes(
     device: Device, placed_layout: PlacedLayout, measurement: Measurement, variant: Variant
 ) -> Iterator[str]:
-    """Yield a sentence about the revolutions in a position of several fields if no field ends with them.
+    """Yield notes on a position of several fields whose boundaries do not separate revolutions from the angle.
 
-    There is another sentence if the spec does not say how many bits they have.
+    A field can contain bits of both. Or the spec does not give the counts per revolution, so that all bits are listed
+    as singleturn bits.
     """
     position_fields = placed_layout.find_fields(placed_layout.layout.names_in(measurement.of))
     if len(position_fields) == 1:
@@ -86,13 +95,16 @@ def split_notes(
 
 
 def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:
-    """Yield a sentence about the registers that set any of these parameters.
+    """Yield a note on the registers that set any of these parameters, if there are any.
 
-    ``dependence`` is ``widths depend`` or ``code depends``: "The widths depend on registers: …".
+    ``dependence`` is ``widths depend`` or ``code depends``, as in "The widths depend on registers: …".
     """
     needed_names = device.needed_parameters(parameters)
     register_names = [parameter.register for parameter in device.run_time_parameters if parameter.name in needed_names]
     registers = dict.fromkeys(_register_in_words(device, name) for name in register_names)
-    if registers:
-        contents = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
-        yield f"The {dependence} on registers: {', '.join(registers)}. These settings are for {contents}."
+    if not registers:
+        return
+    contents = "the given values"
+    if as_delivered:
+        contents = f"their {initial(device)}. Other values need other settings"
+    yield f"The {dependence} on registers: {', '.join(registers)}. These settings are for {contents}."

@@ -1,12 +1,11 @@
-"""Locations to which programs write settings, and conditions for writing."""
+"""Locations in the devices of a master to which programs write settings."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
 from itertools import groupby
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..language.master_items import TYPES
 from ..language.problems import join_words
@@ -28,11 +27,12 @@ class MasterDevice:
 
 @dataclass(frozen=True, slots=True)
 class SettingPlace:
-    """A place to which a value is written, on one channel of one device.
+    """A location to which a value is written, on one channel of one device of a master.
 
-    The place is an index with a subindex, a symbol, a register or an address. Numbers that no document gives are None,
-    and texts are empty. ``type`` is the name in the document, ``kind`` and ``bits`` its meaning. ``unit`` is ``none``
-    for a plain number or a code. ``is_default`` is true if the value equals the factory default.
+    The location is an index with a subindex, a symbol, a register or an address. Numbers that no document gives are
+    None, and texts are empty. ``type`` is the data type as named in the document, and ``kind`` and ``bits`` are its
+    meaning. ``unit`` is ``none`` for a plain number or a code. ``is_default`` is true if the value equals the factory
+    default.
     """
 
     device: str
@@ -57,7 +57,7 @@ class SettingPlace:
 
     @property
     def location(self) -> str:
-        """The place in words, or an empty string if it is not given."""
+        """The location in words, such as ``0x8000:01``, or an empty string if no document gives it."""
         if self.index is not None:
             return f"0x{self.index:04X}:{self.subindex:02X}"
         words = self.symbol or self.register
@@ -71,7 +71,7 @@ class SettingPlace:
 
 
 def devices_of(master_data: Raw) -> tuple[MasterDevice, ...]:
-    """Return the devices of a description, or the master itself as the only device."""
+    """Return the devices that the description of a master lists or, without a list, the master as its only device."""
     device_descriptions = master_data.get("devices", ({"name": master_data["title"]},))
     devices: list[MasterDevice] = []
     for description in device_descriptions:
@@ -87,21 +87,25 @@ def places_of(
     standing: str,
     fill_in: Callable[[str], str],
 ) -> tuple[SettingPlace, ...]:
-    """Return the places of a setting. Places that are the same for all records are computed once for each value."""
-    # A symbol with an item in braces is different for each record.
+    """Return the locations of a setting with this value in the devices of a master.
+
+    ``standing`` says whether the description is documented, derived or tested. ``fill_in`` replaces names in braces by
+    facts about the encoder. Locations without such names are cached for each value.
+    """
     depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
     if depends_on_record:
         return _compute_places(setting, value, devices, standing, fill_in)
     cache_key = (id(setting), value, standing)
     cached_setting, places = _SETTING_AND_PLACES.get(cache_key, (None, ()))
-    # A new object may get the id of a deleted object.
-    if cached_setting is not setting:
+    # The id of a deleted object can be used again.
+    is_cached = cached_setting is setting
+    if not is_cached:
         places = _compute_places(setting, value, devices, standing, fill_in)
         _SETTING_AND_PLACES[cache_key] = setting, places
     return places
 
 
-#: Settings and their places, which are the same for all order codes with a value.
+#: Settings with their locations, by the id of the setting, its value and its standing.
 _SETTING_AND_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[SettingPlace, ...]]] = {}
 
 
@@ -112,7 +116,7 @@ def _compute_places(
     standing: str,
     fill_in: Callable[[str], str],
 ) -> tuple[SettingPlace, ...]:
-    """Return the places of a setting on each device that has it, one for each channel if they differ by channel."""
+    """Return the locations of a setting on each device that has it, one for each channel if they differ by channel."""
     places: list[SettingPlace] = []
     for rule in setting["places"]:
         for device in devices:
@@ -125,7 +129,7 @@ def _compute_places(
 
 
 def _differs_by_channel(rule: Raw) -> bool:
-    """Return whether a rule lists a location for each channel."""
+    """Return whether the rule for a location lists a different location for each channel of a device."""
     return any(isinstance(rule.get(key), list) for key in ("index", "subindex", "symbol", "register", "address"))
 
 
@@ -137,11 +141,15 @@ def _place_on_channel(
     standing: str,
     fill_in: Callable[[str], str],
 ) -> SettingPlace:
-    """Return the place of a value on one channel. ``fill_in`` replaces items of the record in braces."""
+    """Return the location of a value on one channel of a device.
 
-    def of_channel(key: str, default: Any = None) -> Any:
-        of_all_or_each = rule.get(key, default)
-        return of_all_or_each[channel_index] if isinstance(of_all_or_each, list) else of_all_or_each
+    ``fill_in`` replaces names in braces by facts about the encoder.
+    """
+
+    def find_for_channel(key: str, default: Any = None) -> Any:
+        """Return the value of a key, which is either one value or a list with a value for each channel."""
+        value_or_list = rule.get(key, default)
+        return value_or_list[channel_index] if isinstance(value_or_list, list) else value_or_list
 
     kind, type_bits = TYPES.get(rule["type"], ("", None))
     high_bit, low_bit = _parse_bits(str(rule.get("at", "")))
@@ -150,11 +158,11 @@ def _place_on_channel(
     return SettingPlace(
         device=device.name,
         channel=device.channels[channel_index] if _differs_by_channel(rule) else "",
-        index=of_channel("index"),
-        subindex=of_channel("subindex"),
-        symbol=fill_in(of_channel("symbol", "")),
-        register=of_channel("register", ""),
-        address=of_channel("address"),
+        index=find_for_channel("index"),
+        subindex=find_for_channel("subindex"),
+        symbol=fill_in(find_for_channel("symbol", "")),
+        register=find_for_channel("register", ""),
+        address=find_for_channel("address"),
         high_bit=high_bit,
         low_bit=low_bit,
         type=_without_not_given(rule["type"]),
@@ -171,11 +179,15 @@ def _place_on_channel(
 
 
 def _without_not_given(text: str) -> str:
+    """Return the text, or an empty string for ``not_given``, the word for facts that no document gives."""
     return "" if text == NOT_GIVEN else text
 
 
 def _parse_bits(text: str) -> tuple[int | None, int | None]:
-    """Return the highest and the lowest bit of ``5:0`` or ``6``, or None for both if the text is empty."""
+    """Parse a bit range such as ``5:0`` or ``6``, and return its highest and its lowest bit.
+
+    Both are None if the text is empty.
+    """
     if not text:
         return None, None
     high, _, low = text.partition(":")
@@ -183,7 +195,10 @@ def _parse_bits(text: str) -> tuple[int | None, int | None]:
 
 
 def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[SettingPlace]) -> str:
-    """Return ``Bits would be 70, but it is at most 63`` for a value that does not fit, or "". Texts fit everywhere."""
+    """Return an error message if a number does not fit in one of its locations, or an empty string.
+
+    The message is, for example, ``Bits would be 70, but it is at most 63``. Texts always fit.
+    """
     if not isinstance(value, int):
         return ""
     for place in places:
@@ -196,7 +211,7 @@ def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequenc
 
 
 def _highest_value(place: SettingPlace) -> int | None:
-    """Return the highest value that fits the range and the bits of a location, or None without a limit."""
+    """Return the highest number that fits in the range and the bits of a location, or None if there is no limit."""
     limits = [] if place.maximum is None else [place.maximum]
     if place.kind == "unsigned" and place.bits is not None:
         all_ones = (1 << place.bits) - 1
@@ -206,7 +221,10 @@ def _highest_value(place: SettingPlace) -> int | None:
 
 @dataclass(frozen=True, slots=True)
 class PlaceWords:
-    """A place in words, for all devices and channels with the same data. Texts that no document gives are empty."""
+    """A location of a setting in words, for all devices and channels with the same data.
+
+    Texts that no document gives are empty.
+    """
 
     devices: str
     location: str
@@ -220,9 +238,9 @@ class PlaceWords:
 
 
 def place_words(places: Sequence[SettingPlace], value: str, devices: Sequence[MasterDevice]) -> Iterator[PlaceWords]:
-    """Yield the places of a value in words, once for all devices with the same words.
+    """Yield the locations of a value in words, once for all devices with the same words.
 
-    ``devices`` of the words is empty if these are all devices. If a value is in hexadecimal, its default is, too.
+    The member ``devices`` is empty if these are all devices. The factory default is in hexadecimal if ``value`` is.
     """
     devices_by_words: dict[PlaceWords, list[str]] = {}
     # Adjacent places of a device are its channels.
@@ -235,7 +253,7 @@ def place_words(places: Sequence[SettingPlace], value: str, devices: Sequence[Ma
 
 
 def place_lines(places: Sequence[SettingPlace], value: str, devices: Sequence[MasterDevice]) -> Iterator[str]:
-    """Yield the places of a value as lines: ``0x8000:01, UINT16, unit kHz, factory default 500 [X:p. 3]``."""
+    """Yield the locations of a value as texts: ``0x8000:01, UINT16, unit kHz, factory default 500 [X:p. 3]``."""
     for words in place_words(places, value, devices):
         unit = f"unit {words.unit}" if words.unit not in ("", "none") else ""
         default = f"factory default {words.default}" if words.default else ""
@@ -250,7 +268,7 @@ def place_lines(places: Sequence[SettingPlace], value: str, devices: Sequence[Ma
 
 
 def _words_for_device(channel_places: Sequence[SettingPlace], *, in_hex: bool) -> PlaceWords:
-    """Return the words for the channels of one device, which differ only in their locations."""
+    """Return a location on all channels of one device in words. The channels differ only in their locations."""
     place = channel_places[0]
     data_type = place.type.replace("signed_n", "signed n")
     if place.type == "bits":
@@ -275,175 +293,12 @@ def _words_for_device(channel_places: Sequence[SettingPlace], *, in_hex: bool) -
 
 
 def _location_and_channel(place: SettingPlace) -> str:
+    """Return a location in words, with the name of its channel in parentheses if it has one."""
     return f"{place.location} ({place.channel})" if place.channel else place.location
 
 
 def _range_in_words(lowest: int | None, highest: int | None) -> str:
+    """Return a range of values in words. At least one of the limits is not None."""
     if lowest is None:
         return f"at most {highest}"
     return f"at least {lowest}" if highest is None else f"{lowest} to {highest}"
-
-
-@dataclass(frozen=True, slots=True)
-class ObjectWrite:
-    """A value that an object of the master must hold. ``text`` is the value as written."""
-
-    object: str
-    name: str
-    value: int | str
-    text: str
-    places: tuple[SettingPlace, ...]
-
-    @property
-    def title(self) -> str:
-        return f"{self.object} ({self.name})" if self.name else self.object
-
-
-@dataclass(frozen=True, slots=True)
-class WriteEffect:
-    """Condition on which a written value takes effect: exactly one member is not empty."""
-
-    in_state: str = ""
-    restart_of: str = ""
-    by_call: str = ""
-    at_once: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class WriteCondition:
-    """One condition for writing. Exactly one of needs, after, then and takes_effect is not empty.
-
-    ``of`` names its settings, and is empty if it applies to all. ``needs`` are values to write before these settings,
-    ``after`` names settings to write before them, ``then`` are values to write after them.
-    """
-
-    of: tuple[str, ...]
-    needs: tuple[ObjectWrite, ...]
-    after: tuple[str, ...]
-    then: tuple[ObjectWrite, ...]
-    takes_effect: WriteEffect | None
-    standing: str
-    source: str
-    text: str
-
-
-def writing_of(
-    rules: Iterable[Raw], names: Collection[str], devices: Sequence[MasterDevice], standing: str
-) -> tuple[WriteCondition, ...]:
-    """Return the conditions for writing the settings ``names`` of a sheet.
-
-    A condition that lists settings, or settings to write before, is omitted if the sheet has none of them.
-    """
-    conditions: list[WriteCondition] = []
-    for rule in rules:
-        settings = _known_names(rule, "of", names)
-        after = _known_names(rule, "after", names)
-        has_no_setting = "of" in rule and not settings
-        has_no_predecessor = "after" in rule and not after
-        if not has_no_setting and not has_no_predecessor:
-            conditions.append(_write_condition(rule, settings, after, devices, standing))
-    return tuple(conditions)
-
-
-def _known_names(rule: Raw, key: str, names: Collection[str]) -> tuple[str, ...]:
-    """Return the names in a list of a rule that are settings of the sheet."""
-    return tuple(name for name in rule.get(key, ()) if name in names)
-
-
-def _write_condition(
-    rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
-) -> WriteCondition:
-    """Return a condition with its words. ``settings`` and ``after`` are the names in it that the sheet has."""
-    needs = _writes_of_rule(rule, "needs", devices, standing)
-    then = _writes_of_rule(rule, "then", devices, standing)
-    effect = WriteEffect(**rule["takes_effect"]) if "takes_effect" in rule else None
-    return WriteCondition(
-        of=settings,
-        needs=needs,
-        after=after,
-        then=then,
-        takes_effect=effect,
-        standing=rule.get("standing", standing),
-        source=rule["source"],
-        text=_condition_text(settings, needs, after, then, effect),
-    )
-
-
-def _writes_of_rule(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str) -> tuple[ObjectWrite, ...]:
-    """Return the values to write that a rule lists under ``needs`` or ``then``."""
-    return tuple(_write_from_rule(raw_write, devices, standing) for raw_write in rule.get(key, ()))
-
-
-def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> ObjectWrite:
-    """Return a value to write, with its text in hexadecimal if the rule says so, and its places."""
-    value = rule["value"]
-    return ObjectWrite(
-        object=rule["object"],
-        name=rule.get("name", ""),
-        value=value,
-        text=f"0x{value:X}" if rule.get("as") == "hex" else str(value),
-        places=places_of(rule, value, devices, standing, str),
-    )
-
-
-def write_order(names: Sequence[str], rules: Iterable[WriteCondition]) -> tuple[str, ...]:
-    """Return the settings, each as early as every ``after`` allows, and otherwise in their original order."""
-    orderings = tuple(_Ordering(settings=rule.of, after=rule.after) for rule in rules if rule.after)
-    return _names_in_order(tuple(names), orderings)
-
-
-class _Ordering(NamedTuple):
-    """Condition that each of ``settings`` is written after all of ``after``."""
-
-    settings: tuple[str, ...]
-    after: tuple[str, ...]
-
-
-@lru_cache(maxsize=64)
-def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) -> tuple[str, ...]:
-    """Return the names with all predecessors of each before it. Remembered, since order codes share their rules.
-
-    The first name whose predecessors have all been written is next. The check of a description finds cycles.
-    """
-    predecessors = {name: set[str]() for name in names}
-    for ordering in orderings:
-        for name in ordering.settings:
-            predecessors[name].update(ordering.after)
-    written_names: list[str] = []
-    while len(written_names) < len(names):
-        unwritten_names = [name for name in names if name not in written_names]
-        ready_names = [name for name in unwritten_names if predecessors[name].issubset(written_names)]
-        written_names.append(ready_names[0])
-    return tuple(written_names)
-
-
-def _condition_text(
-    settings: tuple[str, ...],
-    needs: tuple[ObjectWrite, ...],
-    after: tuple[str, ...],
-    then: tuple[ObjectWrite, ...],
-    effect: WriteEffect | None,
-) -> str:
-    """Return a condition as one sentence: on values before or after the settings, an order, or an effect."""
-    if needs:
-        values_text = join_words(f"{write.title} must be {write.text}" for write in needs)
-        return f"Before writing {join_words(settings) or 'any setting'}, {values_text}."
-    if after:
-        return f"Write {join_words(settings)} after {join_words(after)}."
-    if then:
-        values_text = join_words(f"{write.title} to {write.text}" for write in then)
-        return f"After writing {join_words(settings) or 'all settings'}, set {values_text}."
-    assert effect is not None
-    verb = "takes" if len(settings) == 1 else "take"
-    return f"{join_words(settings) or 'All settings'} {verb} effect {_when_effective(effect)}."
-
-
-def _when_effective(effect: WriteEffect) -> str:
-    """Return the end of the sentence that says when a written value takes effect."""
-    if effect.in_state:
-        return f"only in the {effect.in_state} state"
-    if effect.restart_of:
-        return f"after a restart of {effect.restart_of}"
-    if effect.by_call:
-        return f"when {effect.by_call} is called"
-    return "immediately"

@@ -13,24 +13,12 @@ from fractions import Fraction
 from types import MappingProxyType
 
 from ..language.master_items import NUMBERS
-from ..model import (
-    Biss,
-    Clock,
-    Crc,
-    Device,
-    Interface,
-    Layout,
-    Measurement,
-    PlacedLayout,
-    Ssi,
-    Timeout,
-    Variant,
-)
+from ..model import Biss, Clock, Crc, Device, Interface, Layout, Measurement, PlacedLayout, Ssi, Timeout, Variant
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
 from ..say.evidence import Topic, reference_to_mention, word_for_document
 from ..say.text import hertz, timeout_words
-from .channels import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
+from .coverage import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
 from .frame_parts import (
     CableRow,
     CableTable,
@@ -49,7 +37,7 @@ _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 
 
 class Undecided(NoRecord):
-    """The frame depends on a question that the manual leaves open, and no answer was given."""
+    """The frame depends on a question that the manual leaves open, and the user gave no answer."""
 
     def __init__(self, layout: Layout, names: Iterable[str]) -> None:
         super().__init__(f"'{layout.name}' depends on {' and '.join(names)}, which you must choose")
@@ -58,15 +46,17 @@ class Undecided(NoRecord):
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class EncoderFacts:
-    """Facts about one order code. ``parts`` are in the order sent, ``notes`` are whole sentences.
+    """Facts about one order code that master settings depend on.
 
-    ``answers`` are the user's answers to questions that the manual leaves open, by the names of the alternatives.
-    ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` the row of the table for
-    it. Both may be None. ``step`` is the exact length of a count in µm. ``numbers`` has it in each unit in which it is
-    whole. ``document`` is the word for what does not state a fact. ``mentioned`` has the place of a text about a
-    subject, or an empty string. ``used_hz`` has the clocks in use, if the highest clock is not known. ``obstacle`` is
-    the reason why no master can take the position, and ``crc_obstacle`` the reason why none can check the CRC. Both are
-    sentences, or empty. ``channels`` are the other data channels in the frame ``layout``.
+    ``words`` and ``numbers`` are the facts to which the rules for masters refer, by name. A number that the spec does
+    not give is None. ``parts`` are the parts of the frame in the order in which they are sent, and ``notes`` are
+    sentences for the user. ``answers`` are the user's answers to questions that the manual leaves open, by the name of
+    the question. ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` is the row of
+    the table that limits the clock, or None. ``step`` is the exact length of a count in µm. ``document`` is the word
+    for the source of the spec, such as ``manual``. ``mentioned`` refers to a text of the manual about a subject.
+    ``used_hz`` has clocks with which the encoder is known to work, if its highest clock is unknown. ``obstacle`` is the
+    reason why no master can read the position, and ``crc_obstacle`` is the reason why none can check the CRC. Both are
+    sentences or empty. ``channels`` are the other data channels in the frame ``layout``.
     """
 
     code: str
@@ -91,6 +81,7 @@ class EncoderFacts:
 
     @property
     def known_numbers(self) -> Mapping[str, int]:
+        """The numbers that the spec gives, by name."""
         return {name: value for name, value in self.numbers.items() if value is not None}
 
 
@@ -116,18 +107,18 @@ def record(
     cable_m: int | None = None,
     answers: Mapping[str, str] = _NO_ANSWERS,
 ) -> EncoderFacts:
-    """Return the record of one order code.
+    """Return the facts about one order code that master settings depend on.
 
     Args:
         device: The family.
         variant: The order code, with the parameters that registers hold.
         as_delivered: True if those are the factory defaults.
-        cable_m: Cable length in metres for which to choose the highest clock. By default, the interface's limit holds.
-        answers: The user's answers to questions that the manual leaves open, by the names of the alternatives.
+        cable_m: Cable length in meters for which the highest clock is chosen. By default, only the encoder limits it.
+        answers: The user's answers to questions that the manual leaves open, by the name of the question.
 
     Raises:
         Undecided: The frame depends on an answer that is missing.
-        NoRecord: The order code has no BiSS or SSI interface, no frame carries its position, or no clock is known for
+        NoRecord: The order code has no BiSS or SSI interface, no frame contains its position, or no clock is known for
             this cable length.
     """
     frame = _position_frame(device, variant, answers)
@@ -145,14 +136,18 @@ def record(
         *channel_notes(frame.interface, frame.placed_layout),
         *filter(None, (obstacle, crc_obstacle)),
     )
-    # The record is first built for any cable.
-    unlimited = _build_record(frame, parts, numbers, cables, notes, needed_answers)
-    unlimited = replace(unlimited, obstacle=obstacle, crc_obstacle=crc_obstacle)
-    return unlimited if cable_m is None else _limit_to_cable(unlimited, cable_m)
+    record_for_any_cable = _build_record(frame, parts, numbers, cables, notes, needed_answers)
+    record_for_any_cable = replace(record_for_any_cable, obstacle=obstacle, crc_obstacle=crc_obstacle)
+    return record_for_any_cable if cable_m is None else _limit_to_cable(record_for_any_cable, cable_m)
 
 
 def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]) -> _PositionFrame:
-    """Return the frame with the position as these answers place it. Raise the errors of ``record``."""
+    """Return the frame that contains the position, with the user's answers to questions that the manual leaves open.
+
+    Raises:
+        Undecided: The frame depends on an answer that is missing.
+        NoRecord: The order code has no BiSS or SSI interface, or no frame contains its position.
+    """
     interface = device.interface(variant.interface)
     if not isinstance(interface, (Biss, Ssi)):
         only = f"there are masters for {Ssi.title} and {Biss.title} only"
@@ -173,22 +168,25 @@ def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]
 
 
 def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[FramePart, ...], str]:
-    """Return the parts of the frame, and the reason why no master can take them, or an empty string if they can.
+    """Return the parts of the frame by their role for a master, and the reason why no master can read the position.
 
-    With a reason, the parts are only rough.
+    The reason is empty if masters can read it. With a reason, the roles are only approximate.
     """
     layout = frame.placed_layout.layout
     try:
         if layout.in_bytes:
-            raise NoRecord(f"'{layout.name}' is carried as bytes, and the rules for masters cover frames of bits")
+            raise NoRecord(f"'{layout.name}' is sent as bytes, but the rules for masters cover frames of bits")
         return tuple(frame_parts(frame.placed_layout, frame.measurement, frame.variant)), ""
     except NoRecord as reason:
-        rough = tuple(rough_parts(frame.placed_layout, frame.measurement, frame.variant))
-        return rough, f"No master described here can read the position: {reason}."
+        approximate_parts = tuple(rough_parts(frame.placed_layout, frame.measurement, frame.variant))
+        return approximate_parts, f"No master described here can read the position: {reason}."
 
 
 def _crc_obstacle(device: Device, placed_layout: PlacedLayout) -> str:
-    """Return the reason why no master can check the CRC, or an empty string."""
+    """Return the reason why no master can check the CRC of a frame, or an empty string.
+
+    It is empty if masters can check the CRC, and for a frame without a CRC.
+    """
     crc = device.crc_of(placed_layout)
     if crc is None or _is_common_form(device, crc):
         return ""
@@ -197,9 +195,9 @@ def _crc_obstacle(device: Device, placed_layout: PlacedLayout) -> str:
 
 
 def _is_common_form(device: Device, crc: Crc) -> bool:
-    """Return whether the CRC is sent most significant bit first, either plain or fully inverted.
+    """Return whether masters can check a CRC: it is sent most significant bit first, either plain or fully inverted.
 
-    The polynomial must end with + 1, since masters may omit this 1.
+    Its polynomial must also end with + 1, since some masters omit this 1.
     """
     is_reflected = device.reflects_input(crc) or crc.refout
     is_plain_or_inverted = crc.xorout in (0, crc.mask)
@@ -215,10 +213,7 @@ def _build_record(
     notes: tuple[str, ...],
     answers: Mapping[str, str],
 ) -> EncoderFacts:
-    """Return the record for any cable length, without the reasons why masters cannot use it.
-
-    ``used_hz`` is empty if the highest clock is known.
-    """
+    """Return the facts about an order code for any cable length, without the reasons why masters cannot read it."""
     device, interface = frame.device, frame.interface
     timeout = interface.timeout_of(frame.variant.code) if isinstance(interface, Biss) else None
     clock = interface.clock_of(frame.variant.code)
@@ -242,7 +237,7 @@ def _build_record(
 
 
 def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[FramePart]) -> dict[str, int | None]:
-    """Return the numbers of a record by name, in the order of ``NUMBERS``: ``{"position_bits": 24, …}``.
+    """Return all numbers to which the rules for masters refer, by name: ``{"position_bits": 24, …}``.
 
     A number that the spec does not give is None.
     """
@@ -262,7 +257,7 @@ def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[FramePart]) ->
 def _words_by_name(
     frame: _PositionFrame, frame_parts: Sequence[FramePart], numbers: Mapping[str, int | None]
 ) -> dict[str, str]:
-    """Return the facts of a record that are words, by name: ``{"coding": "gray", "parity": "none", ...}``."""
+    """Return all facts to which the rules for masters refer and that are words: ``{"coding": "gray", ...}``."""
     movement = frame.device.movement
     return {
         "interface": frame.variant.interface,
@@ -275,23 +270,27 @@ def _words_by_name(
 
 
 def _status_active(frame_parts: Sequence[FramePart]) -> str:
-    """Return the level at which the status bits are active, ``mixed`` if they differ, or ``none``."""
-    # A bit that is always 1 has no level. It is an active-low bit that is never active.
+    """Return the active level of the status bits: ``low``, ``high``, ``mixed`` if they differ, or ``none`` without any.
+
+    A bit that is always 1 counts as active low, because it looks like an active-low bit that is never active.
+    """
     levels = {part.active or "low" for part in frame_parts if part.role == "status"}
     if not levels:
         return "none"
-    have_same_level = len(levels) == 1
-    return levels.pop() if have_same_level else "mixed"
+    if len(levels) > 1:
+        return "mixed"
+    return levels.pop()
 
 
 def _limit_to_cable(unlimited: EncoderFacts, metres: int) -> EncoderFacts:
-    """Return the record with the highest clock for this cable length: the table's clock or, if lower, the encoder's.
+    """Return the facts about an order code with the highest clock for a cable length.
 
-    If the encoder's clock is not known, the record contains the clocks in use that the table allows. ``cable_row`` is
-    the row of the table that limits the clock, or None if the encoder limits it.
+    It is the clock in the table of cable lengths or, if lower, the highest clock of the encoder. If the latter is
+    unknown, only those clocks in ``used_hz`` remain that the table allows. ``cable_row`` becomes the row of the table
+    that limits the clock, or None if the encoder limits it.
 
     Raises:
-        NoRecord: The table has no such length, or its clock is lower than the encoder's lowest.
+        NoRecord: The table does not cover this length, or its clock is too low for the encoder.
     """
     row = _cable_row(unlimited, metres)
     slowest_hz, fastest_hz = unlimited.numbers["clock_min_hz"], unlimited.numbers["clock_max_hz"]
@@ -309,26 +308,27 @@ def _limit_to_cable(unlimited: EncoderFacts, metres: int) -> EncoderFacts:
 
 
 def _cable_row(unlimited: EncoderFacts, metres: int) -> CableRow:
-    """Return the row of the table for this cable length.
+    """Return the row of the table of clocks that applies to a cable length.
 
     Raises:
-        NoRecord: There is no table, or the cable is longer than all in it.
+        NoRecord: There is no table, or the cable is longer than all cables in it.
     """
     row = unlimited.cables.row_of(metres)
     if row is not None:
         return row
     cable_text = f"{unlimited.code}, cable of {metres} m"
-    longest = max((table_row.metres for table_row in unlimited.cables.rows), default=0)
-    if not longest:
+    has_table = bool(unlimited.cables.rows)
+    if not has_table:
         raise NoRecord(f"{cable_text}: the spec has no table of clocks by cable length")
+    longest = max(table_row.metres for table_row in unlimited.cables.rows)
     raise NoRecord(f"{cable_text}: the table in {unlimited.cables.origin} ends at {longest} m")
 
 
 def _frame_with_position(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
-    """Return the frame that carries the position of this order code. With several BiSS channels, this is the first.
+    """Return the frame that contains the position of an order code: the first one if several BiSS channels do.
 
     Raises:
-        NoRecord: No frame carries the position.
+        NoRecord: No frame contains the position.
     """
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
@@ -340,9 +340,9 @@ def _frame_with_position(interface: Interface, measurement: Measurement, variant
 
 
 def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
-    """Return the numbers of the CRC, or zeros without a CRC.
+    """Return the parameters of a CRC by their names in the rules for masters, or zeros without a CRC.
 
-    The polynomial x^6 + x + 1 is 0x43, or 0x03 without its top bit, or 0x21 without its last 1.
+    The polynomial is in three notations: x^6 + x + 1 is 0x43, 0x03 without its top bit, and 0x21 without its last 1.
     """
     polynomial = crc.poly_with_top_bit if crc is not None else 0
     is_inverted = crc is not None and crc.xorout != 0
@@ -356,12 +356,13 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
 
 
 def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
-    """Return clock and times of an order code by name, with None for those that the spec does not give.
+    """Return clock limits and times of an order code by name: ``{"clock_max_hz": 5000000, "pause_us": 20, …}``.
 
-    For example ``{"clock_min_hz": 80000, "clock_max_hz": 5000000, "pause_us": 20, …}``.
+    A number that the spec does not give is None.
     """
     timings = {timing.name: timing for timing in facts_for_code(interface.timings, code)}
-    pause, busy = timings.get("pause"), timings.get("busy")
+    pause = timings.get("pause")
+    busy = timings.get("busy")
     clock = interface.clock_of(code)
     timeout = interface.timeout_of(code) if isinstance(interface, Biss) else None
     return {
@@ -374,7 +375,10 @@ def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
 
 
 def _longest_timeout_us(timeout: Timeout, clock: Clock) -> int | None:
-    """Return the longest time-out, rounded up, or None if it is not known. In periods, it depends on the clock."""
+    """Return the longest timeout in µs, rounded up, or None if the spec does not give it.
+
+    A timeout that is given in clock periods is longest at the lowest clock.
+    """
     slowest_hz = clock.min_hz
     if timeout.at_most_ns is not None:
         return _divide_rounding_up(timeout.at_most_ns, 1000)
@@ -385,22 +389,29 @@ def _longest_timeout_us(timeout: Timeout, clock: Clock) -> int | None:
 
 
 def _divide_rounding_up(number: int, divisor: int) -> int:
-    # Division rounds down, so dividing the negative number rounds its absolute value up.
-    return -(-number // divisor)
+    """Return the quotient of two positive numbers, rounded up."""
+    return (number + divisor - 1) // divisor
 
 
 def _supply_voltage(device: Device, variant: Variant) -> dict[str, int | None]:
+    """Return the limits of the supply voltage of an order code in mV, or None if the spec does not give them."""
     supply = device.supply_of(variant)
-    lowest, highest = (supply.min_mv, supply.max_mv) if supply is not None else (None, None)
-    return {"supply_min_mv": lowest, "supply_max_mv": highest}
+    return {
+        "supply_min_mv": supply.min_mv if supply is not None else None,
+        "supply_max_mv": supply.max_mv if supply is not None else None,
+    }
 
 
 def _measurement_numbers(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
-    """Return the counts per turn, the turns, and the step where it is whole. None if unknown."""
-    counts, turns = measurement.counts_per_turn, measurement.turns
+    """Return the counts per turn, the number of turns, and the size of a count in µm and in pm, by name.
+
+    A number is None if the spec does not give it, or if the size of a count is not a whole number in the unit.
+    """
+    counts = measurement.counts_per_turn
+    turns = measurement.turns
     turn_count = None
     if turns is not None:
-        # Registers may set fewer bits than needed for the revolutions in other registers at their factory defaults.
+        # One register can set fewer multiturn bits than another register needs for its factory default of revolutions.
         turn_count = min(turns.value(variant.parameters), 1 << multiturn_bits)
     step = measurement.micrometres(variant.parameters)
     return {
@@ -412,9 +423,9 @@ def _measurement_numbers(measurement: Measurement, variant: Variant, multiturn_b
 
 
 def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_turn: int | None) -> str:
-    """Return ``all`` if every value of the singleturn bits is a position within a turn, and ``some`` if fewer are.
+    """Return which values of the singleturn bits are positions: ``all``, ``some``, ``none``, or ``unknown``.
 
-    Return ``none`` for linear encoders, and ``unknown`` without the numbers.
+    It is ``none`` for linear encoders, and ``unknown`` if the spec does not give the numbers.
     """
     if movement == "linear":
         return "none"
@@ -425,9 +436,9 @@ def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_tur
 
 
 def _whole_number(step: Fraction | None, per_um: int) -> int | None:
-    """Return a length in micrometres in another unit, or None if it is not a whole number of that unit.
+    """Convert a length in micrometers to a smaller unit, or return None if it is not a whole number in this unit.
 
-    ``per_um`` is the number of these units in a micrometre, such as 1,000,000 for picometres.
+    ``per_um`` is the number of these units in a micrometer, such as 1,000,000 for picometers.
     """
     if step is None:
         return None

@@ -19,7 +19,7 @@ from .frame_parts import FramePart
 from .record import EncoderFacts
 
 Raw = Mapping[str, Any]
-#: Bound of a clock that is in use, while the limits of the encoder are not known.
+#: Bound of a clock that is known to work with the encoder, while its highest clock is unknown.
 START_WITH = "start_with"
 _HZ_BY_UNIT = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 
@@ -37,9 +37,9 @@ class UnknownValue(Exception):
 
 
 def _unknown_number(number: str, step: Fraction | None = None) -> UnknownValue:
-    """Return the error about a number without a value.
+    """Return the error for a number that the spec does not give. ``number`` is its name, such as ``step_um``.
 
-    ``number`` is its name, such as ``step_um``. The ``step`` may be known, but not whole in the unit of this item.
+    If ``step`` is not None, the size of a count is known, but is not a whole number in the unit of ``number``.
     """
     if number in STEPS and step is not None:
         return UnknownValue(f"one count is {decimal(step)} µm, not a whole number of {STEPS[number]}")
@@ -51,21 +51,24 @@ class UnsupportedFeature(Exception):
 
 
 def rule_applies(rule: Raw, record: EncoderFacts) -> bool:
-    """Return whether all conditions in ``when`` of a rule are known to hold."""
+    """Return whether a rule of a master's description applies to an encoder: all conditions in ``when`` are met.
+
+    A condition on a number that the spec does not give is not met.
+    """
     return all(_condition_holds(condition, record) for condition in rule.get("when", ()))
 
 
 def _condition_holds(condition: Raw, record: EncoderFacts) -> bool:
-    """Return whether a condition is known to hold."""
+    """Return whether a fact about the encoder is known, and meets a condition."""
     name = condition["item"]
     is_known = name in record.words or record.numbers[name] is not None
     return is_known and is_within_limits(condition, record)
 
 
 def is_within_limits(limit: Raw, record: EncoderFacts) -> bool:
-    """Return whether an item of the record is within its limits, or a number without a value.
+    """Return whether a fact about the encoder meets a limit of a master, or is a number that the spec does not give.
 
-    The limits of a word are the list ``is``. Those of a number are ``at_least``, ``at_most``, ``one_of`` and
+    A fact that is a word must be in the list ``is``. A number has the limits ``at_least``, ``at_most``, ``one_of`` and
     ``none_of``, all of them optional.
     """
     name = limit["item"]
@@ -74,7 +77,7 @@ def is_within_limits(limit: Raw, record: EncoderFacts) -> bool:
     number = record.numbers[name]
     if number is None:
         return True
-    # A limit that is not given defaults to the number itself, so it always holds.
+    # A limit that is not given defaults to the number itself, which always meets it.
     is_in_range = limit.get("at_least", number) <= number <= limit.get("at_most", number)
     is_listed = number in limit.get("one_of", (number,))
     is_excluded = number in limit.get("none_of", ())
@@ -102,7 +105,10 @@ _COUNTED_BITS: Mapping[str, tuple[str, str]] = {
 
 
 def actual_value(name: str, record: EncoderFacts) -> str:
-    """Return an item of a record in words of a manual, such as ``Gray code`` or ``4 zero bits before the position``."""
+    """Return a fact about an encoder in words, such as ``Gray code`` or ``4 zero bits before the position``.
+
+    ``name`` is the name of the fact in rules, such as ``coding`` or ``padding_left``.
+    """
     if name in record.words:
         return fill_template(WORDS[name][record.words[name]], record)
     number = record.known_numbers[name]
@@ -118,7 +124,7 @@ def actual_value(name: str, record: EncoderFacts) -> str:
 
 
 def encoder_has(name: str, record: EncoderFacts) -> str:
-    """Return a sentence with an item of a record, such as ``This encoder has 4 zero bits before the position.``"""
+    """Return a fact about an encoder as a sentence, such as ``This encoder has 4 zero bits before the position.``"""
     value = actual_value(name, record)
     if name == "frame_bits":
         return f"This encoder sends frames of {count_with_unit(record.known_numbers[name], 'bit')}."
@@ -129,11 +135,14 @@ def encoder_has(name: str, record: EncoderFacts) -> str:
 
 
 def value_of_setting(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
-    """Return the value of a setting, such as ``(5000, "5000 kHz", "at_most")``.
+    """Return the value of a setting for an encoder, such as ``(5000, "5000 kHz", "at_most")``.
+
+    ``rule`` describes how the master's setting follows from facts about the encoder: an expression, a choice, a clock,
+    or a text.
 
     Raises:
-        UnknownValue: It depends on a number that the spec does not give.
-        UnsupportedFeature: The master offers no value for it.
+        UnknownValue: The value depends on a number that the spec does not give.
+        UnsupportedFeature: The master has no value for this encoder.
     """
     if "unknown" in rule:
         raise UnknownValue(rule["unknown"])
@@ -151,73 +160,76 @@ def value_of_setting(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
         return _listed_clock(rule, record)
     if "any_clock" in rule:
         return _selectable_clock(rule["any_clock"], record)
-    # What is left are texts: ``text`` with items filled in, or ``string`` with a text for each part of the frame.
     if "text" in rule:
-        text = _filled_if_known(rule["text"], record)
-        return ValueOfSetting(text, text)
-    text = "".join(_field_texts(rule["string"], rule["name"], record))
+        text = _fill_known_template(rule["text"], record)
+    else:  # The value is a text with a part for each field of the frame.
+        text = "".join(_field_texts(rule["string"], rule["name"], record))
     return ValueOfSetting(text, text)
 
 
 def _evaluate_expression(
     value: int | str, setting_name: str, record: EncoderFacts, *, may_be_negative: bool = False
 ) -> int:
-    """Return the value of an expression for a record.
+    """Return the number that an expression of a rule, such as ``data_bits - 1``, has for an encoder.
 
     Raises:
-        UnknownValue: The record lacks a number in the expression.
-        UnsupportedFeature: The number is negative, or cannot be computed.
+        UnknownValue: The spec does not give a number in the expression.
+        UnsupportedFeature: The result is negative, or cannot be computed.
     """
     expression = Expression.parse(value)
     for parameter in expression.parameters:
         if record.numbers[parameter] is None:
             raise _unknown_number(parameter, record.step)
-    number: int | None
+    error = UnsupportedFeature(f"{setting_name} would be {expression.render()}, which cannot be set")
     try:
         number = expression.value(record.known_numbers)
     except ExpressionError:
-        number = None
-    if number is None or (number < 0 and not may_be_negative):
-        raise UnsupportedFeature(f"{setting_name} would be {expression.render()}, which cannot be set")
+        raise error from None
+    if number < 0 and not may_be_negative:
+        raise error
     return number
 
 
 def _choose_value(rule: Raw, record: EncoderFacts) -> int | str:
-    """Return the value ``set`` of the case whose ``is`` equals the deciding item of this encoder.
+    """Return the value of a setting that depends on one fact about the encoder, such as the coding of the position.
+
+    The choice in the rule lists cases: ``is`` is a value of the fact, and ``set`` is the value of the setting.
 
     Raises:
-        UnknownValue: The spec does not give the deciding item.
-        UnsupportedFeature: No case has its value.
+        UnknownValue: The spec does not give the fact.
+        UnsupportedFeature: The choice has no case for it.
     """
-    deciding_item = rule["choice"]["of"]
-    encoder_value = record.words.get(deciding_item, record.numbers.get(deciding_item))
+    fact_name = rule["choice"]["of"]
+    encoder_value = record.words.get(fact_name, record.numbers.get(fact_name))
     if encoder_value is None:
-        raise _unknown_number(deciding_item, record.step)
+        raise _unknown_number(fact_name, record.step)
     for case in rule["choice"]["cases"]:
         if case["is"] == encoder_value:
             setting_value: int | str = case["set"]
             return setting_value
-    raise UnsupportedFeature(f"{rule['name']} has no value for {actual_value(deciding_item, record)}")
+    raise UnsupportedFeature(f"{rule['name']} has no value for {actual_value(fact_name, record)}")
 
 
 def _is_highest_clock_known(record: EncoderFacts) -> bool:
+    """Return whether the spec gives the highest clock of the encoder."""
     return record.numbers["clock_max_hz"] is not None
 
 
 def _clock_limits_hz(record: EncoderFacts) -> tuple[int, int]:
-    """Return the slowest and the fastest clock of the encoder. The slowest is 0 if it is not known.
+    """Return the lowest and the highest clock of the encoder in Hz. The lowest is 0 if the spec does not give it.
 
     Raises:
-        UnknownValue: The fastest one is not known.
+        UnknownValue: The spec does not give the highest clock.
     """
-    slowest_hz, fastest_hz = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
+    slowest_hz = record.numbers["clock_min_hz"]
+    fastest_hz = record.numbers["clock_max_hz"]
     if fastest_hz is None:
         raise _unknown_number("clock_max_hz")
     return slowest_hz or 0, fastest_hz
 
 
 def _listed_clock(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
-    """Return the value of a clock that the master selects from a list: ``(3, "3 (5 MHz)", "")``."""
+    """Return the value of a clock setting for which the master has a list of clocks: ``(3, "3 (5 MHz)", "")``."""
     best_clock = best_listed_clock(rule, record)
     frequency_text = hertz(best_clock["hz"])
     value = best_clock["set"]
@@ -229,10 +241,11 @@ def _listed_clock(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
 def best_listed_clock(rule: Raw, record: EncoderFacts) -> Raw:
     """Return the fastest of the master's clocks that the encoder supports: ``{"hz": 5000000, "set": 3}``.
 
-    If the highest clock of the encoder is not known, return the fastest clock in use.
+    If the highest clock of the encoder is unknown, it is the fastest one of those with which the encoder is known to
+    work (``used_hz``).
 
     Raises:
-        UnknownValue: The highest clock is not known, and the master has none of the clocks in use.
+        UnknownValue: The highest clock is unknown, and the master has none of the clocks that are known to work.
         UnsupportedFeature: The master has no clock within the limits of the encoder.
     """
     used_clocks = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
@@ -251,11 +264,12 @@ def best_listed_clock(rule: Raw, record: EncoderFacts) -> Raw:
 
 
 def _fastest_of(clocks: Sequence[Raw]) -> Raw:
+    """Return the fastest of the clocks in the list of a master."""
     return max(clocks, key=lambda clock: int(clock["hz"]))
 
 
 def _fastest_clock_text(record: EncoderFacts) -> str:
-    """Return the highest clock in words, which a table of cable lengths may give as an exclusive limit."""
+    """Return the highest clock of the encoder in words, as printed in the table of cable lengths if that limits it."""
     row = record.cable_row
     if row is not None:
         return hertz(row.hz)
@@ -263,15 +277,16 @@ def _fastest_clock_text(record: EncoderFacts) -> str:
 
 
 def _selectable_clock(clock_rule: Raw, record: EncoderFacts) -> ValueOfSetting:
-    """Return the value of a clock that the master takes as a number: ``(5000, "5000 kHz", "at_most")``.
+    """Return the value of a clock setting for which the master takes any number: ``(5000, "5000 kHz", "at_most")``.
 
     The number has the unit of the rule, or Hz if that is not a unit of frequency.
     """
     clock_hz = best_selectable_clock(clock_rule, record)
     bound = "at_most" if _is_highest_clock_known(record) else START_WITH
     row = record.cable_row
-    # If the table prints an exclusive limit, ``row.highest_hz`` is lower than the printed ``row.hz``, which is shown.
-    if row is not None and row.is_below and clock_hz == row.highest_hz:
+    # The table of cable lengths may give an exclusive limit. It is shown as printed.
+    is_limited_by_row = row is not None and row.is_below and clock_hz == row.highest_hz
+    if row is not None and is_limited_by_row:
         clock_hz = row.hz
         bound = "below"
     unit = clock_rule["unit"]
@@ -280,18 +295,19 @@ def _selectable_clock(clock_rule: Raw, record: EncoderFacts) -> ValueOfSetting:
     whole_number, remainder_hz = divmod(clock_hz, _HZ_BY_UNIT[unit])
     number_text = f"{clock_hz / _HZ_BY_UNIT[unit]:g}" if remainder_hz else str(whole_number)
     text = f"{number_text} Hz ({hertz(clock_hz)})" if unit == "Hz" else f"{number_text} {unit}"
-    # A number with decimals stays a text, such as "1.25".
+    # A number with decimals, such as "1.25", remains a text.
     value: int | str = int(number_text) if number_text.isdigit() else number_text
     return ValueOfSetting(value, text, bound)
 
 
 def best_selectable_clock(clock_rule: Raw, record: EncoderFacts) -> int:
-    """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks.
+    """Return the fastest clock in Hz that both the encoder and the master support, for a master that takes any number.
 
-    If the highest clock of the encoder is not known, return the fastest in use that the master supports.
+    If the highest clock of the encoder is unknown, it is the fastest one that the master supports of those with which
+    the encoder is known to work (``used_hz``).
 
     Raises:
-        UnknownValue: The highest clock is not known, and the master supports none of the clocks in use.
+        UnknownValue: The highest clock is unknown, and the master supports none of the clocks that are known to work.
         UnsupportedFeature: No clock is within the limits of both.
     """
     lowest_of_master = clock_rule.get("at_least_hz", 0)
@@ -310,11 +326,11 @@ def best_selectable_clock(clock_rule: Raw, record: EncoderFacts) -> int:
     return best_hz
 
 
-def _filled_if_known(text: str, record: EncoderFacts) -> str:
-    """Return the text with the items in braces filled in.
+def _fill_known_template(text: str, record: EncoderFacts) -> str:
+    """Return a text in which names in braces, such as ``{data_bits}``, are replaced by facts about the encoder.
 
     Raises:
-        UnknownValue: One of them is unknown.
+        UnknownValue: The spec does not give one of these facts.
     """
     for name in NUMBERS:
         is_in_text = f"{{{name}}}" in text
@@ -325,7 +341,10 @@ def _filled_if_known(text: str, record: EncoderFacts) -> str:
 
 
 def fill_template(text: str, record: EncoderFacts) -> str:
-    """Return the text with the items in braces filled in, and with ``unknown`` for items without a value."""
+    """Return a text in which names in braces, such as ``{data_bits}``, are replaced by facts about the encoder.
+
+    A fact that the spec does not give becomes ``unknown``.
+    """
     if "{" not in text:
         return text
     if record.step is not None:
@@ -336,23 +355,24 @@ def fill_template(text: str, record: EncoderFacts) -> str:
 
 
 def _field_texts(rule: Raw, setting_name: str, record: EncoderFacts) -> Iterator[str]:
-    """Yield the text at the start, and then the text of each part of the frame, from the rule for its kind.
+    """Yield the texts that describe a frame to a master, one for each part of the frame, after a text for the start.
 
-    The kind of a part is its role, or for a status bit ``status_active_low`` or ``status_active_high``.
+    The rule has a template for each kind of part. The kind is the role of the part, such as ``crc``, or for a status
+    bit ``status_active_low`` or ``status_active_high``.
 
     Raises:
-        UnknownValue: The text needs a number without a value.
-        UnsupportedFeature: There is no rule for a kind.
+        UnknownValue: A template needs a number that the spec does not give.
+        UnsupportedFeature: There is no template for a kind.
     """
-    # The first rule for a kind that applies is used.
+    # The first template for a kind that applies to the encoder is used.
     template_by_kind: dict[str, str] = {}
     for field_rule in rule["fields"]:
         if rule_applies(field_rule, record):
             template_by_kind.setdefault(field_rule["of"], field_rule["text"])
-    yield _filled_if_known(rule.get("start", ""), record)
+    yield _fill_known_template(rule.get("start", ""), record)
     has_whole_position = "position" in template_by_kind
     parts = _with_whole_position(record) if has_whole_position else _with_two_parts_of_position(record)
-    # The record lists the parts in the order sent.
+    # The parts are in the order in which they are sent.
     if rule["first"] != "sent_first":
         parts = parts[::-1]
     for part in parts:
@@ -363,26 +383,28 @@ def _field_texts(rule: Raw, setting_name: str, record: EncoderFacts) -> Iterator
             raise UnsupportedFeature(f"{fill_template(setting_name, record)} cannot express '{part.name}'")
         template = template_by_kind[kind]
         part_text = template.replace("{bits}", str(part.bits)).replace("{name}", part.name)
-        yield _filled_if_known(part_text, record)
+        yield _fill_known_template(part_text, record)
 
 
 def _with_whole_position(record: EncoderFacts) -> Sequence[FramePart]:
-    """Return the parts of the frame with all parts of the position merged into one."""
-    roles = ["position" if part.role in ("multiturn", "singleturn") else part.role for part in record.parts]
-    parts = [replace(part, role=role) for part, role in zip(record.parts, roles, strict=True)]
-    return _with_neighbours_merged(parts, ("position",))
+    """Return the parts of the frame, with all bits of the position as one part."""
+    parts: list[FramePart] = []
+    for part in record.parts:
+        is_of_position = part.role in ("multiturn", "singleturn")
+        parts.append(replace(part, role="position") if is_of_position else part)
+    return _merge_adjacent_parts(parts, ("position",))
 
 
 def _with_two_parts_of_position(record: EncoderFacts) -> Sequence[FramePart]:
-    """Return the parts of the frame with all multiturn bits in one, and all singleturn bits in one."""
-    return _with_neighbours_merged(record.parts, ("multiturn", "singleturn"))
+    """Return the parts of the frame, with all multiturn bits as one part, and all singleturn bits as one part."""
+    return _merge_adjacent_parts(record.parts, ("multiturn", "singleturn"))
 
 
-def _with_neighbours_merged(frame_parts: Sequence[FramePart], roles: Collection[str]) -> Sequence[FramePart]:
-    """Return the parts, with adjacent parts of the same role merged if the role is in ``roles``.
+def _merge_adjacent_parts(frame_parts: Sequence[FramePart], roles: Collection[str]) -> Sequence[FramePart]:
+    """Return the parts of a frame, with adjacent parts of the same role merged if the role is in ``roles``.
 
-    Two neighbouring parts of 4 and 8 singleturn bits become the part ``singleturn`` of 12 bits. Such a part is named
-    after its role, even if it has no such neighbour.
+    Two adjacent parts of 4 and 8 singleturn bits become one part of 12 bits with the name ``singleturn``. A part with
+    one of these roles gets the name of its role even if there is nothing to merge.
     """
     merged_parts: list[FramePart] = []
     for part in frame_parts:

@@ -6,23 +6,19 @@ Everything about a master is in its description, a file in ``specs/masters``. Se
 from __future__ import annotations
 
 import functools
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from ..language.check import check_document
 from ..language.files import packaged_masters
-from ..language.master_items import NUMBERS
 from ..language.problems import ProblemReport, join_words
 from ..language.read import read_specs
 from ..model import INTERFACES, Document
-from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..say.order_code import clocks_in_use
-from .frame_parts import FramePart
-from .places import MasterDevice, SettingPlace, WriteCondition, devices_of, places_of, reason_for_misfit, writing_of
+from .coverage import depends_on_crc, depends_on_whole_frame, uncovered_parts
+from .places import MasterDevice, SettingPlace, devices_of, places_of, reason_for_misfit
 from .record import EncoderFacts
 from .setting_values import (
     START_WITH,
@@ -37,16 +33,17 @@ from .setting_values import (
     rule_applies,
     value_of_setting,
 )
+from .writing import WriteCondition, writing_of
 
 _RULE_LISTS = ("limits", "settings", "writing", "notes", "files")
 
 
 @dataclass(frozen=True, slots=True)
 class Master:
-    """A master as described in its file. The lists of rules are checked data.
+    """A master as described in its file. ``limits``, ``settings``, ``writing``, ``notes`` and ``files`` are its rules.
 
-    ``several_channels`` says how it reads several data channels of one frame. It is empty if its description covers
-    a single one.
+    ``takes`` are the interfaces that it supports. ``several_channels`` says how it reads several data channels of one
+    frame, and is empty if its description covers only a single channel.
     """
 
     name: str
@@ -65,9 +62,10 @@ class Master:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One setting. If its value is unknown, ``value`` is None and ``text`` gives the reason.
+    """One setting of a master. If its value is unknown, ``value`` is None, and ``text`` gives the reason.
 
-    ``bound`` is ``at_least``, ``at_most``, ``below``, ``start_with`` or empty.
+    ``bound`` is ``at_least``, ``at_most``, ``below``, ``start_with`` or empty. ``at`` is the name of the setting in the
+    master's documentation, and ``places`` are its locations in the devices of the master.
     """
 
     name: str
@@ -88,7 +86,7 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class MasterRefusal:
-    """Reason why a master cannot use an order code. ``source`` is empty if the master lacks the interface."""
+    """Reason why a master cannot use an order code. ``source`` is empty if no document states it."""
 
     reason: str
     standing: str
@@ -97,12 +95,12 @@ class MasterRefusal:
 
 @dataclass(frozen=True, slots=True)
 class SettingsSheet:
-    """Settings of one master for one order code, empty if there are refusals.
+    """Settings of one master for one order code.
 
-    ``writing`` are the conditions for writing the settings.
-    ``is_described`` is false if the master is not described for the interface. ``unusable_devices`` are devices that
-    cannot use the order code although others can. ``gaps`` are the parts of the frame that the description of the
-    master does not cover. Settings that depend on them are unknown.
+    If there are ``refusals``, reasons why the master cannot use the order code, there are no settings. ``writing`` are
+    the conditions for writing the settings. ``is_described`` is false if the description of the master does not cover
+    the interface. ``unusable_devices`` are devices that cannot use the order code although others can. ``gaps`` are
+    statements about parts of the frame that the description does not cover. Settings that depend on them are unknown.
     """
 
     master: Master
@@ -115,7 +113,10 @@ class SettingsSheet:
     gaps: tuple[MasterRefusal, ...] = ()
 
     def devices_with(self, file: Raw) -> list[str]:
-        """Return the names of the usable devices to which a file of the master applies: ``on``, or all."""
+        """Return the names of the usable devices to which a file of the master applies.
+
+        The file lists its devices under ``on``. Without this key, it applies to all devices.
+        """
         names = [device.name for device in self.master.devices if device.name not in self.unusable_devices]
         return [name for name in names if name in file.get("on", names)]
 
@@ -130,16 +131,16 @@ class SettingsSheet:
 
 
 def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], ProblemReport]:
-    """Return the shipped masters and the masters at ``paths``, by title.
+    """Load the masters of the package and the masters at ``paths``, sorted by title.
 
-    A master with the same name replaces a shipped one.
+    A master with the same name replaces one of the package.
 
     Returns:
         The masters, valid only if the report is empty, and the report.
     """
     report = ProblemReport()
     masters: dict[str, Master] = {}
-    # The user's masters come second, so they replace shipped ones. Within a group, each name may occur once.
+    # The user's masters are loaded last, so they replace those of the package. Names within a group must be unique.
     for group in ([packaged_masters()], paths):
         group_names: set[str] = set()
         for document in read_specs(group, report):
@@ -158,7 +159,7 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Proble
 
 @functools.cache
 def shipped_masters() -> tuple[Master, ...]:
-    """Return the shipped masters. They are read once.
+    """Return the masters of the package, which are loaded only once.
 
     Raises:
         ValueError: There are problems in a description.
@@ -170,7 +171,7 @@ def shipped_masters() -> tuple[Master, ...]:
 
 
 def _master_from_spec(master_data: Raw) -> Master:
-    """Return the master that a checked description describes. Lists of rules that it lacks are empty."""
+    """Return the master for a checked description. A list of rules that the description lacks is empty."""
     documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in master_data["documents"].items())
     return Master(
         name=master_data["master"],
@@ -185,56 +186,81 @@ def _master_from_spec(master_data: Raw) -> Master:
 
 
 def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
-    """Return the master's settings for the order code of ``record``, or the reasons why it cannot use it."""
+    """Return the settings of a master for an order code, or the reasons why the master cannot use it.
+
+    ``record`` contains the facts about the order code.
+    """
     interface = record.words["interface"]
     if interface not in master.takes:
         return replace(_refusing_sheet(master, _interface_refusal(master, record)), is_described=False)
     if record.obstacle:
         return _refusing_sheet(master, MasterRefusal(reason=record.obstacle, standing="inferred", source=""))
-    # Names of parts of the frame as one text, which is empty if the description covers all of them.
-    uncovered = _uncovered_parts(master, record)
+    # A text with the parts of the frame that the description does not cover, or empty.
+    uncovered = uncovered_parts((master.limits, master.settings, master.notes), record.parts)
     settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
     unusable_devices = frozenset[str]().union(*(devices for _, devices in device_refusals))
-    applicable_limits = [rule for rule in master.limits if rule_applies(rule, record)]
-    violated_limits = [rule for rule in applicable_limits if not is_within_limits(rule, record)]
-    refusals = [_limit_refusal(rule, master, record) for rule in violated_limits]
-    refusals += _refusals_of_crc(master, record)
-    channel_refusal = "" if master.several_channels else record.channels.refusal(record.layout)
-    if channel_refusal:
-        refusals.append(MasterRefusal(reason=channel_refusal, standing="inferred", source=""))
-    # What only some devices cannot express is a note. If no device is left, the master refuses.
-    if len(unusable_devices) == len(master.devices):
+    refusals = list(_refusals_of_order_code(master, record))
+    # If only some devices cannot use the order code, this becomes a note.
+    are_all_devices_unusable = len(unusable_devices) == len(master.devices)
+    if are_all_devices_unusable:
         refusals += [refusal for refusal, _ in device_refusals]
     if not refusals:
         refusals = list(_refusals_of_values(settings))
     if refusals:
         return _refusing_sheet(master, *refusals)
     device_notes = [f"Not for {join_words(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
-    notes = [fill_template(note["text"], record) for note in master.notes if rule_applies(note, record)]
-    gaps = [_refusal_of_gap(uncovered)] if uncovered else []
-    if record.channels and master.several_channels:
-        notes.insert(0, master.several_channels)
-    elif record.channels:
-        gaps.append(MasterRefusal(reason=record.channels.gap, standing="inferred", source=""))
     writing_rules = [_with_setting_names(rule, record) for rule in master.writing if rule_applies(rule, record)]
     setting_names = [setting.name for setting in settings]
     return SettingsSheet(
         master=master,
         refusals=(),
         settings=tuple(settings),
-        notes=(*device_notes, *notes),
+        notes=(*device_notes, *_notes_of_master(master, record)),
         writing=writing_of(writing_rules, setting_names, master.devices, master.standing),
         unusable_devices=unusable_devices,
-        gaps=tuple(gaps),
+        gaps=tuple(_gaps_in_description(master, record, uncovered)),
     )
 
 
+def _refusals_of_order_code(master: Master, record: EncoderFacts) -> Iterator[MasterRefusal]:
+    """Yield the reasons why a master cannot use an order code: limits of the master, the CRC, and data channels."""
+    for rule in master.limits:
+        if rule_applies(rule, record) and not is_within_limits(rule, record):
+            yield _limit_refusal(rule, master, record)
+    yield from _refusals_of_crc(master, record)
+    reads_single_channel = not master.several_channels
+    channel_refusal = record.channels.refusal(record.layout) if reads_single_channel else ""
+    if channel_refusal:
+        yield MasterRefusal(reason=channel_refusal, standing="inferred", source="")
+
+
+def _notes_of_master(master: Master, record: EncoderFacts) -> Iterator[str]:
+    """Yield the notes of a master that apply to an order code, first about several data channels in its frame."""
+    if record.channels and master.several_channels:
+        yield master.several_channels
+    for note in master.notes:
+        if rule_applies(note, record):
+            yield fill_template(note["text"], record)
+
+
+def _gaps_in_description(master: Master, record: EncoderFacts, uncovered: str) -> Iterator[MasterRefusal]:
+    """Yield statements about parts of the frame that a master's description does not cover.
+
+    ``uncovered`` is a text with unusual bits of the frame, or empty. Other data channels in the frame are also parts.
+    """
+    if uncovered:
+        yield _refusal_of_gap(uncovered)
+    if record.channels and not master.several_channels:
+        yield MasterRefusal(reason=record.channels.gap, standing="inferred", source="")
+
+
 def _refusing_sheet(master: Master, *refusals: MasterRefusal) -> SettingsSheet:
-    """Return the sheet of a master that cannot use an order code."""
+    """Return the sheet of a master that cannot use an order code for these reasons."""
     return SettingsSheet(master=master, refusals=refusals, settings=(), notes=())
 
 
 def _interface_refusal(master: Master, record: EncoderFacts) -> MasterRefusal:
+    """Return the refusal of a master whose description does not cover the interface of the order code."""
     described_interfaces = join_words(INTERFACES[name].title for name in master.takes)
     encoder_interface = INTERFACES[record.words["interface"]].title
     reason = f"This master is described for {described_interfaces} only, but {record.code} has {encoder_interface}."
@@ -244,10 +270,11 @@ def _interface_refusal(master: Master, record: EncoderFacts) -> MasterRefusal:
 def _settings_and_device_refusals(
     master: Master, record: EncoderFacts, uncovered: str
 ) -> tuple[list[Setting], list[tuple[MasterRefusal, set[str]]]]:
-    """Return the settings, and the refusals of settings that some devices cannot express, with these devices.
+    """Return the settings of a master for an order code, and the settings that have no value for it.
 
-    ``uncovered`` names the parts of the frame that the description does not mention. If it names any, settings that
-    depend on the whole frame are unknown.
+    For each of the latter, return a refusal, and the devices that have this setting and therefore cannot use the order
+    code. ``uncovered`` is a text with the parts of the frame that the description does not cover. If it is not empty,
+    settings that depend on the whole frame are unknown.
     """
     settings: list[Setting] = []
     device_refusals: list[tuple[MasterRefusal, set[str]]] = []
@@ -255,7 +282,7 @@ def _settings_and_device_refusals(
         if not rule_applies(rule, record):
             continue
         try:
-            unknown_parts = uncovered if _depends_on_whole_frame(rule) else ""
+            unknown_parts = uncovered if depends_on_whole_frame(rule) else ""
             settings.append(_setting_of_rule(rule, master, record, unknown_parts))
         except UnsupportedFeature as reason:
             refusal = MasterRefusal(
@@ -266,12 +293,13 @@ def _settings_and_device_refusals(
 
 
 def _limit_refusal(rule: Raw, master: Master, record: EncoderFacts) -> MasterRefusal:
+    """Return the refusal for a limit of a master that the order code does not meet."""
     reason = f"{rule['reason']} {encoder_has(rule['item'], record)}"
     return MasterRefusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
 
 
 def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[MasterRefusal]:
-    """Yield a refusal for each setting whose value does not fit its location."""
+    """Yield a refusal for each setting whose value is too large or too small for its location in the master."""
     for setting in settings:
         reason = reason_for_misfit(setting.name, setting.value, setting.places)
         if reason:
@@ -279,97 +307,26 @@ def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[MasterRefusal]:
 
 
 def _refusals_of_crc(master: Master, record: EncoderFacts) -> Iterator[MasterRefusal]:
-    """Yield a refusal if no master can check the CRC, and ``master`` does, since its rules depend on the CRC.
+    """Yield a refusal if the master checks CRCs, but no master can check the CRC of this encoder.
 
-    ``crc_obstacle`` is the reason why none can, or an empty string.
+    ``crc_obstacle`` is the reason, or empty. A master checks CRCs if its rules depend on the parameters of a CRC.
     """
-    checks_crc = bool(_CRC_ITEMS & _mentioned_items((master.limits, master.settings)))
+    checks_crc = depends_on_crc((master.limits, master.settings))
     if record.crc_obstacle and checks_crc:
         yield MasterRefusal(reason=record.crc_obstacle, standing="inferred", source="")
 
 
-#: Items about the computation of the CRC, such as ``crc_polynomial``.
-_CRC_ITEMS = {name for name in NUMBERS if name.startswith("crc_")} - {"crc_bits"}
-#: Items whose values are valid for any frame, as they do not depend on other bits of it.
-_ITEMS_OF_ANY_FRAME = {"multiturn_bits", "singleturn_bits", "position_bits", "status_bits", *_CRC_ITEMS, "crc_bits"}
-#: Items that count bits of the frame, such as ``data_bits``, ``padding_left`` and ``other_bits_right``.
-_FRAME_ITEMS = {name for name in NUMBERS if name.endswith("_bits") or "padding" in name or "bits_" in name}
-
-
-def _depends_on_whole_frame(rule: Raw) -> bool:
-    """Return whether other bits of the frame may change the value of a setting.
-
-    They cannot change one that depends on a single item of ``_ITEMS_OF_ANY_FRAME``, or on no number of bits.
-    """
-    # A string describes every part of the frame.
-    if "string" in rule:
-        return True
-    items_in_value = _mentioned_items({key: rule[key] for key in ("value", "choice") if key in rule})
-    items_in_text = set(re.findall(r"\{(\w+)\}", rule.get("text", "")))
-    frame_items = _FRAME_ITEMS & (items_in_value | items_in_text)
-    has_several_items = len(frame_items) > 1
-    return has_several_items or not frame_items <= _ITEMS_OF_ANY_FRAME
-
-
-def _uncovered_parts(master: Master, record: EncoderFacts) -> str:
-    """Return the names of the uncommon parts of the frame that the master's description does not mention.
-
-    They are one text, such as ``'parity' and 'reserved'``, which is empty if there are none. Uncommon parts are parity
-    bits and other bits. The description mentions one if a rule depends on the item that counts its bits.
-    """
-    parts_and_items = zip(record.parts, _items_of_parts(record.parts), strict=True)
-    # The common parts have an empty item.
-    item_by_uncommon_part = {part.name: item for part, item in parts_and_items if item}
-    if not item_by_uncommon_part:
-        return ""
-    mentioned_items = _mentioned_items((master.limits, master.settings, master.notes))
-    # The word "parity" of a record implies the bit.
-    if "parity" in mentioned_items:
-        mentioned_items.add("parity_bits")
-    uncovered_names = [name for name, item in item_by_uncommon_part.items() if item not in mentioned_items]
-    return join_words(f"'{name}'" for name in uncovered_names)
-
-
 def _refusal_of_gap(uncovered: str) -> MasterRefusal:
+    """Return the statement that a master's description does not cover these parts of the frame."""
     reason = f"The description of this master does not say how it handles {uncovered} in the frame."
     return MasterRefusal(reason=reason, standing="inferred", source="")
 
 
-def _items_of_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:
-    """Yield, for each part, the item that counts its bits, such as ``parity_bits``.
-
-    For the parts of the common frame, which every master has, yield an empty string.
-    """
-    is_after_position = False
-    for part in frame_parts:
-        if part.role in ("multiturn", "singleturn"):
-            is_after_position = True
-        if part.role == "other":
-            yield "other_bits_right" if is_after_position else "other_bits_left"
-        elif part.role == "parity":
-            yield "parity_bits"
-        else:
-            yield ""
-
-
-def _mentioned_items(rule: Any) -> set[str]:
-    """Return the items of a record on which rules depend, at any depth: ``{"crc_bits", "coding"}``.
-
-    They are the texts under ``item`` and ``of``, and the parameters of an expression under ``value``.
-    """
-    if isinstance(rule, (list, tuple)):
-        return set[str]().union(*map(_mentioned_items, rule))
-    if not isinstance(rule, Mapping):
-        return set()
-    items = _mentioned_items(tuple(rule.values()))
-    items |= {str(rule[key]) for key in ("item", "of") if key in rule}
-    if isinstance(rule.get("value"), str):
-        items |= set(Expression.parse(rule["value"]).parameters)
-    return items
-
-
 def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
-    """Return the names of the devices that have a setting. A place without ``on`` applies to all of them."""
+    """Return the names of the devices of a master that have a setting.
+
+    A location of the setting lists its devices under ``on``. Without this key, it applies to all devices.
+    """
     all_names = [device.name for device in master.devices]
     names_with_setting: set[str] = set()
     for place in rule["places"]:
@@ -378,7 +335,7 @@ def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
 
 
 def _with_setting_names(rule: Raw, record: EncoderFacts) -> Raw:
-    """Return a condition for writing, with the names of settings as on the sheet, without braces."""
+    """Return a condition for writing in which names of settings have their braces filled in, as on the sheet."""
     named_rule = dict(rule)
     for key in ("of", "after"):
         if key in rule:
@@ -387,9 +344,10 @@ def _with_setting_names(rule: Raw, record: EncoderFacts) -> Raw:
 
 
 def _setting_of_rule(rule: Raw, master: Master, record: EncoderFacts, unknown_parts: str) -> Setting:
-    """Return a setting. Its value is None if the record lacks it, or if it depends on ``unknown_parts`` of the frame.
+    """Return one setting of a master for an order code.
 
-    ``unknown_parts`` are names in a text, such as ``'parity' and 'reserved'``, which is empty if there are none.
+    Its value is None if the spec does not give a number that it needs, or if it depends on ``unknown_parts``: a text
+    with parts of the frame that the description does not cover, or empty.
 
     Raises:
         UnsupportedFeature: The master offers no value for it.
@@ -417,16 +375,16 @@ def _setting_of_rule(rule: Raw, master: Master, record: EncoderFacts, unknown_pa
 
 
 def _start_note(bound: str, record: EncoderFacts) -> str:
-    """Return why a clock is only a value to start with, or an empty string if it is a limit."""
+    """Return a note on a clock that is only a starting value, or an empty string if it is a limit."""
     if bound != START_WITH:
         return ""
     return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
 
 
 def _cable_note(rule: Raw, value: int | bool | str | None, record: EncoderFacts) -> str:
-    """Return a sentence about the cables that allow the clock of a setting.
+    """Return a note on the cable lengths that allow the clock of a setting.
 
-    Return an empty string if the setting has no clock, or if the user gave a cable length.
+    It is empty if the setting is not a clock, or if the user gave a cable length.
     """
     if value is None or record.cable_m is not None:
         return ""

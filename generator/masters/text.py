@@ -1,4 +1,4 @@
-"""Output of ``codewheel master``: the record of an order code and its master settings, as text and as plain data."""
+"""Output of ``codewheel master``: facts about an order code and its master settings, as text and as plain data."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from ..say.evidence import Topic, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
 from ..say.plain_text import WIDTH, two_columns, wrap_text
 from ..say.text import PLAIN_STYLE, count_with_unit, hertz, time_text, volts
-from .places import WriteCondition, place_lines, write_order
+from .places import place_lines
 from .record import EncoderFacts
 from .sheet import Master, MasterRefusal, Setting, SettingsSheet
+from .writing import WriteCondition, write_order
 
 VERSION = 1
 
@@ -36,7 +37,7 @@ _MARK_BY_STANDING = {"documented": "", "inferred": " *", "tried": " +"}
 
 
 def record_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
-    """Yield the record in words, one fact per row."""
+    """Yield the facts about an order code as rows: the name of each fact, and its value in words."""
     yield "Interface", INTERFACES[record.words["interface"]].title
     yield from _frame_facts(record)
     yield "Clock", _clock_limits_text(record)
@@ -44,7 +45,7 @@ def record_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
         yield "Clock by cable", _cable_table_text(record)
     if INTERFACES[record.words["interface"]] is Biss:
         yield "Time-out", record.timeout or _not_stated_text(record, Topic.TIMEOUT)
-        # 40 µs is the longest in the protocol description, p. 18.
+        # BiSS protocol description, p. 18.
         allowed_busy_time = f"{_not_stated_text(record, Topic.REPLY_TIME)}, but BiSS C allows 40 µs"
         yield "Busy time", _time_limit_text(record.numbers["busy_us"], "at most") or allowed_busy_time
     else:
@@ -54,7 +55,7 @@ def record_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
 
 
 def _frame_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
-    """Yield the facts about the bits of the frame."""
+    """Yield the facts about the bits of the frame as rows: the name of each fact, and its value in words."""
     numbers = record.numbers
     position_text = str(numbers["position_bits"])
     if numbers["multiturn_bits"]:
@@ -76,11 +77,13 @@ def _frame_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
 
 
 def _clock_limits_text(record: EncoderFacts) -> str:
-    """Return the clock limits, or the clocks in use if there are none: ``at least 80 kHz, below 5 MHz``.
+    """Return the clock limits in words, such as ``at least 80 kHz, below 5 MHz``.
 
-    The cable limits the clock if the record has a row of the cable table.
+    If the user gave a cable length, it may limit the clock. If the spec gives no limits, the text contains the clocks
+    with which the encoder is known to work.
     """
-    slowest_hz, fastest_hz = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
+    slowest_hz = record.numbers["clock_min_hz"]
+    fastest_hz = record.numbers["clock_max_hz"]
     row = record.cable_row
     limits: list[str] = []
     if slowest_hz is not None:
@@ -97,13 +100,13 @@ def _clock_limits_text(record: EncoderFacts) -> str:
 
 
 def _not_stated_text(record: EncoderFacts, subject: Topic | None = None) -> str:
-    """Return the words for a fact without a value, or a reference to the text of the manual that mentions it."""
+    """Return the words for a fact that the manual does not give, or a reference to a text that mentions the subject."""
     reference = record.mentioned[subject] if subject is not None else ""
     return reference or f"the {record.document} does not say"
 
 
 def _cable_table_text(record: EncoderFacts) -> str:
-    """Return the clocks by cable length with their source and errata, and the requested length if there is one."""
+    """Return the table of clocks by cable length in words, with its source, its errata, and the user's cable length."""
     table = record.cables
     rows_text = ", ".join(row.text for row in table.rows)
     errata_text = f", errata {', '.join(table.errata)}" if table.errata else ""
@@ -114,6 +117,7 @@ def _cable_table_text(record: EncoderFacts) -> str:
 
 
 def _supply_text(record: EncoderFacts) -> str:
+    """Return the range of the supply voltage, such as ``4.75 V to 5.25 V``, or an empty string if it is unknown."""
     lowest_mv, highest_mv = record.numbers["supply_min_mv"], record.numbers["supply_max_mv"]
     if lowest_mv is None or highest_mv is None:
         return ""
@@ -121,11 +125,12 @@ def _supply_text(record: EncoderFacts) -> str:
 
 
 def _time_limit_text(time_us: int | None, bound: str) -> str:
+    """Return a time with its bound, such as ``at most 40 µs``, or an empty string without a time."""
     return f"{bound} {time_text(time_us)}" if time_us is not None else ""
 
 
 def _status_bits_text(record: EncoderFacts) -> str:
-    """Return the status bits with their active levels: ``error (active low), warning (always 1)``, or ``none``."""
+    """Return the status bits with their active levels, such as ``error (active low)``, or ``none``."""
     level_words = {"low": "active low", "high": "active high", "": "always 1"}
     status_parts = [part for part in record.parts if part.role == "status"]
     texts = [f"{part.name} ({level_words[part.active]})" for part in status_parts]
@@ -133,7 +138,7 @@ def _status_bits_text(record: EncoderFacts) -> str:
 
 
 def _data_bits_text(record: EncoderFacts) -> str:
-    """Return the number of data bits, and the totals that include other bits: ``24, 26 with the status bits, ...``."""
+    """Return the number of data bits, and the number including other bits: ``24, 26 with the status bits, ...``."""
     numbers = record.known_numbers
     sizes = [str(numbers["data_bits"])]
     if numbers["status_bits"]:
@@ -165,9 +170,9 @@ def _crc_text(record: EncoderFacts) -> str:
 
 
 def legend_of_marks(masters: Sequence[Master], sheets: Sequence[SettingsSheet], with_places: bool) -> str:
-    """Return a sentence on each mark that ``standing_mark`` adds to a rule, and on tests on hardware.
+    """Return the sentences that explain the marks of settings: derived from the documents, or tested on hardware.
 
-    ``with_places`` is true if the places of settings are shown, which also have marks.
+    ``with_places`` is true if the locations of settings in the master, which also have marks, are shown.
     """
     standings = {master.standing for master in masters}
     for sheet in sheets:
@@ -177,21 +182,24 @@ def legend_of_marks(masters: Sequence[Master], sheets: Sequence[SettingsSheet], 
         if with_places:
             for setting in sheet.settings:
                 standings |= {place.standing for place in setting.places}
-    inferred = " * = derived, not stated there." if "inferred" in standings else ""
-    tried = "Not yet tested on hardware."
+    sentences = ["Settings from the documentation of each master."]
+    if "inferred" in standings:
+        sentences.append("* = derived, not stated there.")
     if "tried" in standings:
-        tried = "+ = tested on hardware. All others are not yet tested."
-    return f"Settings from the documentation of each master.{inferred} {tried}"
+        sentences.append("+ = tested on hardware. All others are not yet tested.")
+    else:
+        sentences.append("Not yet tested on hardware.")
+    return " ".join(sentences)
 
 
 def refusal_text(reason: MasterRefusal) -> str:
-    """Return a refusal with its mark and source."""
+    """Return the reason why a master cannot use an encoder, with its mark and its source."""
     source = f" [{cited(reason.source)}]" if reason.source else ""
     return f"{reason.reason}{standing_mark(reason)}{source}"
 
 
 def bound_in_words(setting: Setting) -> str:
-    """Return ``at least ``, ``at most ``, ``below ``, ``start with `` or an empty string."""
+    """Return the words before a value that is a limit, such as ``at most ``, or an empty string."""
     if not setting.bound:
         return ""
     bound_words = setting.bound.replace("_", " ")
@@ -199,15 +207,19 @@ def bound_in_words(setting: Setting) -> str:
 
 
 def standing_mark(rule: Setting | MasterRefusal | WriteCondition) -> str:
-    """Return the mark that the legend explains, after a space so that the value can be copied."""
+    """Return the mark of a value that is derived (``*``) or tested on hardware (``+``), with a space before it."""
     return _MARK_BY_STANDING[rule.standing]
 
 
 @lru_cache(4096)
 def cited(source: str) -> str:
-    """Return the citations of a source, citations without a place first: ``"X:p. 3; Y"`` becomes ``"Y, X:p. 3"``."""
+    """Return the citations of a source, those of whole documents first: ``"X:p. 3; Y"`` becomes ``"Y, X:p. 3"``."""
+
+    def has_page(citation: str) -> bool:
+        return ":" in citation
+
     citations = re.split(r";\s*", source.strip())
-    return ", ".join(sorted(citations, key=lambda citation: ":" in citation))
+    return ", ".join(sorted(citations, key=has_page))
 
 
 def condition_text(rule: WriteCondition) -> str:
@@ -216,7 +228,7 @@ def condition_text(rule: WriteCondition) -> str:
 
 
 def condition_texts(setting: Setting, sheet: SettingsSheet) -> Iterator[str]:
-    """Yield the conditions only for this setting, after the advice to leave a protected factory default unchanged."""
+    """Yield sentences about writing one setting: its conditions, and advice to keep a protected factory default."""
     writing_rules = sheet.writing_of(setting)
     if setting.is_default and any(rule.needs for rule in writing_rules):
         yield f"{setting.text} is the factory default. Write it only if the setting was changed."
@@ -224,7 +236,7 @@ def condition_texts(setting: Setting, sheet: SettingsSheet) -> Iterator[str]:
 
 
 def _lines_of_needed_values(rule: WriteCondition, master: Master, indent: str) -> list[str]:
-    """Return the places of the values to write before (``needs``) and after (``then``) a write."""
+    """Return lines with the values to write before (``needs``) and after (``then``) a setting, and their locations."""
     lines: list[str] = []
     for write in (*rule.needs, *rule.then):
         places = place_lines(write.places, write.text, master.devices)
@@ -233,13 +245,15 @@ def _lines_of_needed_values(rule: WriteCondition, master: Master, indent: str) -
 
 
 def _setting_text(setting: Setting) -> str:
+    """Return the value of a setting with its bound and its mark, such as ``at most 5 MHz *``."""
     return f"{bound_in_words(setting)}{setting.text}{standing_mark(setting)}"
 
 
 def sheet_text(device: Device, code_match: LabelMatch, record: EncoderFacts, sheets: Sequence[SettingsSheet]) -> str:
-    """Return the record and each master's settings or refusals as text, at most 80 columns wide.
+    """Return the facts about an order code, and each master's settings or reasons for not supporting it, as text.
 
-    With a single master, places and documents follow. If no master can take the position, only the record is returned.
+    The text is at most 80 columns wide. For a single master, it includes locations and documents. If no master can read
+    the position, it contains only the facts.
     """
     lines = _record_lines(device, code_match, record)
     if record.obstacle:
@@ -250,7 +264,19 @@ def sheet_text(device: Device, code_match: LabelMatch, record: EncoderFacts, she
     usable_sheets = [sheet for sheet in sheets if not sheet.refusals]
     for sheet in usable_sheets:
         lines += ["", *_sheet_lines(sheet, with_documents=is_single_master)]
-    # Masters that are not described for the interface are only listed.
+    lines += _lines_of_unusable_masters(record, sheets)
+    if usable_sheets and not is_single_master:
+        example = usable_sheets[0].master.name
+        lines += ["", f"--master NAME shows one of them with its documents, such as {example}."]
+    return "\n".join(lines)
+
+
+def _lines_of_unusable_masters(record: EncoderFacts, sheets: Sequence[SettingsSheet]) -> list[str]:
+    """Return lines with the masters that cannot use an order code, each with the reasons.
+
+    Masters whose description does not cover the interface follow as a list.
+    """
+    lines: list[str] = []
     refusing_sheets = [sheet for sheet in sheets if sheet.refusals and sheet.is_described]
     if refusing_sheets:
         lines += ["", wrap_text(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
@@ -262,23 +288,17 @@ def sheet_text(device: Device, code_match: LabelMatch, record: EncoderFacts, she
         title = INTERFACES[record.words["interface"]].title
         sentence = f"These masters are not described for {title}: {'; '.join(undescribed_titles)}."
         lines += ["", wrap_text(sentence, WIDTH, prefix="  ", first="")]
-    if usable_sheets and len(sheets) > 1:
-        example = usable_sheets[0].master.name
-        lines += ["", f"--master NAME shows one of them with its documents, such as {example}."]
-    return "\n".join(lines)
+    return lines
 
 
 def _record_lines(device: Device, code_match: LabelMatch, record: EncoderFacts) -> list[str]:
-    """Return the order code, notes about how its label is written, and the record."""
+    """Return lines with an order code, notes on its label, the grade of the spec, and the facts about it."""
     lines = [wrap_text(f"{code_match.variant.code}: {device.title}", WIDTH, prefix="  ", first="")]
     if code_match.written_as_in:
         lines.append(wrap_text(f"the label is written as in {code_match.written_as_in}", WIDTH, prefix="  "))
     if code_match.unlisted:
-        lines.append(
-            wrap_text(
-                f"accepted, although not listed in the manual: {', '.join(code_match.unlisted)}", WIDTH, prefix="  "
-            )
-        )
+        unlisted_parts = ", ".join(code_match.unlisted)
+        lines.append(wrap_text(f"accepted, although not listed in the manual: {unlisted_parts}", WIDTH, prefix="  "))
     statements = (*grade_below_manual(device), *origin(device))
     lines += [wrap_text(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ") for statement in statements]
     if code_match.special:
@@ -289,11 +309,15 @@ def _record_lines(device: Device, code_match: LabelMatch, record: EncoderFacts) 
 
 
 def _sheet_lines(sheet: SettingsSheet, with_documents: bool) -> list[str]:
-    """Return the settings of a master, with the places of settings, files and documents if ``with_documents``."""
+    """Return lines with the settings of a master.
+
+    ``with_documents`` adds the locations of the settings, the file formats, and the documents of the master.
+    """
     lines = [wrap_text(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="  ", first="")]
     longest_name = max((len(setting.name) for setting in sheet.settings), default=0)
     longest_value = max((len(_setting_text(setting)) for setting in sheet.settings), default=0)
-    name_width, value_width = min(longest_name, _WIDEST_NAME), min(longest_value, _WIDEST_VALUE)
+    name_width = min(longest_name, _WIDEST_NAME)
+    value_width = min(longest_value, _WIDEST_VALUE)
     for setting in sheet.settings:
         lines += _setting_lines(setting, sheet, name_width, value_width)
         if with_documents:
@@ -301,7 +325,8 @@ def _sheet_lines(sheet: SettingsSheet, with_documents: bool) -> list[str]:
     lines += [wrap_text(refusal_text(gap), WIDTH, prefix="    ", first="  - ") for gap in sheet.gaps]
     for rule in sheet.shared_writing:
         lines.append(wrap_text(condition_text(rule), WIDTH, prefix="    ", first="  - "))
-        lines += _lines_of_needed_values(rule, sheet.master, "    ") if with_documents else []
+        if with_documents:
+            lines += _lines_of_needed_values(rule, sheet.master, "    ")
     lines += [wrap_text(note, WIDTH, prefix="    ", first="  - ") for note in sheet.notes]
     if with_documents:
         lines += _lines_of_files_and_documents(sheet.master)
@@ -309,7 +334,7 @@ def _sheet_lines(sheet: SettingsSheet, with_documents: bool) -> list[str]:
 
 
 def _setting_lines(setting: Setting, sheet: SettingsSheet, name_width: int, value_width: int) -> list[str]:
-    """Return a setting in one row, or in two if it is too long, then its note and conditions."""
+    """Return lines with a setting, in one row or in two if it is too long, followed by its note and its conditions."""
     name_cell = setting.name.ljust(name_width)
     value_cell = _setting_text(setting).ljust(value_width)
     row = f"  {name_cell}  {value_cell}  {setting.at}".rstrip()
@@ -327,7 +352,7 @@ def _setting_lines(setting: Setting, sheet: SettingsSheet, name_width: int, valu
 
 
 def _lines_of_places(setting: Setting, sheet: SettingsSheet) -> list[str]:
-    """Return the places of a setting, and of the values that its conditions need."""
+    """Return lines with the locations of a setting, and of the values to write before and after it."""
     places = place_lines(setting.places, setting.text, sheet.master.devices)
     lines = [wrap_text(line, WIDTH, prefix="        ", first="      ") for line in places]
     for rule in sheet.writing_of(setting):
@@ -336,7 +361,7 @@ def _lines_of_places(setting: Setting, sheet: SettingsSheet) -> list[str]:
 
 
 def _lines_of_files_and_documents(master: Master) -> list[str]:
-    """Return the formats of files that codewheel can write for a master, and each document with its key."""
+    """Return lines with the file formats that codewheel can write for a master, and with each of its documents."""
     lines = []
     if master.files:
         formats = join_words((file["format"] for file in master.files), "or")
@@ -348,16 +373,16 @@ def _lines_of_files_and_documents(master: Master) -> list[str]:
 
 
 def masters_text(masters: Sequence[Master]) -> str:
-    """Return the list of masters, one per line."""
-    rows = ((master.name, f"{master.title}: {_interface_titles(master)}") for master in masters)
+    """Return the list of masters as text, one per line, each with its interfaces."""
+    rows: list[tuple[str, str]] = []
+    for master in masters:
+        interface_titles = ", ".join(INTERFACES[name].title for name in master.takes)
+        rows.append((master.name, f"{master.title}: {interface_titles}"))
     return "\n".join(two_columns(rows, indent=0))
 
 
-def _interface_titles(master: Master) -> str:
-    return ", ".join(INTERFACES[name].title for name in master.takes)
-
-
 def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
+    """Return the list of masters as plain data."""
     return {
         "version": VERSION,
         "masters": [{"name": master.name, "title": master.title, "takes": list(master.takes)} for master in masters],
@@ -367,7 +392,10 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
 def sheet_data(
     device: Device, code_match: LabelMatch, record: EncoderFacts, sheets: Sequence[SettingsSheet]
 ) -> dict[str, Any]:
-    """Return the record and the settings as plain data, in the shape of ``language/master_settings.schema.json``."""
+    """Return the facts about an order code and the settings of each master as plain data.
+
+    The JSON Schema of the data is ``language/master_settings.schema.json``.
+    """
     return {
         "version": VERSION,
         "order_code": record.code,
@@ -388,7 +416,7 @@ def sheet_data(
 
 
 def _record_data(record: EncoderFacts) -> dict[str, Any]:
-    """Return the record as plain data, in the shape of ``language/master_settings.schema.json``."""
+    """Return the facts about an order code as plain data."""
     return {
         **record.words,
         **record.numbers,
@@ -404,7 +432,7 @@ def _record_data(record: EncoderFacts) -> dict[str, Any]:
 
 
 def _sheet_data(sheet: SettingsSheet) -> dict[str, Any]:
-    """Return the settings of one master as plain data. It has no files if it cannot take the position."""
+    """Return the settings of one master as plain data. The list of files is empty if it cannot read the position."""
     names = [setting.name for setting in sheet.settings]
     files = () if sheet.refusals else sheet.master.files
     return {

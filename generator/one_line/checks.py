@@ -1,4 +1,4 @@
-"""Find problems of fields and options that are valid individually but not together."""
+"""Find fields and options that are valid individually but not together."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from .line import (
     ParityField,
 )
 
-#: Most bits of a frame over RS-485.
+#: Maximum number of bits of an RS-485 frame.
 _MOST_BITS_OF_BYTES = 1024
 
 
 def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
-    """Yield the problems of fields that do not fit together."""
+    """Yield the problems of fields that are valid individually but not together, such as two with the same name."""
     names: set[str] = set()
     for field in fields:
         if not isinstance(field, FillerField) and field.name in names:
@@ -35,14 +35,15 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
             yield LineProblem(field.column, "the CRC must be the last field; move it to the end")
         if isinstance(field, CrcField) and interface == "rs485" and field.bits % 8:
             yield LineProblem(field.column, f"the CRC has {field.bits} bits; over RS-485, write whole bytes")
-        if isinstance(field, ParityField) and not any(map(_can_change, fields)):
+        has_changing_field = any(_can_change(other_field) for other_field in fields)
+        if isinstance(field, ParityField) and not has_changing_field:
             yield LineProblem(field.column, "a parity bit needs other fields that change; add them")
     yield from _problems_of_position(fields, interface)
     yield from _problems_of_length(fields, interface)
 
 
 def _can_change(field: LineField) -> bool:
-    """Return True if a field is not a check or a constant."""
+    """Return whether a field can differ between frames, not counting CRCs and parity bits."""
     is_constant_number = isinstance(field, NumberField) and field.value is not None
     is_constant = is_constant_number or field.name == "zero"
     is_check = isinstance(field, ParityField | CrcField)
@@ -50,7 +51,10 @@ def _can_change(field: LineField) -> bool:
 
 
 def _problems_of_position(fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
-    """Yield the problems of the parts of the position: the whole one, or turns before the position within a turn."""
+    """Yield the problems of the fields that form the position.
+
+    It is either one field, ``position``, or ``multiturn`` followed by ``singleturn``.
+    """
     index_by_name = {field.name: index for index, field in enumerate(fields)}
     if POSITION in index_by_name and (TURNS in index_by_name or IN_TURN in index_by_name):
         message = "'position' is the whole position; write either it, or multiturn and singleturn"
@@ -65,7 +69,7 @@ def _problems_of_position(fields: Sequence[LineField], interface: str) -> Iterat
 
 
 def _problems_of_length(fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
-    """Yield the problem of a frame with another number of bits than the interface allows."""
+    """Yield a problem if the frame has more or fewer bits than the interface allows, or incomplete bytes."""
     if not fields:
         return
     bits = sum(field.bits for field in fields)
@@ -80,7 +84,7 @@ def _problems_of_length(fields: Sequence[LineField], interface: str) -> Iterator
 def problems_of_options(
     options: LineOptions, columns: Mapping[str, int], fields: Sequence[LineField], interface: str
 ) -> Iterator[LineProblem]:
-    """Yield the problems of options that do not fit the fields. ``columns`` maps each option to its column."""
+    """Yield the problems of options that contradict the fields. ``columns`` has the column of each option by name."""
     if options.is_gray:
         yield from _problems_of_gray(options, columns, fields)
     if options.counts or options.turns:
@@ -91,14 +95,17 @@ def problems_of_options(
 def _problems_of_gray(
     options: LineOptions, columns: Mapping[str, int], fields: Sequence[LineField]
 ) -> Iterator[LineProblem]:
-    """Yield the problems of Gray code, which needs an unsigned position that is one number of more than one bit."""
+    """Yield the problems of the option ``gray``.
+
+    Gray code needs a position that is unsigned, has several bits, and is one number without other fields in between.
+    """
     column = columns.get("gray", 1)
     positions = [field for field in fields if field.name in (POSITION, IN_TURN)]
     if not positions:
         yield LineProblem(column, "'gray' needs a position; add position=BITS, or remove gray")
     names = [field.name for field in fields]
     has_turns = TURNS in names
-    # The other order of the two is a problem of its own.
+    # The wrong order of the two is reported separately.
     if has_turns and IN_TURN in names and names.index(IN_TURN) > names.index(TURNS) + 1:
         message = "with gray, 'singleturn' must follow 'multiturn' directly; move the fields between them"
         yield LineProblem(fields[names.index(IN_TURN)].column, message)
@@ -115,7 +122,7 @@ def _problems_of_gray(
 def _problems_of_counts(
     options: LineOptions, columns: Mapping[str, int], fields: Sequence[LineField]
 ) -> Iterator[LineProblem]:
-    """Yield the problems of counts per revolution, and of numbers of revolutions."""
+    """Yield the problems of the options ``counts`` (per revolution) and ``turns`` (number of revolutions)."""
     column = columns.get("counts", columns.get("turns", 1))
     positions = [field for field in fields if isinstance(field, NumberField) and field.name == POSITION]
     if not positions:
@@ -128,9 +135,10 @@ def _problems_of_counts(
             message = f"{count} is the highest value; including 0 there are {count + 1}, so write {name}={count + 1}"
             yield LineProblem(columns.get(name, 1), message)
     turns = options.turns or 1
+    total_counts = options.counts * turns
     for field in positions:
         number_of_values = 1 << field.bits
-        if options.counts * turns > number_of_values:
+        if total_counts > number_of_values:
             message = f"{options.counts} counts × {turns} turns do not fit into {field.bits} bits"
             yield LineProblem(column, f"{message}; write at most {number_of_values} counts in all")
         if field.is_signed:
@@ -139,31 +147,32 @@ def _problems_of_counts(
 
 
 def _problems_of_byte_order(options: LineOptions, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
-    """Yield the problems of numbers of several bytes.
+    """Yield the problems of numbers of more than one byte.
 
     Over RS-485, their byte order must be known. Over SPI, a number that is sent low byte first must be whole bytes.
     """
-    bits_before = 0  # Number of bits sent before the field.
+    is_low_byte_first_spi = interface == "spi" and options.byte_order == "low_byte_first"
+    bits_before_field = 0
     for field in fields:
-        is_wide = field.bits > 8 and not isinstance(field, FillerField)
-        if interface == "rs485" and is_wide and not options.byte_order:
+        has_several_bytes = field.bits > 8 and not isinstance(field, FillerField)
+        if interface == "rs485" and has_several_bytes and not options.byte_order:
             message = f"the byte order of '{field.name}' is not known; write rs485,low_byte_first: or high_byte_first"
             yield LineProblem(field.column, message)
-        is_split = interface == "spi" and options.byte_order == "low_byte_first" and isinstance(field, NumberField)
-        if is_split and is_wide:
-            yield from _problems_of_split(field, bits_before)
-        bits_before += field.bits
+        if is_low_byte_first_spi and has_several_bytes and isinstance(field, NumberField):
+            yield from _problems_of_swapped_number(field, bits_before_field)
+        bits_before_field += field.bits
 
 
-def _problems_of_split(field: LineField, bits_before: int) -> Iterator[LineProblem]:
-    """Yield the problems of a number over SPI that is sent low byte first.
+def _problems_of_swapped_number(field: NumberField, bits_before: int) -> Iterator[LineProblem]:
+    """Yield the problems of a number of several bytes that is sent low byte first over SPI.
 
-    ``bits_before`` is the number of bits sent before it.
+    It must be an unsigned number of whole bytes that begins after ``bits_before`` bits, whole bytes as well.
     """
     is_whole_bytes = bits_before % 8 == 0 and field.bits % 8 == 0
     if not is_whole_bytes:
         message = f"'{field.name}' is not whole bytes, so low_byte_first cannot apply; add zero or unused bits"
         yield LineProblem(field.column, message)
-    if isinstance(field, NumberField) and (field.is_signed or field.value is not None):
+    is_constant = field.value is not None
+    if field.is_signed or is_constant:
         message = f"'{field.name}' is signed or a constant, and cannot be sent low byte first; write its bytes"
         yield LineProblem(field.column, message)

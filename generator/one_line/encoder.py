@@ -13,7 +13,7 @@ from .line import EncoderLine, LineError, LineProblem
 from .parse import parse_line
 from .spec import spec_text
 
-#: Names of the family and of the manufacturer, which no output shows.
+#: Names of the family and of the manufacturer. No output contains them.
 _FAMILY_NAME, _MANUFACTURER_NAME = "one_line", "example"
 _MANUFACTURER_TEXT = f"codewheel: 1\nmanufacturer: {_MANUFACTURER_NAME}\ntitle: manufacturer not stated\nsource: line\n"
 
@@ -36,19 +36,20 @@ def device_of_line(text: str) -> tuple[Device, LabelMatch]:
         raise LineError(line.text, _problems_in_line(line, report))
     device = families[0].device
     variant = replace(device.variants[0], code=line.text)
-    # Only the written spec marks what the line does not state. Here, the outputs say so themselves.
+    # Placeholders are facts that the line does not state. Outputs for one line state this themselves.
     evidence = replace(device.evidence, placeholders=())
     device = replace(device, variants=(variant,), evidence=evidence, title="Encoder described in one line")
     return device, LabelMatch(variant, unlisted=(), tail="", special=False)
 
 
 def _problems_in_line(line: EncoderLine, report: ProblemReport) -> list[LineProblem]:
-    """Return the problems of the spec of a line, each at the field that it is about."""
-    columns = {field.name: field.column for field in line.fields}
-    return [LineProblem(_column_of(problem, columns), problem.message) for problem in report.problems]
+    """Return the problems in the spec of a line as problems of the line, each at the column of its field."""
+    column_by_field = {field.name: field.column for field in line.fields}
+    return [LineProblem(_column_of(problem, column_by_field), problem.message) for problem in report.problems]
 
 
-def _column_of(problem: Problem, columns: dict[str, int]) -> int:
-    """Return the column of the field in the path of a problem, or 1 if it is about no field of the line."""
-    _, _, field_path = problem.path.partition(".fields.")
-    return columns.get(field_path.partition(".")[0], 1)
+def _column_of(problem: Problem, column_by_field: dict[str, int]) -> int:
+    """Return the column of the field that the path of a problem names, or 1 if it names no field of the line."""
+    _, _, path_in_fields = problem.path.partition(".fields.")
+    field_name = path_in_fields.partition(".")[0]
+    return column_by_field.get(field_name, 1)

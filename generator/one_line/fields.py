@@ -16,13 +16,14 @@ VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": "
 WIDEST, _WIDEST_CRC = 64, 32
 _FIELD_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _NUMBER_TEXT = re.compile(r"0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19}")
-#: Names of fields that need no width or level, with an example of how to write them.
+#: Names of fields with a special meaning.
 _KNOWN_NAMES = (POSITION, IN_TURN, TURNS, "error", "warning", "zero", "unused", "parity", "crc")
+#: How to write other fields.
 _FIELD_FORMS = "NAME=BITS for a number, NAME=low or NAME=high for a flag"
 
 
 class FieldError(ValueError):
-    """A text is not a field. The message says what would be right. ``offset`` counts characters of the text."""
+    """A text is not a field. The message says how to correct it, and ``offset`` is the index of the wrong character."""
 
     def __init__(self, message: str, offset: int = 0) -> None:
         super().__init__(message)
@@ -30,15 +31,17 @@ class FieldError(ValueError):
 
 
 def number_in(text: str) -> int | None:
-    """Return the decimal, hexadecimal or binary number that a text is, or None.
+    """Parse a decimal, hexadecimal or binary number, and return it, or None if the text is not a number.
 
-    A number has at most 20 decimal, 17 hexadecimal or 65 binary digits. A decimal one does not begin with a 0.
+    A number has at most 20 decimal, 17 hexadecimal or 65 binary digits. A decimal number must not begin with 0.
     """
     return int(text, 0) if _NUMBER_TEXT.fullmatch(text) else None
 
 
 def read_field(text: str, column: int, interface: str) -> LineField:
-    """Return the field that a text describes, such as ``crc=6:0x43``, where 6 and 0x43 are its values.
+    """Parse a field of a line, such as ``crc=6:0x43``, where 6 and 0x43 are its values.
+
+    ``column`` is the column of the field in the line.
 
     Raises:
         FieldError: The text does not describe a field.
@@ -56,7 +59,7 @@ def read_field(text: str, column: int, interface: str) -> LineField:
     if name == "parity":
         return _read_parity(values, column)
     if name in ("zero", "unused"):
-        # Written like this, so that the type is one of the two words.
+        # The conditional expression has the type Literal["zero", "unused"].
         return _read_filler("zero" if name == "zero" else "unused", values, column)
     if values and values[0] in ("low", "high"):
         return _read_flag(name, values, column)
@@ -66,12 +69,13 @@ def read_field(text: str, column: int, interface: str) -> LineField:
 
 
 def _spec_name(line_name: str) -> str:
-    """Return a name as a spec writes it: in lower case, with single underscores between words."""
-    return "_".join(word for word in line_name.lower().split("_") if word)
+    """Convert the name of a field to the form that a spec requires: lowercase, with single underscores."""
+    words = [word for word in line_name.lower().split("_") if word]
+    return "_".join(words)
 
 
 def _read_width(name: str, width_text: str, widest: int = WIDEST) -> int:
-    """Return a width in bits, or raise a ``FieldError`` if the text is not a number from 1 to ``widest``."""
+    """Parse the width of a field in bits, or raise a ``FieldError`` if it is not a number from 1 to ``widest``."""
     bits = number_in(width_text)
     if bits is None or not 0 < bits <= widest:
         offset = len(name) + 1  # after "name="
@@ -80,7 +84,11 @@ def _read_width(name: str, width_text: str, widest: int = WIDEST) -> int:
 
 
 def _read_number(name: str, values: Sequence[str], column: int) -> NumberField:
-    """Return a number from its values: a width, and ``signed`` or the value of a constant, such as ``24:signed``."""
+    """Create a number field from its values: the width, and optionally ``signed`` or the value of a constant.
+
+    Raises:
+        FieldError: The values are missing or wrong.
+    """
     if not values or values == [""]:
         hint = suggest_word(name, _KNOWN_NAMES) if name not in _KNOWN_NAMES else ""
         raise FieldError(f"'{name}' has no width; write {_FIELD_FORMS}{hint}")
@@ -106,9 +114,13 @@ def _read_number(name: str, values: Sequence[str], column: int) -> NumberField:
 
 
 def _read_flag(name: str, values: Sequence[str], column: int) -> FlagField:
-    """Return a flag from its values: its active level, and its effect on the position, such as ``low:error``.
+    """Create a flag from its values: the active level, and optionally its effect on the position: ``low:error``.
 
-    By default, the flags ``error`` and ``warning`` have the effect of their name, and others have none (``status``).
+    By default, the flags ``error`` and ``warning`` have the effect of the same name, and others have no effect, which
+    is called ``status``.
+
+    Raises:
+        FieldError: There is no such effect.
     """
     level: Literal["low", "high"] = "low" if values[0] == "low" else "high"
     if len(values) > 1:
@@ -125,21 +137,25 @@ def _read_flag(name: str, values: Sequence[str], column: int) -> FlagField:
 
 
 def _flag_of_interface(name: str, column: int, interface: str) -> FlagField:
-    """Return a flag with the level of the interface: active low over BiSS, and unknown over other interfaces."""
+    """Create the flag ``error`` or ``warning`` with the active level that the interface defines: low over BiSS.
+
+    Raises:
+        FieldError: The interface defines no active level.
+    """
     if interface != "biss":
         raise FieldError(f"'{name}' has no active level; write {name}=low or {name}=high")
     return FlagField(name, column, "low", VERDICTS[name])
 
 
 def _read_filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> FillerField:
-    """Return bits without content from their only value, the width."""
+    """Create a field of zeros or unused bits from its only value, the width."""
     if len(values) != 1:
         raise FieldError(f"'{name}' takes only a width; write {name}=2 for two bits")
     return FillerField(name, _read_width(name, values[0]), column)
 
 
 def _read_parity(values: Sequence[str], column: int) -> ParityField:
-    """Return a parity bit from its only value: ``even`` or ``odd``."""
+    """Create a parity bit from its only value, ``even`` or ``odd``."""
     if values == ["even"]:
         return ParityField("parity", column, "even")
     if values == ["odd"]:
@@ -148,34 +164,41 @@ def _read_parity(values: Sequence[str], column: int) -> ParityField:
 
 
 def _read_crc(values: Sequence[str], column: int, interface: str) -> CrcField:
-    """Return a CRC from its values: width, polynomial, start value, and ``inverted`` or ``plain``.
+    """Create a CRC from its values: width, polynomial, and optionally the start value and ``inverted`` or ``plain``.
 
-    The last two are optional. The start value is then 0, and the CRC is inverted only over BiSS.
+    By default, the start value is 0, and the CRC is inverted only over BiSS.
+
+    Raises:
+        FieldError: The values are missing or wrong.
     """
     if len(values) < 2:
         raise FieldError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43")
     bits = _read_width("crc", values[0], _WIDEST_CRC)
     is_inverted = interface == "biss"
-    numbers = list(values[1:])
-    # A word at the end replaces the default. What is left are the polynomial and perhaps the start value.
-    if numbers[-1] in ("inverted", "plain"):
-        is_inverted = numbers.pop() == "inverted"
+    polynomial_and_start = list(values[1:])
+    if polynomial_and_start[-1] in ("inverted", "plain"):
+        is_inverted = polynomial_and_start.pop() == "inverted"
     offset = len("crc=") + len(values[0]) + 1  # after "crc=width:"
-    if not 0 < len(numbers) < 3:
+    if len(polynomial_and_start) not in (1, 2):
         raise FieldError("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", offset)
-    poly = _read_polynomial(numbers[0], bits, offset)
-    init = number_in(numbers[1]) if len(numbers) > 1 else 0
+    polynomial_text, *start_texts = polynomial_and_start
+    poly = _read_polynomial(polynomial_text, bits, offset)
+    init = number_in(start_texts[0]) if start_texts else 0
     highest = (1 << bits) - 1
     if init is None or init > highest:
-        offset += len(numbers[0]) + 1
-        raise FieldError(f"{quoted(numbers[1])} is not a start value; write at most {highest:#x}", offset)
+        offset += len(polynomial_text) + 1
+        raise FieldError(f"{quoted(start_texts[0])} is not a start value; write at most {highest:#x}", offset)
     return CrcField("crc", bits, column, poly, init, is_inverted)
 
 
 def _read_polynomial(polynomial_text: str, bits: int, offset: int) -> int:
-    """Return a polynomial without its top bit, which may be written: ``0x43`` of 6 bits is 3.
+    """Parse the polynomial of a CRC, and return it without its top bit: ``0x43`` for a 6-bit CRC is 3.
 
-    Its lowest bit is always 1. ``offset`` is the offset of the text in the field, for the error.
+    The top bit may be omitted in the text. The lowest bit must be 1. ``offset`` is the index of the text in the field,
+    for the error.
+
+    Raises:
+        FieldError: The text is not such a polynomial.
     """
     polynomial = number_in(polynomial_text)
     top_bit = 1 << bits

@@ -11,14 +11,14 @@ TURNS, IN_TURN, POSITION = "multiturn", "singleturn", "position"
 
 
 class LineProblem(NamedTuple):
-    """A problem in a line. ``column`` counts characters from 1. The message also says what would be right."""
+    """A problem in a line. ``column`` counts characters from 1. The message also says how to correct the line."""
 
     column: int
     message: str
 
 
 class LineError(ValueError):
-    """The line does not describe an encoder. ``problems`` lists all reasons, in the order of their columns."""
+    """The line does not describe an encoder. ``problems`` lists all reasons, sorted by column."""
 
     def __init__(self, text: str, problems: list[LineProblem]) -> None:
         super().__init__("; ".join(problem.message for problem in problems))
@@ -108,15 +108,16 @@ class EncoderLine:
 
     @property
     def bits(self) -> int:
+        """Number of bits of the frame."""
         return sum(field.bits for field in self.fields)
 
     def has(self, name: str) -> bool:
-        """Return True if one of the fields has this name."""
+        """Return whether one of the fields has this name."""
         return any(field.name == name for field in self.fields)
 
     @property
     def gaps(self) -> Iterator[str]:
-        """The facts that a spec needs, but that the line does not state."""
+        """Facts that a spec needs, but that the line does not state, each as a sentence for the spec."""
         options = self.options
         if self.interface != "rs485" and not options.clock_hz:
             yield "The clock."

@@ -14,14 +14,14 @@ from .fields import FieldError, number_in, read_field
 from .line import POSITION, EncoderLine, LineError, LineField, LineOptions, LineProblem
 
 INTERFACES = ("biss", "ssi", "spi", "rs485")
-#: Characters of the longest line, and the highest number of fields in a line.
+#: Maximum number of characters, and maximum number of fields in a line.
 LONGEST = 1000
 _MOST_FIELDS = 64
 _ALLOWED_CHARACTERS = re.compile(r"[A-Za-z0-9_=:,. ]*")
 _INTERFACE_BEGINNING = re.compile(rf"\s*({'|'.join(INTERFACES)})\s*[:,]", re.IGNORECASE)
 _FREQUENCY_TEXT = re.compile(r"([0-9]{1,12})([.][0-9]{1,6})?(|k|M)(?:Hz)?")
 _PREFIX_FACTORS = {"": 1, "k": 1_000, "M": 1_000_000}
-#: Most bytes of the request in a line.
+#: Maximum number of bytes of the request in a line.
 _LONGEST_REQUEST = 8
 
 #: Options without a value: the interfaces that have them, and the members that they set.
@@ -36,15 +36,19 @@ _WORDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, Any]]] = {
 
 
 def is_line(text: str) -> bool:
-    """Return True if a text is meant as a line: order codes and names of families have no such characters."""
-    return "=" in text or _INTERFACE_BEGINNING.match(text) is not None
+    """Return whether a text is meant to be a line, and not an order code or the name of a family.
+
+    Only a line contains an equal sign, or begins with an interface and a colon or comma.
+    """
+    begins_with_interface = _INTERFACE_BEGINNING.match(text) is not None
+    return "=" in text or begins_with_interface
 
 
 def parse_line(text: str) -> EncoderLine:
-    """Return the encoder that a line describes. The functions that it calls add their problems to one list.
+    """Parse a line, such as ``biss:position=32,error,warning,crc=6:0x43``, and return the encoder that it describes.
 
     Raises:
-        LineError: The line has problems.
+        LineError: The line has problems. The error lists all of them.
     """
     text = text.strip()
     if len(text) > LONGEST:
@@ -57,8 +61,10 @@ def parse_line(text: str) -> EncoderLine:
     interface, head_end = _read_interface(text, problems)
     options, option_columns = _read_options(text[:head_end], interface, problems)
     fields_start = head_end + 1 if head_end else 0  # after the colon
-    has_fields = fields_start <= len(text)  # False without a colon, which is a problem already.
-    fields = _read_fields(text[fields_start:], fields_start + 1, interface, problems) if has_fields else []
+    lacks_colon = fields_start > len(text)  # Already reported as a problem.
+    fields: list[LineField] = []
+    if not lacks_colon:
+        fields = _read_fields(text[fields_start:], fields_start + 1, interface, problems)
     if fields:
         problems += problems_of_fields(fields, interface)
         problems += problems_of_options(options, option_columns, fields, interface)
@@ -71,10 +77,10 @@ _LINE_EXAMPLE = "INTERFACE:FIELD,FIELD, such as biss:position=32,error,warning,c
 
 
 def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
-    """Return the interface, and the offset of the colon after its options, or 0 if the line begins with a field.
+    """Return the interface of a line, and the index of the colon after its options, and append ``problems``.
 
-    Without a colon, the offset is the end of a line that begins with an interface. A line without an interface is read
-    as one for BiSS, to find its other problems.
+    The index is 0 if the line begins with a field, and the end of the line if the colon is missing. A line without an
+    interface is treated as a BiSS line, so that its other problems are also found.
     """
     head, colon, _ = text.partition(":")
     word = head.partition(",")[0].strip()
@@ -95,30 +101,39 @@ def _read_interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
 
 
 def _split_at_commas(text: str, column: int) -> Iterator[tuple[int, str]]:
-    """Yield the parts of a text between commas, each with the column of its first character that is not a space."""
+    """Yield the parts of a text between commas without surrounding spaces, each with its column.
+
+    ``column`` is the column of the text in the line.
+    """
     for piece in text.split(","):
-        leading_spaces = len(piece) - len(piece.lstrip())
-        yield column + (leading_spaces if piece.strip() else 0), piece.strip()
-        column += len(piece) + 1
+        stripped_piece = piece.strip()
+        leading_spaces = len(piece) - len(piece.lstrip()) if stripped_piece else 0
+        yield column + leading_spaces, stripped_piece
+        column += len(piece) + 1  # The comma is one character.
 
 
 def _read_options(head: str, interface: str, problems: list[LineProblem]) -> tuple[LineOptions, dict[str, int]]:
-    """Return the options, and the column of each by its name. ``head`` is the line up to the colon."""
+    """Return the options of a line, and the column of each by its name, and append ``problems``.
+
+    ``head`` is the line up to the colon: the interface, followed by the options.
+    """
     options = LineOptions()
-    columns: dict[str, int] = {}
-    for column, piece in list(_split_at_commas(head, 1))[1:]:  # The first one is the interface.
+    column_by_option: dict[str, int] = {}
+    _, *option_texts = _split_at_commas(head, column=1)
+    for column, option_text in option_texts:
         try:
-            options = with_option(options, piece, interface)
-            columns[piece.partition("=")[0].strip()] = column
+            options = with_option(options, option_text, interface)
+            name = option_text.partition("=")[0].strip()
+            column_by_option[name] = column
         except FieldError as error:
             problems.append(LineProblem(column + error.offset, str(error)))
-    return options, columns
+    return options, column_by_option
 
 
 def _read_fields(text: str, column: int, interface: str, problems: list[LineProblem]) -> list[LineField]:
-    """Return the valid fields, and report the invalid fields in ``problems``.
+    """Return the valid fields in a text such as ``position=32,error``, and append ``problems`` for invalid ones.
 
-    ``column`` is the column of the first character.
+    ``column`` is the column of the text in the line.
     """
     fields: list[LineField] = []
     if not text.strip():
@@ -136,29 +151,36 @@ def _read_fields(text: str, column: int, interface: str, problems: list[LineProb
 
 
 def _read_frequency(option_text: str) -> int | None:
-    """Return the frequency in Hz of a text such as ``1.5MHz`` or ``800k``, or None if it is not 1 Hz to 1 GHz."""
+    """Parse a frequency such as ``1.5MHz`` or ``800k``, and return it in Hz.
+
+    Return None if the text is not a frequency from 1 Hz to 1 GHz.
+    """
     match = _FREQUENCY_TEXT.fullmatch(option_text)
     if match is None:
         return None
-    hertz = float(match[1] + (match[2] or "")) * _PREFIX_FACTORS[match[3]]
+    whole_part, decimals, prefix = match.groups(default="")
+    hertz = float(whole_part + decimals) * _PREFIX_FACTORS[prefix]
     return round(hertz) if 1 <= hertz <= 1_000_000_000 else None
 
 
 def _read_spi_mode(option_text: str) -> int | None:
+    """Parse the mode of SPI, from 0 to 3, or return None for any other text."""
     return int(option_text) if option_text in ("0", "1", "2", "3") else None
 
 
 def _read_positive_number(option_text: str) -> int | None:
-    """Return the number in a text, or None if it is 0, too large, or not a number."""
+    """Parse a number from 1 to 2^63 - 1, or return None for any other text."""
     number = number_in(option_text)
-    is_too_large = number is not None and number >= 1 << 63
-    return number if number and not is_too_large else None
+    if number is None or not 0 < number < 1 << 63:
+        return None
+    return number
 
 
 def _read_hex_bytes(option_text: str) -> bytes | None:
-    """Return the bytes of a text such as ``1A`` or ``0x1A02``, or None if it has other characters or is too large."""
+    """Parse bytes such as ``1A`` or ``0x1A02``, or return None if the text is not hexadecimal or is too long."""
     digits = option_text.removeprefix("0x")
-    if not re.fullmatch(r"(?:[0-9A-Fa-f]{2})+", digits) or len(digits) > 2 * _LONGEST_REQUEST:
+    is_hexadecimal = re.fullmatch(r"(?:[0-9A-Fa-f]{2})+", digits) is not None
+    if not is_hexadecimal or len(digits) > 2 * _LONGEST_REQUEST:
         return None
     request = bytes.fromhex(digits)
     return request if int.from_bytes(request, "big") <= LARGEST else None
@@ -176,10 +198,12 @@ _SETTINGS: Mapping[str, tuple[tuple[str, ...], str, Callable[[str], Any], str]] 
 
 
 def with_option(options: LineOptions, text: str, interface: str) -> LineOptions:
-    """Return the options with one more, such as ``gray`` or ``clock=1MHz``. Without an interface, each option is valid.
+    """Return the options with one more option, such as ``gray`` or ``clock=1MHz``.
+
+    If ``interface`` is empty, the options of all interfaces are accepted.
 
     Raises:
-        FieldError: There is no such option, or not for this interface, or its value is wrong.
+        FieldError: The option does not exist, does not exist for this interface, or has a wrong value.
     """
     name, equals, value_text = text.partition("=")
     name = name.strip()

@@ -1,4 +1,4 @@
-"""Write a line as a spec, with the grade ``uncorroborated`` and the facts that the line does not state."""
+"""Write a line as a spec with the grade ``uncorroborated``, which lists the facts that the line does not state."""
 
 from __future__ import annotations
 
@@ -40,7 +40,10 @@ SCHEMA = "device.schema.json"
 
 
 def spec_text(line: EncoderLine, name: str, manufacturer: str, schema: str = SCHEMA) -> str:
-    """Return the text of a spec of the family ``name``, which ``check`` accepts."""
+    """Return the text of a spec for the encoder that a line describes, with the family name ``name``.
+
+    ``codewheel check`` accepts this spec. ``schema`` is the path of the JSON Schema for editors.
+    """
     return "\n".join(
         [
             *_write_head(line, name, manufacturer, schema),
@@ -53,16 +56,17 @@ def spec_text(line: EncoderLine, name: str, manufacturer: str, schema: str = SCH
 
 
 def order_code(line: EncoderLine, name: str) -> str:
-    """Return the only order code of the spec of a line."""
+    """Return the order code in the spec of a line, which has only one, such as ``MY-ENCODER-BISS``."""
     return f"{_fixed_text_of_code(name)}-{line.interface.upper()}"
 
 
 def _fixed_text_of_code(family_name: str) -> str:
+    """Return the family name in the form in which order codes begin, such as ``MY-ENCODER`` for ``my_encoder``."""
     return family_name.replace("_", "-").upper()
 
 
 def _write_head(line: EncoderLine, family_name: str, manufacturer: str, schema: str) -> Iterator[str]:
-    """Yield the spec up to its measurement."""
+    """Yield the lines of the spec up to and including its measurement."""
     yield f"# yaml-language-server: $schema={schema}"
     yield "#"
     yield "# Written from one line. TODO marks what it does not state. Replace these facts and their sources with those"
@@ -101,7 +105,7 @@ def _write_head(line: EncoderLine, family_name: str, manufacturer: str, schema: 
 
 
 def _write_measurement(line: EncoderLine) -> Iterator[str]:
-    """Yield the size of a count, if the line states it."""
+    """Yield the counts per revolution and the number of revolutions, if the line states them."""
     widths = {field.name: field.bits for field in line.fields}
     if IN_TURN in widths:
         counts = f"2^{widths[IN_TURN]}"
@@ -111,9 +115,9 @@ def _write_measurement(line: EncoderLine) -> Iterator[str]:
         turns = str(line.options.turns or 1)
     else:
         return
-    # Without turns, the position within a revolution is the whole position.
-    has_only_position_in_turn = IN_TURN in widths and TURNS not in widths
-    measured_field = IN_TURN if has_only_position_in_turn else POSITION
+    # Without a field for turns, the position within a revolution is the whole position.
+    is_singleturn = IN_TURN in widths and TURNS not in widths
+    measured_field = IN_TURN if is_singleturn else POSITION
     yield f"measurement: {{of: {measured_field}, counts_per_turn: {counts}, turns: {turns}, source: {_SOURCE_LINE}}}"
     yield ""
 
@@ -132,7 +136,7 @@ def _write_crc(line: EncoderLine) -> Iterator[str]:
 
 
 def _write_interface(line: EncoderLine) -> Iterator[str]:
-    """Yield the interface with its layouts. A fact that the line does not state has a placeholder as its source."""
+    """Yield the interface with its layouts. The source of facts that the line does not state is ``TODO not stated``."""
     options = line.options
     yield "interfaces:"
     yield f"  {line.interface}:"
@@ -144,10 +148,12 @@ def _write_interface(line: EncoderLine) -> Iterator[str]:
         yield f"    word_bits: {line.bits}"
         yield "    reply: same_word"
     if line.interface == "ssi":
-        yield f"    alignment: {options.alignment or 'msb_left'}"
+        alignment = options.alignment or "msb_left"
         source = _SOURCE_LINE if options.alignment else _NOT_STATED
+        output_code = "gray" if options.is_gray else "binary"
+        yield f"    alignment: {alignment}"
         yield f"    alignment_source: {source}"
-        yield f"    output_code: {'gray' if options.is_gray else 'binary'}"
+        yield f"    output_code: {output_code}"
     yield "    layouts:"
     if line.interface == "rs485":
         yield from _write_request(line)
@@ -155,10 +161,11 @@ def _write_interface(line: EncoderLine) -> Iterator[str]:
 
 
 def _write_clock(line: EncoderLine) -> Iterator[str]:
-    """Yield the clock of an interface, and the mode of SPI."""
+    """Yield the clock of the interface and, for SPI, its mode."""
     options = line.options
     is_mode_unknown = line.interface == "spi" and options.mode is None
-    yield f"    source: {_NOT_STATED if is_mode_unknown else _SOURCE_LINE}"
+    source = _NOT_STATED if is_mode_unknown else _SOURCE_LINE
+    yield f"    source: {source}"
     if line.interface == "spi":
         yield f"    mode: {options.mode or 0}"
     if options.clock_hz:
@@ -168,21 +175,22 @@ def _write_clock(line: EncoderLine) -> Iterator[str]:
 
 
 def _write_serial_port(line: EncoderLine) -> Iterator[str]:
-    """Yield the serial port, and the exchange with the reply."""
+    """Yield the settings of the serial port, and the exchange: the request and its reply."""
     source = _SOURCE_LINE if line.options.baud else _NOT_STATED
     port = f"baud: {line.options.baud or _PLACEHOLDER_BAUD}, data_bits: 8, parity: none, stop_bits: 1"
     yield f"    source: {_SOURCE_LINE}"
     yield f"    port: {{{port}, source: {source}}}"
     yield "    exchanges:"
-    # A request for the position needs a measurement.
-    purpose = "position" if line.options.counts or line.has(IN_TURN) else "other"
+    # A request with the purpose ``position`` needs a measurement.
+    has_measurement = line.options.counts > 0 or line.has(IN_TURN)
+    purpose = "position" if has_measurement else "other"
     yield f"      - {{request: position_request, reply: reply, purpose: {purpose}, source: {_SOURCE_LINE}}}"
 
 
 def _write_request(line: EncoderLine) -> Iterator[str]:
-    """Yield the request to which the frame is the reply over RS-485.
+    """Yield the layout of the RS-485 request that the encoder answers with the frame of the line.
 
-    If the line does not state it, it is one byte of any value.
+    If the line does not state the request, it is one byte with any value.
     """
     request = line.options.request
     content = f"constant: {int.from_bytes(request, 'big'):#x}" if request else "meaning: Request"
@@ -191,12 +199,12 @@ def _write_request(line: EncoderLine) -> Iterator[str]:
     yield "        byte_order: high_byte_first"
     yield f"        source: {_SOURCE_LINE if request else _NOT_STATED}"
     yield "        fields:"
-    request_bytes = len(request) or 1
-    yield f"          - {{name: request, bits: {8 * request_bytes}, {content}}}"
+    request_bits = 8 * len(request) if request else 8
+    yield f"          - {{name: request, bits: {request_bits}, {content}}}"
 
 
 def _write_layout(line: EncoderLine) -> Iterator[str]:
-    """Yield the layout of the frame."""
+    """Yield the layout of the frame that the encoder sends, with its fields."""
     yield f"      - name: {_LAYOUT_NAMES[line.interface]}"
     yield "        from: encoder"
     yield f"        source: {_SOURCE_LINE}"
@@ -209,10 +217,11 @@ def _write_layout(line: EncoderLine) -> Iterator[str]:
         yield "        join:"
         yield from joins
     if line.options.is_gray:
-        is_single = line.has(IN_TURN) and not line.has(TURNS)
-        yield f"        gray: {{of: {IN_TURN if is_single else POSITION}}}"
+        is_singleturn = line.has(IN_TURN) and not line.has(TURNS)
+        gray_field = IN_TURN if is_singleturn else POSITION
+        yield f"        gray: {{of: {gray_field}}}"
     yield "        fields:"
-    # A parity bit covers all other fields but the CRC.
+    # A parity bit covers all other fields except the CRC.
     parity_fields = [name for name in _field_names(line) if name not in ("parity", "crc")]
     for field, name in zip(line.fields, _names_in_spec(line), strict=True):
         for keys in _write_field(field, name, line, parity_fields):
@@ -220,22 +229,30 @@ def _write_layout(line: EncoderLine) -> Iterator[str]:
 
 
 def _names_in_spec(line: EncoderLine) -> list[str]:
-    """Return the name of each field. Repeated fillers have numbers: ``zero_bits``, ``zero_bits_2``."""
-    taken_names = {field.name for field in line.fields if not isinstance(field, FillerField)}
+    """Return the name of each field in the spec. Fields of zeros or unused bits get distinct names.
+
+    They are ``zero_bits``, ``zero_bits_2`` and so on.
+    """
+    names_in_line = {field.name for field in line.fields if not isinstance(field, FillerField)}
     names: list[str] = []
     for field in line.fields:
-        name = f"{field.name}_bits" if isinstance(field, FillerField) else field.name
-        name_without_number = name
+        if not isinstance(field, FillerField):
+            names.append(field.name)
+            continue
+        name = f"{field.name}_bits"
         number = 1
-        while isinstance(field, FillerField) and (name in names or name in taken_names):
+        while name in names or name in names_in_line:
             number += 1
-            name = f"{name_without_number}_{number}"
+            name = f"{field.name}_bits_{number}"
         names.append(name)
     return names
 
 
 def _field_names(line: EncoderLine) -> list[str]:
-    """Return the names of the fields and of the bytes of split numbers, in the order in which they are sent."""
+    """Return the names of all fields of the layout in the spec, in the order in which they are sent.
+
+    A number that is sent low byte first consists of several fields, one for each byte.
+    """
     names: list[str] = []
     for field, name in zip(line.fields, _names_in_spec(line), strict=True):
         names += _byte_names(field, line) or [name]
@@ -243,34 +260,36 @@ def _field_names(line: EncoderLine) -> list[str]:
 
 
 def _byte_names(field: LineField, line: EncoderLine) -> list[str]:
-    """Return the names of the bytes of a number of several bytes over SPI that is sent low byte first.
+    """Return the names of the bytes of a number if it must be split because SPI sends it low byte first.
 
-    They are in the order sent: ``position_byte_0``, ``position_byte_1``. Return nothing for all other fields.
+    They are in the order in which they are sent: ``position_byte_0``, ``position_byte_1``. The list is empty for all
+    other fields.
     """
-    is_low_first = line.interface == "spi" and line.options.byte_order == "low_byte_first"
-    if not is_low_first or not isinstance(field, NumberField) or field.bits <= 8:
+    is_low_byte_first_spi = line.interface == "spi" and line.options.byte_order == "low_byte_first"
+    if not is_low_byte_first_spi or not isinstance(field, NumberField) or field.bits <= 8:
         return []
     return [f"{field.name}_byte_{index}" for index in range(field.bits // 8)]
 
 
 def _write_joins(line: EncoderLine) -> Iterator[str]:
-    """Yield the numbers that consist of several fields: split numbers, and the position made of turns and the rest.
+    """Yield the numbers that several fields form: numbers that are split into bytes, and the position of a multiturn.
 
     Their fields are listed most significant first.
     """
     fields_of_number: dict[str, Sequence[str]] = {}
     for field in line.fields:
-        # The bytes are sent low byte first.
-        most_significant_first = _byte_names(field, line)[::-1]
+        bytes_as_sent = _byte_names(field, line)  # low byte first
+        most_significant_first = bytes_as_sent[::-1]
         fields_of_number[field.name] = most_significant_first or [field.name]
         if most_significant_first:
             yield f"          {field.name}: [{', '.join(most_significant_first)}]"
     if TURNS in fields_of_number and IN_TURN in fields_of_number:
-        yield f"          {POSITION}: [{', '.join([*fields_of_number[TURNS], *fields_of_number[IN_TURN]])}]"
+        fields_of_position = [*fields_of_number[TURNS], *fields_of_number[IN_TURN]]
+        yield f"          {POSITION}: [{', '.join(fields_of_position)}]"
 
 
 def _write_erratum(line: EncoderLine) -> Iterator[str]:
-    """Yield an erratum for a frame that differs from BiSS frames, so that ``check`` accepts it."""
+    """Yield an erratum about the differences from usual BiSS frames, without which ``check`` would report them."""
     places = list(_places_unlike_biss(line)) if line.interface == "biss" else []
     if not places:
         return
@@ -288,9 +307,10 @@ def _write_erratum(line: EncoderLine) -> Iterator[str]:
 
 
 def _places_unlike_biss(line: EncoderLine) -> Iterator[str]:
-    """Yield the paths of the differences from BiSS in a frame with an error or warning bit: ``crcs.line_crc.xorout``.
+    """Yield the path in the spec of each difference from a usual BiSS frame, such as ``crcs.line_crc.xorout``.
 
-    A usual frame has the position, the error and then the warning bit, both active low, and an inverted CRC.
+    A usual frame has the position, then the error bit and the warning bit, both active low, and an inverted CRC.
+    Nothing is yielded for a frame without an error or warning bit.
     """
     frame = f"interfaces.biss.{_LAYOUT_NAMES['biss']}"
     names = [field.name for field in line.fields]
@@ -313,9 +333,10 @@ def _places_unlike_biss(line: EncoderLine) -> Iterator[str]:
 
 
 def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: Sequence[str]) -> Iterator[str]:
-    """Yield the keys of a field in the spec, ``name: zero_bits, bits: 2, constant: 0``, or those of each split byte.
+    """Yield the keys of a field in the spec, such as ``name: zero_bits, bits: 2, constant: 0``.
 
-    Effects on the position are left out of a frame without a position.
+    A number that is sent low byte first has keys for each byte. In a frame without a position, effects on the position
+    are omitted.
     """
     byte_names = _byte_names(field, line)
     if byte_names:
@@ -343,7 +364,7 @@ def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: 
 
 
 def _keys_of_number(field: NumberField) -> str:
-    """Return the keys of a number in the spec. Only the parts of the position have a unit and a meaning."""
+    """Return the keys of a number in the spec. Only fields of the position have a unit and a meaning."""
     keys = f"name: {field.name}, bits: {field.bits}"
     if field.is_signed:
         keys += ", signed: true"

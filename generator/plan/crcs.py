@@ -36,10 +36,10 @@ class UndetectedErrors:
 
 
 def residual_of(crc: Crc, bits: int) -> UndetectedErrors:
-    """Return the errors that ``crc`` misses in a frame of ``bits`` bits, including the CRC itself.
+    """Return how many wrong bits ``crc`` always detects in a frame of ``bits`` bits, and how many errors it misses.
 
-    Start value, final XOR and order of the bits do not matter, since they are the same in the sent and in the received
-    frame.
+    ``bits`` includes the bits of the CRC. Start value, final XOR and bit order do not matter, because they are the same
+    in the sent and in the received frame.
     """
     # The remainder of an error in each single bit, lowest bit first.
     remainders = []
@@ -50,15 +50,15 @@ def residual_of(crc: Crc, bits: int) -> UndetectedErrors:
         remainder <<= 1
         if remainder >> crc.width:
             remainder ^= crc.poly_with_top_bit
-    # An error is missed if the remainders of its bits cancel each other.
+    # The CRC misses an error of several bits if the XOR of their remainders is 0.
     pairs_by_remainder = Counter(first ^ second for first, second in combinations(remainders, 2))
-    missed_pairs = pairs_by_remainder[0]
-    # In each missed triple, any of the three pairs cancels the third bit.
-    missed_triples = sum(pairs_by_remainder[remainder] for remainder in remainders) // 3
-    # Each missed four consists of two pairs with the same remainder in three ways. Such pairs have no common bit,
-    # unless the CRC also misses pairs, which then decide.
-    missed_fours = sum(comb(number_of_pairs, 2) for number_of_pairs in pairs_by_remainder.values()) // 3
-    for distance, missed in ((2, missed_pairs), (3, missed_triples), (4, missed_fours)):
+    missed_2_bit_errors = pairs_by_remainder[0]
+    # A missed error of three bits is counted three times: once for each pair with the remainder of the third bit.
+    missed_3_bit_errors = sum(pairs_by_remainder[remainder] for remainder in remainders) // 3
+    # A missed error of four bits consists of two pairs with the same remainder, in three ways. If two such pairs have a
+    # common bit, the CRC also misses errors of two bits, and this number is not used.
+    missed_4_bit_errors = sum(comb(number_of_pairs, 2) for number_of_pairs in pairs_by_remainder.values()) // 3
+    for distance, missed in ((2, missed_2_bit_errors), (3, missed_3_bit_errors), (4, missed_4_bit_errors)):
         if missed:
             return UndetectedErrors(bits=bits, distance=distance, missed=missed)
     return UndetectedErrors(bits=bits, distance=5, missed=0)
@@ -78,7 +78,8 @@ class FoldStep:
 
 def reflect(value: int, width: int) -> int:
     """Return ``value`` with its ``width`` bits in reverse order."""
-    return int(f"{value:0{width}b}"[::-1], 2)
+    binary_digits = f"{value:0{width}b}"
+    return int(binary_digits[::-1], 2)
 
 
 def byte_table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
@@ -194,33 +195,36 @@ class CrcFunction:
 
 
 def carriers(device: Device, crc: Crc) -> tuple[CoveredData, ...]:
-    """Return the carriers of a CRC in frames and registers.
+    """Return the kinds of data, BYTES or BITS or both, that a CRC covers in the frames and registers of a family.
 
-    For an unused CRC, the parameters decide. Reflected input is defined only for bytes, and a width of whole bytes
-    suggests bytes.
+    If no frame or register has this CRC, its parameters decide: reflected input is defined only for bytes, and a CRC
+    with a width of whole bytes is likely to cover bytes.
     """
     layouts = [layout for _, layout in device.layouts()]
     layouts += (register.layout for register in device.registers)
     used_carriers = [carrier_of(layout) for layout in layouts if _has_crc(layout, crc)]
-    if not used_carriers:
-        suggests_bytes = crc.refin or crc.width % 8 == 0
-        return (CoveredData.BYTES,) if suggests_bytes else (CoveredData.BITS,)
-    return tuple(carrier for carrier in (CoveredData.BYTES, CoveredData.BITS) if carrier in used_carriers)
+    if used_carriers:
+        return tuple(carrier for carrier in (CoveredData.BYTES, CoveredData.BITS) if carrier in used_carriers)
+    suggests_bytes = crc.refin or crc.width % 8 == 0
+    return (CoveredData.BYTES,) if suggests_bytes else (CoveredData.BITS,)
 
 
 def carrier_of(layout: Layout) -> CoveredData:
-    """Return the carrier of the CRC at the end of a layout."""
+    """Return the kind of data, BYTES or BITS, that the CRC at the end of a layout covers."""
     return CoveredData.BYTES if layout.crc_covers_bytes else CoveredData.BITS
 
 
 def crc_functions(device: Device) -> Iterator[CrcFunction]:
-    """Yield the functions of a family in the order of its CRCs, those over bytes before those over bits."""
+    """Yield the CRC functions that the generated code for a family needs, in the order of its CRCs.
+
+    A CRC that covers bytes in one frame and bits in another has two functions: first over bytes, then over bits.
+    """
     for crc in device.crcs:
         crc_carriers = carriers(device, crc)
         in_words = any(not layout.in_bytes and _has_crc(layout, crc) for _, layout in device.layouts())
         for carrier in crc_carriers:
             form = form_of(crc, carrier)
-            # Folding needs a frame of which the CRC covers everything.
+            # Folding needs a frame in which the CRC covers all other bits.
             if carrier is CoveredData.BITS and not checks_whole_words(device, crc):
                 form = CrcMethod.TABLE
             is_alone = len(crc_carriers) == 1
@@ -228,10 +232,12 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
 
 
 def function_of(device: Device, layout: Layout, crc: Crc) -> CrcFunction:
-    """Return the function for a CRC at the end of a layout, which must be a CRC of the family."""
+    """Return the function that computes ``crc``, a CRC of the family, at the end of a layout."""
     carrier = carrier_of(layout)
-    functions = (function for function in crc_functions(device) if function.carrier is carrier)
-    return next(function for function in functions if function.crc == crc)
+    for function in crc_functions(device):
+        if function.carrier is carrier and function.crc == crc:
+            return function
+    raise AssertionError(f"'{crc.name}' is not a CRC of '{layout.name}'")
 
 
 def can_be_folded(crc: Crc) -> bool:
@@ -243,37 +249,45 @@ def can_be_folded(crc: Crc) -> bool:
 
 
 def fold_steps(crc: Crc, bits: int) -> tuple[FoldStep, ...]:
-    """Return the steps that fold a frame of at most ``bits`` bits, or none if the CRC cannot be folded."""
-    return fold_plan(crc.width, crc.poly, bits) if can_be_folded(crc) and bits <= _LONGEST_WORD_BITS else ()
+    """Return the steps that reduce a frame of at most ``bits`` bits to its remainder without a table.
+
+    The tuple is empty if the polynomial has too many terms for this method, or if the frame is longer than a word.
+    """
+    fits_in_word = bits <= _LONGEST_WORD_BITS
+    return fold_plan(crc.width, crc.poly, bits) if can_be_folded(crc) and fits_in_word else ()
 
 
 def is_checked_by_division(crc: Crc, layout: Layout) -> bool:
-    """Return whether code checks a word, with its final XOR removed, by dividing it by the polynomial.
+    """Return whether generated code checks a word by dividing it by the polynomial, after undoing the final XOR.
 
-    The CRC must be the remainder of the word, and be folded or have 8 to 32 bits.
+    The remainder of a valid word is then 0. This requires that the CRC is the plain remainder of the word, and that it
+    can be folded or has 8 to 32 bits.
     """
     is_remainder_of_word = not layout.in_bytes and crc.init == 0 and not crc.refout
     return is_remainder_of_word and (can_be_folded(crc) or 8 <= crc.width <= 32)
 
 
 def form_of(crc: Crc, carrier: CoveredData) -> CrcMethod:
-    """Return the form in which code computes a CRC over this carrier. A wide CRC is not folded."""
-    if carrier is CoveredData.BITS:
-        return CrcMethod.FOLD if can_be_folded(crc) and crc.width <= _WIDEST_FOLD else CrcMethod.TABLE
-    return CrcMethod.XOR if crc.is_xor else CrcMethod.TABLE
+    """Return the method by which generated code computes a CRC over bits or bytes. A wide CRC is not folded."""
+    if carrier is CoveredData.BYTES:
+        return CrcMethod.XOR if crc.is_xor else CrcMethod.TABLE
+    is_narrow = crc.width <= _WIDEST_FOLD
+    return CrcMethod.FOLD if can_be_folded(crc) and is_narrow else CrcMethod.TABLE
 
 
 def _has_crc(layout: Layout, crc: Crc) -> bool:
+    """Return whether a field of the layout contains this CRC."""
     return any(isinstance(field.kind, CrcValue) and field.kind.crc == crc.name for field in layout.fields)
 
 
 def checks_whole_words(device: Device, crc: Crc) -> bool:
-    """Return whether the CRC ends all its frames for every order code, and covers everything before it."""
+    """Return whether every frame with this CRC has it for all order codes, and the CRC covers all bits before it."""
     for _, layout in device.layouts():
         for field in layout.crc_fields:
             assert isinstance(field.kind, CrcValue)
-            is_partial = field.kind.of or not field.width.is_constant
-            if field.kind.crc == crc.name and is_partial:
+            covers_named_fields_only = bool(field.kind.of)
+            is_in_all_order_codes = field.width.is_constant
+            if field.kind.crc == crc.name and (covers_named_fields_only or not is_in_all_order_codes):
                 return False
     return True
 
@@ -317,7 +331,10 @@ CONTROL_FIELDS = {0: 0x02, 1: 0x8A, 2: 0x92, 3: 0x1A, 6: 0x32, 7: 0xBA, 8: 0xC2,
 
 
 def vectors_of(crc: Crc) -> tuple[PublicVector, ...]:
-    """Return the vectors for a CRC with these parameters if it is one of the two BiSS CRCs (6 or 4 bits, inverted)."""
+    """Return the published words with their CRC if ``crc`` is one of the two BiSS CRCs: 6 or 4 bits, sent inverted.
+
+    The tuple is empty for any other CRC.
+    """
     if crc.init or crc.xorout != crc.mask or crc.refin or crc.refout:
         return ()
     vectors_by_width_and_poly = {(6, 0x03): _CRC_6, (4, 0x03): _CRC_4}

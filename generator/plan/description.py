@@ -16,7 +16,6 @@ from ..model.expressions import Expression
 from ..model.lookup import assert_never
 from ..model.record import dataclass
 from . import verdicts
-from . import verdicts as reports
 from .codec import LayoutPlan
 from .limits import powers_of_two
 from .operations import (
@@ -126,10 +125,12 @@ class Check:
 
 @dataclass(frozen=True, slots=True)
 class DescribedVerdictCause:
-    """Cause of a verdict: a flag, unless certain other flags are active, or any of the reserved bits in ``mask``.
+    """Cause of a verdict: the active flag ``flag``, unless one of the flags in ``unless`` is also active.
 
-    With ``when``, it is the values of these fields together, and ``flag`` is only their name. 1 is an active flag.
-    Without ``only`` it applies to all order codes. ``chosen`` is the condition on an answer of the user.
+    If ``mask`` is not 0, the cause is any of these reserved bits instead. If ``when`` is not empty, the cause is that
+    all of these fields have these values, and ``flag`` is only the name of the combination. The value of an active flag
+    is 1. ``only`` selects the order codes to which the cause applies, or is None for all of them. ``chosen`` is the
+    condition on an answer of the user to a question that the manual leaves open, or None.
     """
 
     verdict: Verdict
@@ -143,7 +144,7 @@ class DescribedVerdictCause:
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """Verdict of a report while ``parameter``, which an answer of the user sets, is not 0."""
+    """Verdict of a report while ``parameter`` is not 0. The user's answer to an open question sets this parameter."""
 
     parameter: str
     verdict: Verdict
@@ -192,14 +193,11 @@ class Description:
     judging_bits: Expression | None
 
 
-def _describe_unused(reserved: Reserved) -> Unused:
-    return Unused(reserved.field.low, reserved.field.width, reserved.value, reserved.place)
+def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | None = None) -> Description:
+    """Return the description of a frame or register as data.
 
-
-def describe(layout_plan: LayoutPlan, reporting: reports.ReportsAndVerdict | None = None) -> Description:
-    """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame.
-
-    Without verdict rules, there are no causes. In a frame without the position, there are only causes of reports.
+    ``reporting`` contains the reports and the verdict of a frame. Without it, the description has no causes of reports
+    or verdicts. For a frame without the position, it has only causes of reports.
     """
     layout = layout_plan.layout
     power_of_two_names = powers_of_two(layout_plan)
@@ -209,7 +207,7 @@ def describe(layout_plan: LayoutPlan, reporting: reports.ReportsAndVerdict | Non
         order=_byte_order(layout_plan),
         columns=tuple(_describe_column(field, field.name in power_of_two_names) for field in layout.fields),
         joins=tuple(_describe_join(whole) for whole in layout_plan.joined_numbers),
-        unused=tuple(_describe_unused(reserved) for reserved in layout_plan.reserved),
+        unused=tuple(_describe_reserved_bits(reserved) for reserved in layout_plan.reserved),
         checks=tuple(_describe_check(check) for check in layout_plan.checks),
         parities=tuple(_computed_parities(layout_plan)),
         verdict_causes=(),
@@ -237,6 +235,11 @@ def describe(layout_plan: LayoutPlan, reporting: reports.ReportsAndVerdict | Non
     )
 
 
+def _describe_reserved_bits(reserved: Reserved) -> Unused:
+    """Return reserved bits as data: their position, the value in the manual, and their place in ``unused``."""
+    return Unused(reserved.field.low, reserved.field.width, reserved.value, reserved.place)
+
+
 def _byte_order(layout_plan: LayoutPlan) -> str:
     """Return Python's name of the byte order, or an empty string if the layout is not sent as bytes."""
     if not layout_plan.in_bytes:
@@ -245,25 +248,32 @@ def _byte_order(layout_plan: LayoutPlan) -> str:
 
 
 def _computed_parities(layout_plan: LayoutPlan) -> Iterator[Check]:
-    """Yield the parity bits that an encoder of frames computes. A parity bit that never changes is a constant."""
+    """Yield the parity bits that must be computed when a frame is encoded.
+
+    A parity bit that is the same in every frame of this layout is omitted, because it is encoded as a constant.
+    """
     for term in layout_plan.terms:
         if isinstance(term.value, ParityOf):
             yield _describe_parity(term.field, term.value)
 
 
 def _constant_ones(layout_plan: LayoutPlan) -> Iterator[tuple[BitSpan, int]]:
-    """Yield the constants that are not all 0. An encoder of frames starts from 0, so it need not set constants of 0."""
+    """Yield the bits of each constant whose value is not 0, with this value.
+
+    Encoding starts from a frame of zeros, so constants of 0 need no operation.
+    """
     for term in layout_plan.terms:
         if isinstance(term.value, ConstantNumber) and term.value.number:
             yield BitSpan(term.field.low, term.field.width), term.value.number
 
 
-def _describe_column(field: Field, is_power: bool) -> Column:
-    """Return a field with the operation that converts its bits, which ``kind`` names: ``signed``, ``flag`` and so on.
+def _describe_column(field: Field, must_be_power_of_two: bool) -> Column:
+    """Return a field as data: its position, and the operation that converts its bits to a value.
 
-    ``is_power`` is true if its number must be a power of two. ``zero_means`` is the number for which 0 is sent.
+    The member ``kind`` names the operation: ``signed``, ``flag``, ``not_flag`` for an active-low flag, ``choice``,
+    ``digits``, ``text``, or ``number``. ``zero_means`` is the number that is sent as 0, or 0 if there is none.
     """
-    column = Column(Name(field.name), field.low, field.width, power_of_two=is_power, scale=field.scale)
+    column = Column(Name(field.name), field.low, field.width, power_of_two=must_be_power_of_two, scale=field.scale)
     match meaning_of(field):
         case UnsignedNumber():
             return column
@@ -285,7 +295,10 @@ def _describe_column(field: Field, is_power: bool) -> Column:
 
 
 def _describe_check(check: PlannedCheck) -> Check:
-    """Return a check of the plan as data: the bits, and the values, the limits or the parity that they must have."""
+    """Return a check as data: the bits that are checked, and the values, limits, or parity that they must have.
+
+    ``fault`` is the error that a decoder reports if the check fails.
+    """
     field = check.field
     fault = check.fault
     match check:
@@ -308,8 +321,10 @@ def _describe_check(check: PlannedCheck) -> Check:
 
 
 def _describe_join(joined_number: JoinedNumber) -> Join:
-    """Return a number formed by several fields as data: ``(("angle", 0), ("turns", 12))`` are its fields."""
-    # ``low`` is the position of the field's lowest bit in the number.
+    """Return a number formed by several fields as data: its fields are, for example, ``(("angle", 0), ("turns", 12))``.
+
+    The second member of each pair is the position of the field's lowest bit in the number.
+    """
     fields_from_low = tuple((Name(field.name), low) for field, low in joined_number.from_low)
     return Join(name=Name(joined_number.join.name), fields=fields_from_low)
 
@@ -327,6 +342,7 @@ def _describe_parity(parity_bit: Field, parity: ParityOf) -> Check:
 
 
 def _list_places(fields: tuple[Field, ...]) -> tuple[BitSpan, ...]:
+    """Return the position and the width of the bits of each field."""
     return tuple(BitSpan(field.low, field.width) for field in fields)
 
 
@@ -346,8 +362,8 @@ def _describe_verdict_causes(verdict_rules: verdicts.VerdictRules) -> Iterator[D
             )
 
 
-def _describe_report_cause(report_cause: reports.ReportCause) -> DescribedReportCause:
-    """Return the cause of a report as data."""
+def _describe_report_cause(report_cause: verdicts.ReportCause) -> DescribedReportCause:
+    """Return the cause of a report as data: a flag, reserved bits, or the values of several fields."""
     cause = report_cause.by
     return DescribedReportCause(
         report=report_cause.report.name,
@@ -360,7 +376,10 @@ def _describe_report_cause(report_cause: reports.ReportCause) -> DescribedReport
 
 
 def _verdict_by_answer(field: Field) -> Answered | None:
-    """Return the verdict of a flag while the parameter of an answer is not 0, or None if no answer decides it."""
+    """Return the verdict that an active flag leads to after a certain answer of the user to an open question.
+
+    The answer sets a parameter to a value other than 0. Return None if the verdict of the flag depends on no answer.
+    """
     match field.kind:
         case Flag(verdict_parameter=parameter, verdict_if_set=verdict) if verdict is not None:
             return Answered(parameter, verdict)

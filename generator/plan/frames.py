@@ -26,7 +26,7 @@ from ..model import (
     member_named,
 )
 from ..model.record import dataclass
-from .codec import bits_of
+from .frame_checks import bits_of
 from .operations import FieldBits
 from .values import UnsignedNumber, ZeroMeans, meaning_of
 
@@ -55,10 +55,10 @@ class FrameDispatch:
 
 
 def dispatches(layouts: Sequence[Layout]) -> Iterator[FrameDispatch]:
-    """Yield a dispatch for each sender on an interface whose frames are distinguished by a selector.
+    """Yield the dispatch of each sender whose frames a selector field distinguishes.
 
-    The first frame of a sender decides. If it has no selector, every frame of the sender is decoded as the first, and
-    there is nothing to distinguish.
+    If the first frame of a sender has no selector, every frame of this sender is decoded as the first one, and no
+    dispatch is needed.
     """
     layouts_by_sender: dict[str, list[Layout]] = {}
     for layout in layouts:
@@ -69,9 +69,10 @@ def dispatches(layouts: Sequence[Layout]) -> Iterator[FrameDispatch]:
 
 
 def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> FrameDispatch:
-    """Return the dispatch of a sender. The first frame without a selector is the fallback.
+    """Return the frames of a sender with the selector values that identify each of them.
 
-    Frames after the fallback are omitted, since it accepts all values that the frames before it do not.
+    The first frame without a selector is the fallback for all other values. Frames after the fallback are omitted,
+    since no value is left for them.
     """
     branches = []
     fallback = None
@@ -80,13 +81,14 @@ def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> FrameDispatch:
             fallback = layout
             break
         branches.append(SelectedFrame(layout, layout.selects))
-    # The selector has the same position in all frames, so the position in the first frame applies.
-    selector = layouts[0].field(layouts[0].selector)
+    # The selector has the same position in all frames.
+    first_layout = layouts[0]
+    selector = first_layout.field(first_layout.selector)
     last_byte = max((bit_slice.byte for bit_slice in selector.bit_slices), default=0)
     return FrameDispatch(
         sender=sender,
         selector=selector,
-        bits=bits_of(layouts[0], selector),
+        bits=bits_of(first_layout, selector),
         needs=last_byte + 1,
         branches=tuple(branches),
         fallback=fallback,
@@ -119,15 +121,15 @@ def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
 
 
 def reply_to_data_id(interface: Rs485, data_id: int) -> Layout | None:
-    """Return the frame with which the encoder answers a data ID, or None if the spec has none.
+    """Return the frame with which the encoder answers a request with this data ID, or None if the spec has none.
 
-    It is the frame that the selector identifies by this ID, or the fallback. Without a selector, it is the only frame
-    that the encoder sends. Several frames without a selector are ambiguous, so the result is None.
+    The selector of a reply contains the data ID of its request. The result is the frame with this selector value, or
+    the frame for all other values. Without a selector, it is the only frame that the encoder sends, or None if there
+    are several.
     """
     for dispatch in dispatches(interface.layouts):
         if dispatch.sender != "encoder":
             continue
-        # The selector of a reply is the data ID of its request.
         for branch in dispatch.branches:
             if data_id in branch.values:
                 return branch.layout
@@ -155,17 +157,26 @@ class RequestAndReply:
 
 
 def exchanges(interface: Interface) -> tuple[RequestAndReply, ...]:
-    """Return the requests of an interface with their replies. T-format requests have data IDs instead."""
-    spec_exchanges = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
+    """Return the requests of an interface with their replies, in the order of the spec.
+
+    The tuple is empty for SSI and BiSS, and for T-format interfaces, whose requests are data IDs.
+    """
+    if not isinstance(interface, (Rs485, Spi)):
+        return ()
     layouts = {layout.name: layout for layout in interface.layouts}
-    return tuple(_exchange_with_frames(spec, layouts[spec.request], layouts.get(spec.reply)) for spec in spec_exchanges)
+    requests_with_replies = []
+    for exchange in interface.exchanges:
+        request = layouts[exchange.request]
+        reply = layouts.get(exchange.reply)
+        requests_with_replies.append(_exchange_with_frames(exchange, request, reply))
+    return tuple(requests_with_replies)
 
 
 def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | None) -> RequestAndReply:
-    """Return the exchange with its frames.
+    """Return a request with its reply, and with the information whether the reply repeats the request's first byte.
 
-    The reply repeats the first byte of the request if the same constants and fields occupy the same bits in both. An
-    example is a byte with a constant command in its upper half and the address in its lower half.
+    It does if the same constants and fields occupy the same bits of the first byte in both frames. An example is a byte
+    with a constant command in its upper half and the address in its lower half.
     """
     first_byte_of_request = _contents_of_first_byte(request)
     first_byte_of_reply = _contents_of_first_byte(reply) if reply is not None else frozenset()
@@ -187,9 +198,9 @@ class _ContentOfBits:
 
 
 def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
-    """Return the contents of the first byte, or an empty set if any of its 8 bits is neither data nor constant.
+    """Return the content of each bit range in the first byte: the value of a constant, or the name of a data field.
 
-    The content is the value of a constant or the name of a data field.
+    The set is empty if any of the 8 bits belongs to neither a constant nor a data field.
     """
     contents = []
     for field in layout.fields:
@@ -213,7 +224,7 @@ def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
     return frozenset(contents) if is_whole_byte_known else frozenset()
 
 
-#: Before the start bit of a BiSS frame come two idle clocks, the acknowledge and the line delay. No manual states how
+#: Two idle clocks, the acknowledge and the line delay precede the start bit of a BiSS frame. No manual states how
 #: long an encoder takes. This is an allowance in bits, equal to 4 us at 10 MHz.
 BISS_REST, BISS_ACKNOWLEDGE = 2, 40
 #: Start bit and CDS before the data, and stop bit after the data.
@@ -240,47 +251,58 @@ class FrameSize:
 
 
 def received_sizes(device: Device, interface: Interface) -> Iterator[FrameSize]:
-    """Yield the frames that the encoder sends as bits on this interface, by order code.
+    """Yield the size of each frame that the encoder sends over an interface, for each order code.
 
     A frame whose length depends on a question that the manual leaves open is yielded once for each answer. Nothing is
-    yielded for an interface with a peripheral that receives bytes or words.
+    yielded for RS-485 and SPI, where a peripheral of the microcontroller receives whole bytes or words.
     """
     bits_around = _bits_around(interface)
     if bits_around is None:
         return
-    register_parameters = {parameter.name for parameter in device.set_parameters if parameter.register}
-    frame_of_channels = channel_frame(interface)
     for layout in interface.layouts:
-        if layout.sender != "encoder":
-            continue
-        # A buffer for a data channel holds all channels of its frame.
-        is_channel = frame_of_channels is not None and layout in frame_of_channels.layouts
-        whole = frame_of_channels if frame_of_channels is not None and is_channel else layout
-        length_parameters = device.needed_parameters(whole.bits.parameters)
-        depends_on_registers = not length_parameters.isdisjoint(register_parameters)
+        if layout.sender == "encoder":
+            yield from _sizes_of_frame(device, interface, layout, bits_around)
+
+
+def _sizes_of_frame(device: Device, interface: Interface, layout: Layout, bits_around: int) -> Iterator[FrameSize]:
+    """Yield the size of one frame for each order code and for each answer to a question that its length depends on.
+
+    ``bits_around`` is the number of bits, such as start and stop bits, that a receiver stores together with the frame.
+    """
+    # A buffer for a data channel must have room for all channels of its frame.
+    channels = channel_frame(interface)
+    is_channel = channels is not None and layout in channels.layouts
+    whole_frame = channels if channels is not None and is_channel else layout
+    length_parameters = device.needed_parameters(whole_frame.bits.parameters)
+    register_parameters = {parameter.name for parameter in device.set_parameters if parameter.register}
+    depends_on_registers = not length_parameters.isdisjoint(register_parameters)
+    questions = []
+    for question in device.alternatives:
         # All answers to a question set the same parameters.
-        questions = []
-        for question in device.alternatives:
-            if not length_parameters.isdisjoint(question.answers[0].sets):
-                questions.append(question)
-        for variant, (answers, answered_parameters) in product(
-            device.variants_over(interface.name), answer_combinations(questions)
-        ):
-            parameters = {**variant.parameters, **answered_parameters}
-            whole_bits = whole.sent_bits.value(parameters)
-            highest_bits = whole.widest if depends_on_registers else whole_bits
-            yield FrameSize(
-                variant=variant,
-                layout=layout,
-                bits=layout.sent_bits.value(parameters),
-                bytes=(bits_around + highest_bits + 7) // 8,  # rounded up
-                depends_on_registers=depends_on_registers,
-                answers=answers,
-            )
+        if not length_parameters.isdisjoint(question.answers[0].sets):
+            questions.append(question)
+    for variant, (answers, answered_parameters) in product(
+        device.variants_over(interface.name), answer_combinations(questions)
+    ):
+        parameters = {**variant.parameters, **answered_parameters}
+        highest_bits = whole_frame.sent_bits.value(parameters)
+        if depends_on_registers:
+            highest_bits = whole_frame.widest
+        yield FrameSize(
+            variant=variant,
+            layout=layout,
+            bits=layout.sent_bits.value(parameters),
+            bytes=(bits_around + highest_bits + 7) // 8,  # rounded up
+            depends_on_registers=depends_on_registers,
+            answers=answers,
+        )
 
 
 def _bits_around(interface: Interface) -> int | None:
-    """Return the number of bits around a frame, or None if a peripheral receives bytes or words."""
+    """Return the number of bits before and after a frame that a receiver stores with it, such as its start bit.
+
+    Return None for RS-485 and SPI, where a peripheral of the microcontroller receives whole bytes or words.
+    """
     match interface:
         case Ssi():
             return SSI_AROUND
@@ -310,7 +332,7 @@ class Identity:
 
 
 def identities(device: Device) -> Iterator[Identity]:
-    """Yield the identifying registers of each interface, in the order of the registers."""
+    """Yield the registers that identify the encoder over each interface, each with its fields of documented value."""
     fields_by_interface: dict[str, dict[str, list[Field]]] = {}
     for register, field in device.identity:
         fields_by_register = fields_by_interface.setdefault(register.interface, {})
@@ -350,7 +372,7 @@ class HoldingRegister:
 
 
 def held_parameters(device: Device) -> Iterator[HoldingRegister]:
-    """Yield the registers that hold parameters, without duplicates."""
+    """Yield each register that holds parameters at run time, with all parameters that it holds."""
     parameters_by_register: dict[str, list[Parameter]] = {}
     for parameter in device.run_time_parameters:
         parameters_by_register.setdefault(parameter.register, []).append(parameter)
@@ -363,8 +385,8 @@ def held_parameters(device: Device) -> Iterator[HoldingRegister]:
 def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
     """Return a parameter with the bits of the register that hold it, and its limits.
 
-    A limit is None if the parameter has none, if no value of the bits can exceed it, or if the bits are one of the
-    parameter's codes.
+    A limit is None if the parameter has none, or if the bits cannot represent a number outside it. If the register
+    holds one of several codes, each of which stands for a value of the parameter, both limits are None.
     """
     field = register.layout.field(parameter.field)
     bits = bits_of(register.layout, field)
@@ -381,15 +403,14 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
     meaning = _unsigned_meaning(field)
     lowest_of_bits = 0
     highest_of_bits = (1 << field.widest) - 1
-    # Bits that are 0 then represent another number, so no value is below 1.
+    # The bits 0 then represent another number, so no value is below 1.
     if isinstance(meaning, ZeroMeans):
         lowest_of_bits = 1
         highest_of_bits = max(highest_of_bits, meaning.number)
-    # The bits can have values outside these limits.
-    is_low_binding = parameter.min is not None and parameter.min > lowest_of_bits
-    is_high_binding = parameter.max is not None and parameter.max < highest_of_bits
-    low = parameter.min if is_low_binding else None
-    high = parameter.max if is_high_binding else None
+    can_be_too_low = parameter.min is not None and parameter.min > lowest_of_bits
+    can_be_too_high = parameter.max is not None and parameter.max < highest_of_bits
+    low = parameter.min if can_be_too_low else None
+    high = parameter.max if can_be_too_high else None
     return HeldParameter(
         parameter=parameter,
         field=field,
@@ -402,9 +423,9 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
 
 
 def _unsigned_meaning(field: Field) -> UnsignedNumber | ZeroMeans:
-    """Return the conversion of bits to a parameter, which is never negative.
+    """Return the operation that converts the bits of a field to a parameter, which is never negative.
 
-    Apart from a zero that represents another number, the bits are the number itself.
+    The bits are an unsigned number, except that in some fields the bits 0 represent another number.
     """
     meaning = meaning_of(field)
     return meaning if isinstance(meaning, ZeroMeans) else UnsignedNumber()

@@ -10,7 +10,8 @@ from ..model.expressions import Expression
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
 from ..model.lookup import assert_never
 from ..model.record import dataclass
-from .codec import LayoutPlan, allowed_values
+from .codec import LayoutPlan
+from .frame_checks import allowed_values
 from .operations import IsBetween, JoinedNumber, NotAbove
 
 
@@ -45,9 +46,9 @@ class NumberLimits:
 
 
 def limits_of(device: Device, register: Register, meaning: RegisterMeaning | None = None) -> NumberLimits:
-    """Return the limits of a register, or of one of its meanings.
+    """Return the limits of the number in a register or, with ``meaning``, of one of the meanings of this number.
 
-    ``binds_low`` and ``binds_high`` compare them with the numbers that fit in the bits, for every order code.
+    ``binds_low`` and ``binds_high`` are true if the bits can represent numbers outside the limits for any order code.
     """
     low, high = (register.min, register.max) if meaning is None else (meaning.min, meaning.max)
     member = limited_member(register)
@@ -94,28 +95,36 @@ def _representable_range(width: Expression, signed: bool, parameters: Mapping[st
 
 
 def _binds_low(device: Device, low: Expression, representable_ranges: list[_RepresentableRange]) -> bool:
-    """Return whether a number that fits can be below the limit, for some order code or register content."""
+    """Return whether the bits can represent a number below the limit ``low``, for any order code.
+
+    Return true if the limit depends on the content of other registers.
+    """
     if _depends_on_registers(device, low):
         return True
     return any(low.value(representable.parameters) > representable.lowest for representable in representable_ranges)
 
 
 def _binds_high(device: Device, high: Expression, representable_ranges: list[_RepresentableRange]) -> bool:
-    """Return whether a number that fits can be above the limit, for some order code or register content."""
+    """Return whether the bits can represent a number above the limit ``high``, for any order code.
+
+    Return true if the limit depends on the content of other registers.
+    """
     if _depends_on_registers(device, high):
         return True
     return any(high.value(representable.parameters) < representable.highest for representable in representable_ranges)
 
 
 def _depends_on_registers(device: Device, limit: Expression) -> bool:
+    """Return whether a limit contains a parameter that a register of the encoder holds at run time."""
     run_time_names = {parameter.name for parameter in device.run_time_parameters}
     return not run_time_names.isdisjoint(limit.parameters)
 
 
 def _limited_fields(layout: Layout, member: str) -> list[Field]:
-    """Return the fields of the limited join, or the limited field, or none if the limits apply to the register.
+    """Return the fields that form the limited number: those of the join ``member``, or only the field ``member``.
 
-    ``member`` is the name of that join or field, or empty.
+    A join is a number that several fields form together. The list is empty if ``member`` is empty, because the limits
+    then apply to the number in the whole register.
     """
     for join in layout.joins:
         if join.name == member:
@@ -124,7 +133,11 @@ def _limited_fields(layout: Layout, member: str) -> list[Field]:
 
 
 def limited_member(register: Register) -> str:
-    """Return the name of the limited field or join, or an empty string if the limits apply to the whole register."""
+    """Return the name of the field or joined number to which the limits of the register apply.
+
+    Return an empty string if they apply to the number in the whole register. A register with a single field has the
+    limits of this field.
+    """
     layout = register.layout
     if register.limits_of in layout.member_names:
         return register.limits_of
@@ -234,9 +247,9 @@ Refusal = (
 
 
 def refusals(layout_plan: LayoutPlan) -> Iterator[Refusal]:
-    """Yield the checks before encoding this layout, in the order of its fields, without the limits of a register.
+    """Yield the reasons for which an encoder of this layout rejects a value, in the order of the fields.
 
-    The range of a position replaces the other checks of its field.
+    The range of a position replaces all other checks of its field. Limits of a register are not included.
     """
     range_checks = {check.field.name: check for check in layout_plan.checks if isinstance(check, (NotAbove, IsBetween))}
     for part in layout_plan.parts:
@@ -256,9 +269,11 @@ def powers_of_two(layout_plan: LayoutPlan) -> frozenset[str]:
 
 
 def outside(layout_plan: LayoutPlan, limits: NumberLimits) -> OutsideLimits | None:
-    """Return the check of a register's limits if they apply to a member and a value that fits can be outside, or None.
+    """Return the check that a field or joined number is within the limits of its register.
 
-    A minimum of 1 is omitted if 0 is already rejected: a field in which 0 encodes a number, or with powers of two.
+    Return None if the limits apply to the whole register, or if the bits cannot represent a number outside the limits.
+    A minimum of 1 is omitted if another check rejects 0: a field in which the bits 0 encode another number, or a field
+    for powers of two.
     """
     if not limits.member:
         return None
@@ -272,7 +287,7 @@ def outside(layout_plan: LayoutPlan, limits: NumberLimits) -> OutsideLimits | No
 
 
 def depends_on_order_code(refusal: Refusal) -> bool:
-    """Return whether a check depends on the order code."""
+    """Return whether the width or the limit that a check compares with differs between order codes."""
     match refusal:
         case NotSigned(field) | NotZeroFor(field):
             return not field.width.is_constant
@@ -293,17 +308,17 @@ def depends_on_order_code(refusal: Refusal) -> bool:
 
 
 def _field_refusals(layout: Layout, field: Field) -> Iterator[Refusal]:
-    """Yield the checks of a field's value before it is encoded, without the range of a position."""
+    """Yield the reasons for which an encoder rejects a value of one field, except the range of a position."""
     valid_values = allowed_values(layout, field)
+    if valid_values:
+        yield NotOneOf(field, valid_values)
+        return
     match field.kind:
-        # A list of valid values, whatever the kind. A choice without such a list can have any value that fits.
-        case _ if valid_values:
-            yield NotOneOf(field, valid_values)
         case Number() as number:
             yield _number_refusal(field, number)
             if number.power_of_two:
                 yield NoPowerOfTwo(field)
-        case Choice():
+        case Choice():  # All numbers that fit are valid.
             yield TooWide(field, field.width)
         case Decimal(runs=runs):
             yield from (DigitTooHigh(field, run) for run in runs)
@@ -317,7 +332,12 @@ def _field_refusals(layout: Layout, field: Field) -> Iterator[Refusal]:
 
 
 def _number_refusal(field: Field, number: Number) -> Refusal:
-    """Return the check that a number fits, as signed, as unsigned, or with 0 for another number."""
+    """Return the check that a number fits in its field: as signed, as unsigned, or as unsigned except 0.
+
+    In the last case, the bits 0 encode the number ``zero_means``.
+    """
     if number.signed:
         return NotSigned(field)
-    return NotZeroFor(field, number.zero_means) if number.zero_means else TooWide(field, field.width)
+    if number.zero_means:
+        return NotZeroFor(field, number.zero_means)
+    return TooWide(field, field.width)

@@ -56,10 +56,10 @@ class AlwaysIs:
 
 @dataclass(frozen=True, slots=True)
 class ZerosAbove:
-    """The constant ``padding``, all bits of the container above the field, is 0.
+    """All bits above ``field`` in its container are 0. In the spec, these bits are the constant ``padding``.
 
-    ``bits`` are the bits of the field, in the bytes that it can occupy. ``beyond`` are the bytes that it never
-    occupies.
+    The container is the number of whole bytes in which the field is sent. ``bits`` are the bits of the field, in the
+    bytes that it can occupy. ``beyond`` are the bytes of the container that it never occupies.
     """
 
     field: Field
@@ -70,11 +70,11 @@ class ZerosAbove:
 
     @property
     def may_reach(self) -> bool:
-        """True if there are bits above the field in the bytes that it occupies."""
+        """True if the bytes that the field occupies also contain bits above it, for at least one order code."""
         bits_of_occupied_bytes = self.field.container - 8 * len(self.beyond)
-        # A field whose width depends on the order code may leave any of them.
-        always_occupied_bits = self.field.widest if self.bits.width.is_constant else 0
-        return bits_of_occupied_bytes > always_occupied_bits
+        # If the width depends on the order code, none of the bits belongs to the field for every order code.
+        bits_always_in_field = self.field.widest if self.bits.width.is_constant else 0
+        return bits_of_occupied_bytes > bits_always_in_field
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +96,7 @@ class ParityIs:
 
     @property
     def selector(self) -> Field:
-        """The only field in ``of`` if the parity is known."""
+        """The single field that the parity bit covers. Only for checks with a ``known_parity``."""
         (field,) = self.of
         return field
 
@@ -156,7 +156,11 @@ Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetwe
 
 
 def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:
-    """Yield the checks without which some bits of a field would be undefined. A list of values is checked before."""
+    """Yield a range check if the bits of a field can contain a number that has no meaning.
+
+    This is the case for decimal digits: 4 digits need 14 bits, which can also contain a number above 9999. Lists of
+    valid values are checked elsewhere.
+    """
     match meaning_of(field):
         case DecimalDigits(runs):
             # The runs split the decimal number, most significant first: number // divisor % modulus.
@@ -194,7 +198,7 @@ class FrameCrc:
 
     @property
     def gap(self) -> int:
-        """Number of bits between those that it covers and the CRC."""
+        """Number of bits between the CRC and the lowest bit that it covers."""
         # The CRC is at bit 0, below the bits that it covers.
         return self.low - self.crc.width
 
@@ -282,11 +286,17 @@ class JoinedNumber:
             low += field.width
 
     def joined(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
-        """Return the number of these fields, for an order code with these parameters."""
+        """Return the number that the fields form together, for an order code with these parameters.
+
+        ``numbers`` has the number in each field, by the name of the field.
+        """
         return sum(numbers[field.name] << low.value(parameters) for field, low in self.from_low)
 
     def parts(self, number: int, parameters: Mapping[str, int]) -> dict[str, int]:
-        """Return the numbers of its fields, by name. The inverse of ``joined``."""
+        """Split ``number`` into the numbers of the fields that form it, and return them by the names of the fields.
+
+        This is the inverse of ``joined``. ``parameters`` are those of an order code.
+        """
         field_numbers: dict[str, int] = {}
         for field, low in self.from_low:
             mask = (1 << field.width.value(parameters)) - 1
@@ -364,8 +374,11 @@ class FieldToEncode:
 
     @property
     def depends(self) -> bool:
-        """True if its position depends on the order code, or if its bits depend on a width that does."""
-        if not self.field.low.is_constant:
-            return True
+        """True if the code that encodes the field needs parameters of the order code.
+
+        This is the case if its position depends on the order code. It is also the case if its width does, and the bits
+        are computed from the width: for a signed number, and for a flag or parity bit that some order codes lack.
+        """
+        has_fixed_position = self.field.low.is_constant
         needs_width = self.field.number.signed or isinstance(self.field.kind, (Flag, Parity))
-        return needs_width and not self.field.width.is_constant
+        return not has_fixed_position or (needs_width and not self.field.width.is_constant)

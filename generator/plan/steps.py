@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 from enum import Enum
 from functools import cached_property
 
@@ -20,17 +19,14 @@ from ..model import (
     Register,
     RegisterMeaning,
     SendStep,
-    Step,
-    Unused,
     WaitStep,
     WriteStep,
     assert_never,
-    member_named,
 )
 from ..model.record import dataclass
-from .closing_steps import closing_steps
-from .codec import allowed_values, layout_plan_of
-from .frames import Reply, reply_to
+from .codec import layout_plan_of
+from .frame_checks import allowed_values
+from .frames import Reply
 from .limits import NotOneOf, NumberLimits, TooWide, limited_member, limits_of
 
 
@@ -84,12 +80,12 @@ ValueSource = FixedNumber | InField | AsNumber | AsMember
 
 @dataclass(frozen=True, slots=True)
 class WriteRegister:
-    """Write a register, or one of its fields while keeping the others as read.
+    """Write a register, or only one of its fields, which keeps the other bits as they were read.
 
     ``bit_slices`` are the affected bytes, or empty if the position of the field depends on the order code. In each, the
     bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``. If an argument is written to the whole
-    register, ``determines_limits`` are the run-time parameters in it on which limits of later steps depend. They use
-    the written value. ``closes`` is true if the write undoes an earlier opening step, even if a step in between fails.
+    register, ``determines_limits`` are the parameters in it on which limits of later steps depend. ``closes`` is true
+    if the write locks a register that an earlier step unlocked. It is made even if a step in between fails.
     """
 
     step: WriteStep | ModifyStep
@@ -102,6 +98,7 @@ class WriteRegister:
 
     @property
     def calls(self) -> tuple[MasterCall, ...]:
+        """Master operations that the write needs. It must read a byte first if it changes only some of its bits."""
         writes_whole_bytes = all(bit_slice.mask == 0xFF for bit_slice in self.bit_slices)
         return (MasterCall.WRITE,) if writes_whole_bytes else (MasterCall.READ, MasterCall.WRITE)
 
@@ -130,7 +127,7 @@ class PollRegister:
 
 @dataclass(frozen=True, slots=True)
 class VerifyWrite:
-    """Read back what ``write`` wrote, and stop if any of ``bit_slices`` differs."""
+    """Read back the register that ``write`` wrote, and stop the procedure if any of ``bit_slices`` differs."""
 
     write: WriteRegister
     bit_slices: tuple[BitSlice, ...]
@@ -152,7 +149,7 @@ class VerifyWrite:
 
 @dataclass(frozen=True, slots=True)
 class WaitTime:
-    """Wait."""
+    """Wait for the time of the step."""
 
     step: WaitStep
     calls = (MasterCall.WAIT,)
@@ -167,6 +164,7 @@ class SendRequest:
 
     @property
     def calls(self) -> tuple[MasterCall, ...]:
+        """Master operations that it needs: SEND, and WAIT if the manual requires a pause between the requests."""
         return (MasterCall.WAIT, MasterCall.SEND) if self.step.microseconds else (MasterCall.SEND,)
 
 
@@ -218,6 +216,7 @@ class ProcedurePlan:
 
     @cached_property
     def reads(self) -> tuple[ReadRegister, ...]:
+        """Operations whose values the procedure returns to its caller."""
         return tuple(operation for operation in self.operations if isinstance(operation, ReadRegister))
 
     @cached_property
@@ -227,159 +226,18 @@ class ProcedurePlan:
         return tuple(call for call in MasterCall if call in needed_calls)
 
 
-def run_of(device: Device, procedure: Procedure) -> ProcedurePlan:
-    """Return the plan of a procedure: an operation for each step, and one for each write that is read back."""
-    closing_indices = closing_steps(device, procedure.steps)
-    operations: list[PlannedStep] = []
-    for index, step in enumerate(procedure.steps):
-        operation = _operation_of_step(device, procedure, step)
-        if index in closing_indices and isinstance(operation, WriteRegister):
-            operation = replace(operation, closes=True)
-        operations.append(operation)
-    operations = list(_with_verification(_with_taught_parameters(device, operations)))
-    writes = [operation for operation in operations if isinstance(operation, WriteRegister)]
-    return ProcedurePlan(
-        procedure=procedure,
-        operations=tuple(operations),
-        arguments=tuple(_checked_argument(device, argument, writes) for argument in procedure.arguments),
-        changes_frames=any(_changes_frames(device, write) for write in writes),
-    )
-
-
-def _changes_frames(device: Device, write: WriteRegister) -> bool:
-    """Return whether a write changes a parameter that a register holds at run time and on which frames depend."""
-    for parameter in device.run_time_parameters:
-        writes_field = write.field is None or parameter.field == write.field.name
-        if parameter.register == write.register.name and writes_field:
-            return True
-    return False
-
-
-def _with_taught_parameters(device: Device, operations: Sequence[PlannedStep]) -> Iterator[PlannedStep]:
-    """Yield the operations. Writes of an argument to a whole register get ``determines_limits``."""
-    for index, operation in enumerate(operations):
-        if (
-            isinstance(operation, WriteRegister)
-            and operation.field is None
-            and not isinstance(operation.value, FixedNumber)
-        ):
-            taught_parameters = tuple(_taught_parameters(device, operation, operations[index + 1 :]))
-            yield replace(operation, determines_limits=taught_parameters)
-        else:
-            yield operation
-
-
-def _taught_parameters(
-    device: Device, write: WriteRegister, later_operations: Sequence[PlannedStep]
-) -> Iterator[Parameter]:
-    """Yield the parameters in a written register on which the limits of later writes depend."""
-    limiting_names: set[str] = set()
-    for operation in later_operations:
-        if isinstance(operation, WriteRegister):
-            argument = _argument_of_source(operation.value)
-            for limit in device.limits(operation.register, argument.meant_as if argument is not None else ""):
-                limiting_names.update(limit.parameters if limit is not None else ())
-    for parameter in device.run_time_parameters:
-        if parameter.register == write.register.name and parameter.name in limiting_names:
-            yield parameter
-
-
-def _with_verification(operations: Iterable[PlannedStep]) -> Iterator[PlannedStep]:
-    """Yield the operations, with a ``VerifyWrite`` for each write that can be read back before it takes effect.
-
-    The manuals have no such step. On BiSS, however, a disturbed write can be echoed as if it had been stored. A written
-    value takes effect when the procedure writes to a register that cannot be read, such as a command register, makes a
-    closing write, or writes to the same place again. A write that no such write follows is not read back.
-    """
-    pending: list[VerifyWrite] = []
-    for operation in operations:
-        if isinstance(operation, WriteRegister):
-            overwrites_pending = any(_writes_same_place(operation, verification.write) for verification in pending)
-            if _makes_writes_effective(operation) or overwrites_pending:
-                yield from pending
-                pending.clear()
-        yield operation
-        if isinstance(operation, WriteRegister) and _can_be_read_back(operation):
-            pending.append(VerifyWrite(operation, tuple(_meaningful_pieces(operation))))
-
-
-def _makes_writes_effective(write: WriteRegister) -> bool:
-    """Return whether a write lets the encoder use what was written before, such as a write to a command register."""
-    return write.closes or not write.register.readable
-
-
-def _writes_same_place(write: WriteRegister, earlier_write: WriteRegister) -> bool:
-    """Return whether two writes change the same bits: the same field, or a register and one of its fields."""
-    has_same_register = write.register is earlier_write.register
-    writes_whole_register = write.field is None or earlier_write.field is None
-    return has_same_register and (writes_whole_register or write.field is earlier_write.field)
-
-
-def _can_be_read_back(write: WriteRegister) -> bool:
-    """Return whether a write can be verified: it does not close, and the register keeps it, in fixed places."""
-    register = write.register
-    unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
-    has_fixed_unused_bits = all(field.is_fixed for field in unused_fields)
-    keeps_value = register.readable and not register.clears_itself
-    return keeps_value and not write.closes and has_fixed_unused_bits
-
-
-def _meaningful_pieces(write: WriteRegister) -> Iterator[BitSlice]:
-    """Yield the slices without reserved bits, which can be anything when read. A whole access includes all bytes."""
-    for bit_slice in write.bit_slices:
-        unused_in_piece = _unused_bits(write.register, bit_slice.byte) >> bit_slice.low_in_byte
-        meaningful_mask = bit_slice.mask & ~unused_in_piece
-        if meaningful_mask or write.register.is_accessed_whole:
-            yield replace(bit_slice, mask=meaningful_mask)
-
-
-def _unused_bits(register: Register, byte_index: int) -> int:
-    """Return the bits in a byte of the register that have no meaning in the manual."""
-    unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
-    unused_mask = sum(field.mask_in_place for field in unused_fields)
-    return register.bytes_of(unused_mask)[byte_index]
-
-
-def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> PlannedStep:
-    """Return the operation of a step in the manual, with its register, its field and their bytes."""
-    match step:
-        case WaitStep():
-            return WaitTime(step)
-        case SendStep():
-            return SendRequest(step, reply_to(device, procedure.interface, step.data_id))
-        case PollStep():
-            register = device.register(step.register)
-            field = register.layout.field(step.field)
-            return PollRegister(step, register, field, pieces_of(register, field))
-        case ReadStep():
-            register = device.register(step.register)
-            read_field = register.layout.field(step.field) if step.field else None
-            return ReadRegister(step, register, read_field, pieces_of(register, read_field))
-        case ModifyStep():
-            register = device.register(step.register)
-            field = register.layout.field(step.field)
-            argument = _argument_of_step(procedure, step)
-            value = InField(argument, field) if argument is not None else FixedNumber(step.value or 0)
-            return WriteRegister(step, register, field, pieces_of(register, field), value)
-        case WriteStep():
-            register = device.register(step.register)
-            source = _written_value(register, step, _argument_of_step(procedure, step))
-            return WriteRegister(step=step, register=register, field=None, bit_slices=pieces_of(register), value=source)
-        case _:
-            assert_never(step)
-
-
 def pieces_of(register: Register, field: Field | None = None) -> tuple[BitSlice, ...]:
-    """Return the bytes of a field, or of a whole register, in ascending order of address.
+    """Return the bits of a field, or of a whole register, byte by byte in ascending order of address.
 
-    If a register is accessed whole, its bytes outside the field have the mask 0.
+    If the register can only be accessed as a whole, bytes outside the field are included with the mask 0. The tuple is
+    empty if the position of the field depends on the order code.
     """
     if field is not None:
-        pieces_by_byte = {bit_slice.byte: bit_slice for bit_slice in field.bit_slices}
-        if pieces_by_byte and register.is_accessed_whole:
+        slices_by_byte = {bit_slice.byte: bit_slice for bit_slice in field.bit_slices}
+        if slices_by_byte and register.is_accessed_whole:
             for byte in range(register.length):
-                pieces_by_byte.setdefault(byte, BitSlice(byte, low_in_byte=0, mask=0, low_in_number=0))
-        return tuple(pieces_by_byte[byte] for byte in sorted(pieces_by_byte))
+                slices_by_byte.setdefault(byte, BitSlice(byte, low_in_byte=0, mask=0, low_in_number=0))
+        return tuple(slices_by_byte[byte] for byte in sorted(slices_by_byte))
     bit_slices = []
     for byte in range(register.length):
         bytes_below = byte if register.byte_order == "low_byte_first" else register.length - 1 - byte
@@ -387,27 +245,14 @@ def pieces_of(register: Register, field: Field | None = None) -> tuple[BitSlice,
     return tuple(bit_slices)
 
 
-def _argument_of_step(procedure: Procedure, step: WriteStep | ModifyStep) -> Argument | None:
-    """Return the argument that a step writes, or None if it writes a fixed value."""
-    if step.value is not None:
-        return None
-    return member_named(procedure.arguments, step.value_name, f"argument of '{procedure.name}'")
-
-
-def _written_value(register: Register, step: WriteStep, argument: Argument | None) -> ValueSource:
-    if argument is None:
-        return FixedNumber(step.value or 0)
-    member = limited_member(register)
-    return AsMember(argument, member) if member else AsNumber(argument)
-
-
-def _argument_of_source(value: ValueSource) -> Argument | None:
+def argument_of_source(value: ValueSource) -> Argument | None:
+    """Return the argument that a write uses, or None if it writes a fixed number."""
     return None if isinstance(value, FixedNumber) else value.argument
 
 
-def _checked_argument(device: Device, argument: Argument, writes: Sequence[WriteRegister]) -> CheckedArgument:
-    """Return an argument with the writes that use it, and the reasons to reject it, without duplicates."""
-    writes_of_argument = tuple(write for write in writes if _argument_of_source(write.value) is argument)
+def checked_argument(device: Device, argument: Argument, writes: Sequence[WriteRegister]) -> CheckedArgument:
+    """Return an argument with the writes that use it, and the reasons to reject it before the first write."""
+    writes_of_argument = tuple(write for write in writes if argument_of_source(write.value) is argument)
     refusals: list[ArgumentRefusal] = []
     for write in writes_of_argument:
         # An argument that is written to the same register twice is checked only once.
@@ -417,11 +262,12 @@ def _checked_argument(device: Device, argument: Argument, writes: Sequence[Write
 
 
 def _argument_refusals(device: Device, write: WriteRegister, argument: Argument) -> Iterator[ArgumentRefusal]:
-    """Yield the reasons to reject an argument before the write."""
+    """Yield the reasons to reject an argument: the limits and valid values of the register or field to be written."""
     match write.value:
         case AsMember():
             # The limits of the register are checked when the member is encoded.
-            if argument.meant_as:
+            has_limits_of_meaning = bool(argument.meant_as)
+            if has_limits_of_meaning:
                 yield from _limit_refusals(device, write.register, argument)
         case AsNumber():
             yield from _limit_refusals(device, write.register, argument)
@@ -438,9 +284,15 @@ def _argument_refusals(device: Device, write: WriteRegister, argument: Argument)
 def field_refusals(
     device: Device, register: Register, field: Field, argument: Argument
 ) -> Iterator[TooWide | OutsideArgumentLimits | NotOneOf]:
-    """Yield the reasons to reject an argument for one field: its width, the limits if they apply to it, its values."""
+    """Yield the reasons to reject an argument that is written to one field.
+
+    They are the width of the field, the limits of the register or of a meaning if they apply to this field, and the
+    list of valid values.
+    """
     yield TooWide(field, field.width)
-    if argument.meant_as or limited_member(register) == field.name:
+    has_limits_of_meaning = bool(argument.meant_as)
+    has_limits_of_register = limited_member(register) == field.name
+    if has_limits_of_meaning or has_limits_of_register:
         yield from _limit_refusals(device, register, argument)
     valid_values = allowed_values(register.layout, field)
     if valid_values:
@@ -448,9 +300,12 @@ def field_refusals(
 
 
 def _limit_refusals(device: Device, register: Register, argument: Argument) -> Iterator[OutsideArgumentLimits]:
-    """Yield the limits of the register or, if the argument has one of its meanings, the limits of the meaning."""
-    meanings = {meaning.name: meaning for meaning in register.meanings}
-    meaning = meanings.get(argument.meant_as)
+    """Yield the limits for an argument, if it has any: those of the register or of one of its meanings.
+
+    ``meant_as`` is the name of the meaning that the argument has in the register, or empty.
+    """
+    meaning_by_name = {meaning.name: meaning for meaning in register.meanings}
+    meaning = meaning_by_name.get(argument.meant_as)
     limits = limits_of(device, register, meaning)
     if limits.low is not None or limits.high is not None:
         yield OutsideArgumentLimits(register, meaning, limits)

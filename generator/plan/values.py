@@ -6,7 +6,7 @@ these operations, so mypy reports every output that lacks a new one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 from math import prod
 from typing import Generic, TypeVar
@@ -22,31 +22,35 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class ByInterface(Generic[T]):
-    """Values by interface: each value with its interfaces. The value with the most interfaces is last.
+    """Each different value with the names of the interfaces that have it. The value with the most interfaces is last.
 
-    ``everywhere`` is true if every interface has a value.
+    ``everywhere`` is true if every interface of the encoder has a value.
     """
 
     cases: tuple[tuple[T, tuple[str, ...]], ...]
     everywhere: bool
 
 
-def by_interface(device: Device, value: Callable[[Interface], T | None]) -> ByInterface[T]:
-    """Return the result of ``value`` for each interface. ``value`` returns None for an interface without a value."""
-    interfaces_by_value: dict[T, list[str]] = {}
-    values_in_total = 0
+def by_interface(device: Device, find_value: Callable[[Interface], T | None]) -> ByInterface[T]:
+    """Call ``find_value`` for each interface of the encoder, and return the values, grouped by equal values.
+
+    ``find_value`` returns None for an interface without a value.
+    """
+    names_by_value: dict[T, list[str]] = {}
+    number_of_values = 0
     for interface in device.interfaces:
-        interface_value = value(interface)
-        if interface_value is not None:
-            interfaces_by_value.setdefault(interface_value, []).append(interface.name)
-            values_in_total += 1
-    cases = [(case_value, tuple(names)) for case_value, names in interfaces_by_value.items()]
-    cases.sort(key=_number_of_interfaces)
-    return ByInterface(cases=tuple(cases), everywhere=values_in_total == len(device.interfaces))
+        value = find_value(interface)
+        if value is not None:
+            names_by_value.setdefault(value, []).append(interface.name)
+            number_of_values += 1
+    values_with_names = [(value, tuple(names)) for value, names in names_by_value.items()]
+    values_with_names.sort(key=_number_of_names)
+    return ByInterface(cases=tuple(values_with_names), everywhere=number_of_values == len(device.interfaces))
 
 
-def _number_of_interfaces(value_with_interfaces: tuple[object, tuple[str, ...]]) -> int:
-    _, interface_names = value_with_interfaces
+def _number_of_names(value_with_names: tuple[object, tuple[str, ...]]) -> int:
+    """Return the number of interfaces that have this value. The values are sorted by it."""
+    _, interface_names = value_with_names
     return len(interface_names)
 
 
@@ -69,10 +73,11 @@ class PositionRange:
 
 
 def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange, ...]:
-    """Return the ranges of the position over an interface, or an empty tuple without a measurement.
+    """Return the ranges of the position that the encoder sends over an interface.
 
-    Layouts share a range if ``_range_key`` is equal: the counts, the highest position, wrapping and the sign. If no
-    frame contains the position, all frames of the encoder share one range.
+    Layouts share a range if they have the same number of counts, highest position, wrapping and sign, which
+    ``_range_key`` compares. If no frame contains the position, all frames that the encoder sends share one range. The
+    tuple is empty if the manual describes no measurement for this interface.
     """
     measurement = device.measurement_of(interface.name)
     if measurement is None:
@@ -97,83 +102,92 @@ def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange
 
 
 def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
-    """Return the range of the position in one layout, which the layout can narrow."""
-    own_range = layout.position_range
-    # A position that is a join has no field of this name, and is unsigned.
-    signed_fields = [field for field in layout.fields if field.name == measurement.of and field.number.signed]
+    """Return the range of the position in one layout: the range of the measurement, or a narrower one of the layout."""
+    range_of_layout = layout.position_range
+    position_name = measurement.of
+    # A position that several fields form together has no field of this name, and is unsigned.
+    signed_fields = [field for field in layout.fields if field.name == position_name and field.number.signed]
     return PositionRange(
-        measurement=measurement.within(own_range),
-        never_wraps=own_range is not None and not own_range.wraps,
+        measurement=measurement.within(range_of_layout),
+        never_wraps=range_of_layout is not None and not range_of_layout.wraps,
         signed_field=signed_fields[0] if signed_fields else None,
         layouts=(layout,),
     )
 
 
 def _range_key(position_range: PositionRange) -> Hashable:
-    """Return a key that is equal for layouts with the same range, whatever its sources.
+    """Return a key that is equal for layouts with the same range, even if different passages of the manual give it.
 
-    If no highest position is known, the width of a signed field decides the range, and is therefore part of the key.
+    If no highest position is known, the width of a signed field determines the range, and is part of the key.
     """
     measurement = position_range.measurement
     signed_field = position_range.signed_field
-    deciding_width = None
+    width_of_range = None
     if signed_field is not None and measurement.highest is None:
-        deciding_width = signed_field.width
+        width_of_range = signed_field.width
     is_signed = signed_field is not None
-    return measurement.total, measurement.highest, position_range.never_wraps, is_signed, deciding_width
+    return measurement.total, measurement.highest, position_range.never_wraps, is_signed, width_of_range
 
 
 def parameters_in_measurement(device: Device) -> frozenset[str]:
     """Return the names of the derived parameters that equal a quantity of the measurement for all order codes.
 
-    These quantities are the counts per revolution and the number of counts after which a position wraps around.
+    These quantities are the counts per revolution and the number of counts after which a position wraps around. Derived
+    parameters are those that the spec computes from other parameters.
     """
-    derived = [parameter for parameter in device.parameters if parameter.equals is not None]
-    return frozenset(parameter.name for parameter in derived if _equals_quantity(device, parameter))
+    derived_parameters = [parameter for parameter in device.parameters if parameter.equals is not None]
+    return frozenset(parameter.name for parameter in derived_parameters if _equals_quantity(device, parameter))
 
 
 def _equals_quantity(device: Device, parameter: Parameter) -> bool:
     """Return whether a parameter equals the counts per revolution or the number of counts for every order code.
 
-    The same one of these two must apply to all order codes. Order codes without the parameter, or without a number of
-    counts, are ignored.
+    It must equal the same one of these two quantities for all order codes. Order codes without the parameter, or
+    without a known number of counts, are ignored. The result is false if no order code remains.
     """
     # Quantities that equal the parameter for all order codes so far. None before the first of them.
-    equal_in_all: set[str] | None = None
+    quantities_equal_so_far: frozenset[str] | None = None
     for variant in device.variants:
-        # Without an interface, the parameter belongs to all of them.
-        if parameter.interface not in ("", variant.interface):
-            continue
-        parameter_value = variant.parameters.get(parameter.name)
+        # A parameter without an interface applies to all interfaces.
+        applies_to_variant = parameter.interface in ("", variant.interface)
         measurement = device.measurement_of(variant.interface)
-        factors = count_factors(measurement) if measurement is not None else ()
-        if parameter_value is None or measurement is None or not factors:
+        if not applies_to_variant or parameter.name not in variant.parameters or measurement is None:
             continue
-        # The quantity is not the same in all frames.
-        if len(position_ranges(device, device.interface(variant.interface))) > 1:
-            return False
-        # The order code alone does not determine the quantity.
+        factors = count_factors(measurement)
+        if not factors:
+            continue
+        differs_between_frames = len(position_ranges(device, device.interface(variant.interface))) > 1
         needed_names = {name for factor in factors for name in factor.parameters}
-        if not needed_names <= variant.parameters.keys():
+        order_code_determines_counts = needed_names <= variant.parameters.keys()
+        if differs_between_frames or not order_code_determines_counts:
             return False
-        equal_quantities: set[str] = set()
-        total = prod(factor.value(variant.parameters) for factor in factors)
-        # Without revolutions, the one quantity is the other.
-        counts_per_turn = total
-        if measurement.counts_per_turn is not None:
-            counts_per_turn = measurement.counts_per_turn.value(variant.parameters)
-        if parameter_value == counts_per_turn:
-            equal_quantities.add("counts per turn")
-        if parameter_value == total:
-            equal_quantities.add("total")
-        equal_in_all = equal_quantities if equal_in_all is None else equal_in_all & equal_quantities
-    return bool(equal_in_all)
+        equal_quantities = _equal_quantities(measurement, variant.parameters[parameter.name], variant.parameters)
+        if quantities_equal_so_far is None:
+            quantities_equal_so_far = equal_quantities
+        else:
+            quantities_equal_so_far &= equal_quantities
+    return bool(quantities_equal_so_far)
+
+
+def _equal_quantities(measurement: Measurement, number: int, parameters: Mapping[str, int]) -> frozenset[str]:
+    """Return which quantities of an order code equal ``number``: ``counts_per_turn``, ``total``, both, or neither.
+
+    ``total`` is the number of counts after which the position wraps around. ``parameters`` are those of the order code.
+    """
+    total = prod(factor.value(parameters) for factor in count_factors(measurement))
+    # Without revolutions, both quantities are the same.
+    counts_per_turn = total
+    if measurement.counts_per_turn is not None:
+        counts_per_turn = measurement.counts_per_turn.value(parameters)
+    quantities = {"counts_per_turn": counts_per_turn, "total": total}
+    return frozenset(name for name, quantity in quantities.items() if quantity == number)
 
 
 def count_factors(measurement: Measurement) -> tuple[Expression, ...]:
-    """Return the factors of the number of counts after which a position wraps around.
+    """Return the factors whose product is the number of counts after which a position wraps around.
 
-    Return an empty tuple if it is unknown. Factors that are 1 are omitted unless all are.
+    They are the counts per revolution and the number of revolutions, or a single factor. Factors of 1 are omitted
+    unless all factors are 1. The tuple is empty if the number of counts is unknown.
     """
     if measurement.modulus is not None:
         return (measurement.modulus,)
@@ -256,9 +270,9 @@ def is_named(meaning: Meaning) -> bool:
 
 
 def meaning_of(field: Field) -> Meaning:
-    """Return the meaning of the bits of a field.
+    """Return the operation that converts the bits of a field to its value, such as ``TwosComplement()``.
 
-    Constants, unused bits, CRCs and parity bits have no value to convert. Their bits are a number.
+    The bits of constants, unused bits, CRCs and parity bits are treated as unsigned numbers.
     """
     match field.kind:
         case Number(signed=True):
@@ -280,7 +294,10 @@ def meaning_of(field: Field) -> Meaning:
 
 
 def widest_value(field: Field) -> int:
-    """Return the width in bits of the largest number that the field can represent."""
+    """Return the number of bits of the largest value that the field can represent.
+
+    It can be one more than the width of the field: 8 bits in which 0 represents 256 need a variable of 9 bits.
+    """
     match meaning_of(field):
         case ZeroMeans(number):
             return max(field.widest, number.bit_length())

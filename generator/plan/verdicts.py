@@ -21,9 +21,9 @@ from .operations import FieldToDecode, Reserved
 
 @dataclass(frozen=True, slots=True)
 class CodeCondition:
-    """Order codes selected by a parameter: its value is not 0 if ``holds`` is true, otherwise it is 0.
+    """A condition on a parameter of the order code: its value is not 0 if ``holds`` is true, otherwise it is 0.
 
-    ``codes`` is the text in the spec for the codes with a value other than 0.
+    ``codes`` is the text in the spec that selects the order codes with a value other than 0.
     """
 
     parameter: str
@@ -31,15 +31,17 @@ class CodeCondition:
     codes: str = dataclass_field(default="", compare=False)
 
     def contains(self, parameters: Mapping[str, int]) -> bool:
-        """Return whether an order code with these parameters is one of them."""
-        return (parameters.get(self.parameter, 0) != 0) is self.holds
+        """Return whether an order code with these parameters meets the condition. A missing parameter is 0."""
+        is_nonzero = parameters.get(self.parameter, 0) != 0
+        return is_nonzero is self.holds
 
 
 @dataclass(frozen=True, slots=True)
 class MatchingValues:
-    """Values of parts that decide a verdict together, like the active flag ``field``, which has no bits.
+    """A combination of values that decides the verdict like an active flag.
 
-    The value of a flag is 1 while it is active.
+    ``field`` is this flag, which has a name and a meaning but no bits. ``conditions`` are the fields of the frame, each
+    with its value in this combination. The value of an active flag is 1.
     """
 
     field: Field
@@ -52,11 +54,12 @@ Cause = FieldToDecode | Reserved | MatchingValues
 
 @dataclass(frozen=True, slots=True)
 class VerdictCause:
-    """Cause of a verdict, unless one of the flags ``unless``, which it combines, is active.
+    """Cause of a verdict: a flag, reserved bits, or a combination of values.
 
-    ``unless`` omits flags that lead to the same verdict or a worse one, since they make no difference. Without ``only``
-    it applies to all order codes. If an answer of the user decides the verdict, ``chosen`` is the condition on the
-    parameter that the answer sets.
+    A flag that combines several others has no effect while one of the flags ``unless`` is active. ``unless`` omits
+    flags that lead to the same verdict or a worse one, since they make no difference. ``only`` selects the order codes
+    to which the cause applies, or is None for all of them. If an answer of the user to an open question decides the
+    verdict, ``chosen`` is the condition on the parameter that the answer sets.
     """
 
     by: Cause
@@ -66,7 +69,7 @@ class VerdictCause:
 
     @property
     def conditions(self) -> tuple[CodeCondition, ...]:
-        """Conditions on parameters of the order code."""
+        """Conditions on parameters, all of which must be met for the cause to apply."""
         return tuple(condition for condition in (self.only, self.chosen) if condition is not None)
 
 
@@ -90,13 +93,14 @@ class VerdictRules:
         return not self.judging_bits.is_constant
 
     def for_parameters(self, parameters: Mapping[str, int]) -> VerdictRules:
-        """Return the verdict for an order code with these parameters, without causes that its frames do not have.
+        """Return the rules for an order code with these parameters, without causes whose bits its frames lack.
 
-        If no bit of its frames judges the position, ``otherwise`` is UNKNOWN. The causes of warnings are then omitted,
-        since UNKNOWN is worse.
+        If no bit of its frames says whether the position is usable, ``otherwise`` is UNKNOWN. The causes of warnings
+        are then omitted, since UNKNOWN is worse than a warning.
         """
         not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
-        if self.judging_bits.value(parameters) == 0:
+        judges_position = self.judging_bits.value(parameters) > 0
+        if not judges_position:
             return VerdictRules(
                 not_usable=not_usable, with_warning=(), otherwise=Verdict.UNKNOWN, judging_bits=Expression(0)
             )
@@ -117,9 +121,9 @@ class VerdictRules:
 
 
 def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
-    """Return whether the frames of an order code with these parameters contain all bits of a cause.
+    """Return whether the frames of an order code with these parameters contain all fields of a cause.
 
-    The order code lacks a field if its width is 0.
+    A field whose width is 0 for the order code is not in its frames.
     """
     if isinstance(cause, MatchingValues):
         bits_of_cause = [part.bits for part, _ in cause.conditions]
@@ -129,10 +133,10 @@ def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
 
 
 def verdict_rules_of(layout_plan: LayoutPlan) -> VerdictRules:
-    """Return the verdict on the position of a frame, with everything that it depends on.
+    """Return the rules by which the bits of a frame determine whether its position is usable.
 
-    If no order code has bits that judge the position, the verdict without an active cause is UNKNOWN. Causes of
-    warnings are then omitted, since UNKNOWN is worse.
+    If the frame has no bits for this purpose with any order code, the verdict without an active cause is UNKNOWN.
+    Causes of warnings are then omitted, since UNKNOWN is worse than a warning.
     """
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {verdict: [] for verdict in Verdict}
     part_by_name = {part.field.name: part for part in layout_plan.parts}
@@ -158,64 +162,72 @@ def verdict_rules_of(layout_plan: LayoutPlan) -> VerdictRules:
 
 
 def _verdicts_of_flag(cause: Cause, parts: Mapping[str, FieldToDecode]) -> Iterator[tuple[Verdict, VerdictCause]]:
-    """Yield the verdicts to which a flag leads, each with its conditions on the order code and the user's answer.
+    """Yield the verdicts to which a flag can lead, each with its conditions on the order code and the user's answer.
 
-    A flag that combines others does not count while one of these is active (``unless``), because the active flag
-    decides.
+    A flag that combines others (``sums_up``) has no effect while one of these is active, because the specific flag
+    decides the verdict. ``unless`` lists these flags. ``parts`` are the fields of the frame by name.
     """
     for flag, only in _flag_by_order_code(cause.field):
-        summed_parts = [parts[name] for name in flag.sums_up if name in parts]
+        combined_parts = [parts[name] for name in flag.sums_up if name in parts]
         for verdict, chosen in _verdict_by_answer(flag):
-            # A summed flag that leads to the same verdict or a worse one makes no difference.
-            unless = tuple(part for part in summed_parts if not _always_leads_to(part, verdict, parts))
+            # A combined flag that leads to the same verdict or a worse one makes no difference.
+            unless = tuple(part for part in combined_parts if not _always_leads_to(part, verdict, parts))
             yield verdict, VerdictCause(by=cause, unless=unless, only=only, chosen=chosen)
 
 
 def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, CodeCondition | None]]:
-    """Yield a flag with the order codes for which it leads to its verdict, or with None for all of them.
+    """Yield a flag with the condition on the order codes to which it applies, or with None for all order codes.
 
-    A flag that the manual explains only for some order codes is yielded twice, as explained and as unexplained, unless
-    both have the same verdicts and combine the same flags.
+    A flag that the manual explains only for some order codes is yielded twice: as explained, and as unexplained for the
+    other order codes. It is yielded only once if this makes no difference to the verdict.
     """
-    kinds_by_codes = [(variant_field.kind, only) for variant_field, only in by_order_code(field)]
-    # All of them are flags. The check is for the types.
-    flags_by_codes = [(kind, only) for kind, only in kinds_by_codes if isinstance(kind, Flag)]
-    verdict_properties = {(flag.makes_position, flag.sums_up, flag.verdict_if_set) for flag, _ in flags_by_codes}
-    if len(verdict_properties) == 1:
-        first_flag, _ = flags_by_codes[0]
+    flags_with_conditions: list[tuple[Flag, CodeCondition | None]] = []
+    for field_of_codes, only in by_order_code(field):
+        assert isinstance(field_of_codes.kind, Flag)
+        flags_with_conditions.append((field_of_codes.kind, only))
+    # ``makes_position`` is the verdict, and ``sums_up`` lists the flags that a flag combines.
+    effects_on_verdict = {(flag.makes_position, flag.sums_up, flag.verdict_if_set) for flag, _ in flags_with_conditions}
+    if len(effects_on_verdict) == 1:
+        first_flag, _ = flags_with_conditions[0]
         yield first_flag, None
     else:
-        yield from flags_by_codes
+        yield from flags_with_conditions
 
 
 def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, CodeCondition | None]]:
-    """Yield the verdicts of a flag, each with the condition on the user's answer, or with None if it always applies.
+    """Yield the verdicts to which an active flag can lead, each with the condition under which it does.
 
-    A flag in a frame without the position has no verdict.
+    Most flags lead to one verdict, ``makes_position``, without a condition (None). If the manual is ambiguous, the
+    user's answer to a question sets the parameter ``verdict_parameter`` to 0 or 1. With 1, the flag leads to
+    ``verdict_if_set`` instead. A flag in a frame without the position leads to no verdict.
     """
-    if flag.makes_position is None:
+    usual_verdict = flag.makes_position
+    other_verdict = flag.verdict_if_set
+    if usual_verdict is None:
         return
-    if flag.verdict_if_set is None:
-        yield flag.makes_position, None
-        return
-    # The answer sets this parameter to 1 or 0.
-    yield flag.makes_position, CodeCondition(flag.verdict_parameter, holds=False)
-    yield flag.verdict_if_set, CodeCondition(flag.verdict_parameter, holds=True)
+    if other_verdict is None:
+        yield usual_verdict, None
+    else:
+        yield usual_verdict, CodeCondition(flag.verdict_parameter, holds=False)
+        yield other_verdict, CodeCondition(flag.verdict_parameter, holds=True)
 
 
 def _always_leads_to(part: FieldToDecode, verdict: Verdict, parts: Mapping[str, FieldToDecode]) -> bool:
-    """Return whether a flag leads to ``verdict`` or a worse one, whatever the order code and the answers are.
+    """Return whether a flag leads to ``verdict`` or a worse one, for every order code and every answer of the user.
 
-    Return false if the flag combines others of the frame, since it then has no verdict while one of them is active.
+    Return false if the flag combines others of the frame, since it then has no effect while one of them is active.
+    ``parts`` are the fields of the frame by name.
     """
     flag = part.field.kind
     if not isinstance(flag, Flag) or flag.makes_position is None:
         return False
-    has_conditions = bool(flag.only_while) or flag.verdict_if_set is not None
-    has_summed_parts = not parts.keys().isdisjoint(flag.sums_up)
+    depends_on_order_code = bool(flag.only_while)
+    depends_on_answer = flag.verdict_if_set is not None
+    combines_others = not parts.keys().isdisjoint(flag.sums_up)
+    if depends_on_order_code or depends_on_answer or combines_others:
+        return False
     worst_first = list(Verdict)  # The enumeration lists the verdicts from the worst to the best.
-    is_as_bad = worst_first.index(flag.makes_position) <= worst_first.index(verdict)
-    return is_as_bad and not has_conditions and not has_summed_parts
+    return worst_first.index(flag.makes_position) <= worst_first.index(verdict)
 
 
 def verdict_of(field: Field) -> Verdict | None:
@@ -227,24 +239,27 @@ def verdict_of(field: Field) -> Verdict | None:
 
 
 def verdict_causes(layout_plan: LayoutPlan) -> Iterator[Cause]:
-    """Yield the flags and the reserved bits of a frame, and the values that decide its verdict like a flag.
+    """Yield everything in a frame that can cause a verdict: flags, reserved bits, and combinations of values.
 
-    Flags without a verdict are included.
+    Flags that lead to no verdict are included. A sign of the layout is a combination of values: fields that decide the
+    verdict together if each of them has a certain value.
     """
     yield from (part for part in layout_plan.parts if isinstance(part.field.kind, Flag))
     yield from layout_plan.reserved
     part_by_name = {part.field.name: part for part in layout_plan.parts}
     for sign in layout_plan.layout.signs:
-        yield MatchingValues(sign.flag, tuple((part_by_name[name], value) for name, value in sign.conditions))
+        conditions = [(part_by_name[name], value) for name, value in sign.conditions]
+        yield MatchingValues(sign.flag, tuple(conditions))
 
 
 def by_order_code(field: Field) -> Iterator[tuple[Field, CodeCondition | None]]:
-    """Yield the field with the order codes for which it applies, or with None for all of them.
+    """Yield a field with the condition on the order codes to which it applies, or with None for all order codes.
 
-    If the manual explains a flag only for some order codes, yield it with these codes, and then the unexplained flag
-    with the other codes: ``overheat`` and ``overheat_unexplained``.
+    A flag that the manual explains only for some order codes is yielded twice: ``overheat`` with the condition for
+    these codes, and ``overheat_unexplained`` with the condition for all others.
     """
     match field.kind:
+        # The manual explains the flag only for order codes for which this parameter is not 0.
         case Flag(only_while=parameter, only=codes) if parameter:
             yield field, CodeCondition(parameter, holds=True, codes=codes)
             yield unexplained_flag(field), CodeCondition(parameter, holds=False, codes=codes)
@@ -276,9 +291,9 @@ class NumberedReport:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class ReportCause:
-    """Report in a frame: an active flag, reserved bits that differ from the manual, or values with a verdict.
+    """Cause of a report: an active flag, reserved bits that differ from the manual, or a combination of values.
 
-    Without ``only`` it applies to all order codes.
+    ``only`` selects the order codes to which the report applies, or is None for all of them.
     """
 
     report: NumberedReport
@@ -287,12 +302,12 @@ class ReportCause:
 
     @property
     def conditions(self) -> tuple[CodeCondition, ...]:
-        """Conditions on parameters of the order code."""
+        """The condition on the order code as a tuple, which is empty if the report applies to all order codes."""
         return (self.only,) if self.only is not None else ()
 
     @property
     def made_of(self) -> Field:
-        """The field as it is for these order codes."""
+        """The field of the cause, as the manual describes it for these order codes: explained or not."""
         is_explained = self.only is None or self.only.holds
         return self.by.field if is_explained else unexplained_flag(self.by.field)
 
@@ -310,14 +325,17 @@ class ReportsAndVerdict:
 def reports_of(device: Device) -> tuple[NumberedReport, ...]:
     """Return all reports in the frames of a family, in the same order as in the spec.
 
-    Fields with the same name share a report if they also have the same kind, group and meaning. Otherwise the interface
-    or the frame precedes the name.
+    Fields with the same name share a report if they also have the same kind, group and meaning. If they differ, the
+    name of each report begins with the name of its interface or frame.
     """
     return tuple(dict.fromkeys(_index_reports(device).values()))
 
 
 def reportings(device: Device) -> dict[str, ReportsAndVerdict]:
-    """Return the reports and the verdict of each frame of the encoder that has any, by the name of the frame."""
+    """Return the reports and the verdict rules of each frame that the encoder sends, by the name of the frame.
+
+    Frames with neither of them are omitted.
+    """
     reports = _index_reports(device)
     reporting_by_frame: dict[str, ReportsAndVerdict] = {}
     for interface, layout in _sent_layouts(device):
@@ -350,31 +368,36 @@ def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
 
 
 def codes_with_explanation(field: Field) -> CodeCondition | None:
-    """Return the order codes for which the manual explains a flag, or None if it explains the flag for all."""
-    # The first of them is the field as the manual explains it.
-    _, explained_codes = next(by_order_code(field))
-    return explained_codes
+    """Return the condition on the order codes for which the manual explains a flag, or None if it covers all codes."""
+    # The explained flag is yielded before the unexplained one.
+    _, condition_of_explained_flag = next(by_order_code(field))
+    return condition_of_explained_flag
 
 
 def combined_flag_names(field: Field) -> tuple[str, ...]:
-    """Return the names of the flags that a flag combines."""
+    """Return the names of the flags that a flag combines, or an empty tuple if it combines none."""
     return field.kind.sums_up if isinstance(field.kind, Flag) else ()
 
 
 def _is_reported(field: Field) -> bool:
-    """Return whether the field reports a problem: a flag or reserved bits, unless they leave the position usable.
+    """Return whether a decoder reports the field: a flag or reserved bits, unless they leave the position usable.
 
-    Fields in a frame without the position have no verdict, and are reported.
+    Flags and reserved bits in a frame without the position have no verdict, and are reported.
     """
-    return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
+    leaves_position_usable = field.kind.makes_position is Verdict.USABLE
+    return isinstance(field.kind, (Flag, Unused)) and not leaves_position_usable
 
 
 def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, CodeCondition | None]]:
-    """Yield the fields and signs that report a problem, each with the order codes for which it does."""
-    for field in (*layout.fields, *(sign.flag for sign in layout.signs)):
-        for coded_field, only in by_order_code(field):
-            if _is_reported(coded_field):
-                yield coded_field, only
+    """Yield the fields that a decoder reports, each with the condition on the order codes to which it applies.
+
+    Combinations of values that decide the verdict are included as flags without bits.
+    """
+    flags_without_bits = [sign.flag for sign in layout.signs]
+    for field in (*layout.fields, *flags_without_bits):
+        for field_of_codes, only in by_order_code(field):
+            if _is_reported(field_of_codes):
+                yield field_of_codes, only
 
 
 class _ReportedField(NamedTuple):
@@ -390,14 +413,17 @@ class _ReportedField(NamedTuple):
 
 
 def _reported_fields(device: Device) -> list[_ReportedField]:
-    """Return the fields that report problems. Unexplained flags are last, so that the others keep their numbers."""
+    """Return the fields that decoders report, in all frames of a family.
+
+    Flags that the manual does not explain for some order codes are last, so that the others keep their numbers.
+    """
     explained_fields: list[_ReportedField] = []
     unexplained_fields: list[_ReportedField] = []
     for interface, layout in _sent_layouts(device):
         for field, only in _fields_by_code(layout):
             reported_field = _ReportedField(interface=interface.name, frame=layout.name, field=field)
-            # ``holds`` is true for the order codes for which the manual explains the flag.
-            if only is None or only.holds:
+            is_explained = only is None or only.holds
+            if is_explained:
                 explained_fields.append(reported_field)
             else:
                 unexplained_fields.append(reported_field)

@@ -17,9 +17,9 @@ def reflect(value: int, width: int) -> int:
 
 
 def compute_bits(crc: Crc, number: int, bits: int) -> int:
-    """Compute the CRC over ``bits`` bits of ``number``, one by one and most significant first.
+    """Return the CRC of the lowest ``bits`` bits of ``number``, processed one by one, most significant bit first.
 
-    ``refin`` has no meaning for a string of bits and is ignored.
+    ``refin`` is ignored, because it reverses the bits of bytes, and this data has no bytes.
     """
     register = crc.init
     mask = crc.mask
@@ -36,13 +36,16 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
 
 
 def compute_bytes(crc: Crc, data: bytes) -> int:
-    """Compute the CRC over whole bytes. With ``refin``, each byte is processed least significant bit first."""
+    """Return the CRC of whole bytes. With ``refin``, each byte is processed least significant bit first."""
     number, bits = bits_in_crc_order(crc, data)
     return compute_bits(crc, number, bits)
 
 
 def bits_in_crc_order(crc: Crc, data: bytes) -> tuple[int, int]:
-    """Return the bits of ``data`` as a number, in the order in which the CRC processes them, and how many there are."""
+    """Return the bits of ``data`` as one number, in the order in which the CRC processes them, and how many they are.
+
+    With ``refin``, the bits of each byte are reversed.
+    """
     number = 0
     for byte in data:
         ordered_byte = reflect(byte, 8) if crc.refin else byte
@@ -51,9 +54,9 @@ def bits_in_crc_order(crc: Crc, data: bytes) -> tuple[int, int]:
 
 
 def init_for_result(crc: Crc, number: int, bits: int, result: int) -> int:
-    """Return the ``init`` with which the CRC over these bits is ``result``.
+    """Return the start value ``init`` with which the CRC of the lowest ``bits`` bits of ``number`` is ``result``.
 
-    There is exactly one if the lowest bit of ``poly`` is set, because each step can then be undone.
+    There is exactly one such value if the lowest bit of ``poly`` is 1, because each step can then be undone.
     """
     register = result ^ crc.xorout
     if crc.refout:
@@ -71,9 +74,9 @@ def init_for_result(crc: Crc, number: int, bits: int, result: int) -> int:
 
 
 def unused_bits(placed: PlacedLayout, number: int) -> int:
-    """Return all unused bits of the frame ``number`` as one number, in which a bit is 1 if it differs from the manual.
+    """Return the unused bits of the frame ``number`` as one number. Bits that differ from the manual are 1.
 
-    ``placed.unused`` gives each unused field with the position of its lowest bit in the result.
+    Each unused field has its place in this number, which ``placed.unused`` gives as the position of its lowest bit.
     """
     result = 0
     for placed_field, low_bit_in_result in placed.unused:
@@ -84,7 +87,10 @@ def unused_bits(placed: PlacedLayout, number: int) -> int:
 
 
 def documented_bits(placed_field: PlacedField) -> int:
-    """Return the documented value of an unused field, cut to its width for this order code, or 0 for other fields."""
+    """Return the value of an unused field in the manual, or 0 for any other field.
+
+    The value is cut to the width of the field for this order code.
+    """
     kind = placed_field.field.kind
     if not isinstance(kind, Unused):
         return 0
@@ -92,9 +98,9 @@ def documented_bits(placed_field: PlacedField) -> int:
 
 
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
-    """Return the parity bit that matches the other bits of the frame ``number``.
+    """Return the value that a parity bit must have in the frame ``number``.
 
-    It covers the bits in ``mask`` of each of the fields ``of``.
+    It covers the fields ``of``. ``mask`` selects the bits of each of these fields that count.
     """
     ones = 0
     for placed_field in placed.find_fields(parity.of):
@@ -105,7 +111,10 @@ def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
 
 
 def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
-    """Return the fields of a join in the frame ``number`` as one number, with the first field most significant."""
+    """Return the number that several fields of the frame ``number`` form together. The first is the most significant.
+
+    The spec calls such a number a join, for example a position that consists of multiturn and singleturn.
+    """
     joined_value = 0
     for placed_field in placed.find_fields(join.fields):
         field_value = (number >> placed_field.low) & placed_field.mask
@@ -128,13 +137,13 @@ def binary_to_gray(binary: int) -> int:
 
 
 def to_binary(placed: PlacedLayout, number: int) -> int:
-    """Return the frame ``number`` with the fields in Gray code, if any, converted to binary.
+    """Return the frame ``number`` with its Gray code and its digits converted to binary numbers.
 
-    The excess, which the encoder adds before it converts, is subtracted. Numbers whose digits are sent separately are
-    converted as well. If a digit has no valid code, all bits of the number are 1.
+    Some encoders add an excess to the number before they convert it to Gray code. It is subtracted. If a digit that is
+    sent separately, such as BCD, has an invalid code, all bits of its number become 1.
     """
 
-    def to_plain_binary(gray: int) -> int:
+    def gray_to_number(gray: int) -> int:
         return gray_to_binary(gray) - placed.gray_excess
 
     for placed_field in placed.fields:
@@ -142,14 +151,20 @@ def to_binary(placed: PlacedLayout, number: int) -> int:
         if code is not None:
             sent_bits = (number >> placed_field.low) & placed_field.mask
             value = number_of_digits(code, sent_bits, placed_field.width)
-            number = with_bits(number, placed_field, placed_field.mask if value is None else value)
-    return _with_gray_part_converted(placed, number, to_plain_binary)
+            if value is None:
+                value = placed_field.mask
+            number = with_bits(number, placed_field, value)
+    return _convert_gray_part(placed, number, gray_to_number)
 
 
 def number_of_digits(code: DigitCode, bits: int, width: int) -> int | None:
-    """Return the number whose digits are sent as these bits, or None if a digit has no valid code."""
+    """Return the number whose digits are sent as the ``width`` bits ``bits``, or None if a digit has no valid code.
+
+    ``code`` defines how each digit is sent: for BCD, 0001 0010 are the digits 1 and 2 of the number 12.
+    """
     number = 0
-    for low in range((width - 1) // code.bits * code.bits, -1, -code.bits):
+    low_of_first_digit = (width - 1) // code.bits * code.bits
+    for low in range(low_of_first_digit, -1, -code.bits):
         code_of_digit = (bits >> low) & ((1 << code.bits) - 1)
         if code_of_digit not in code.codes:
             return None
@@ -158,7 +173,7 @@ def number_of_digits(code: DigitCode, bits: int, width: int) -> int | None:
 
 
 def digits_of_number(code: DigitCode, number: int) -> int:
-    """Return the bits of the digits of a number, from the least significant digit."""
+    """Return the bits with which the digits of a number are sent: for BCD, 0001 0010 for the number 12."""
     bits = 0
     shift = 0
     while number:
@@ -169,20 +184,20 @@ def digits_of_number(code: DigitCode, number: int) -> int:
 
 
 def with_bits(number: int, placed_field: PlacedField, bits: int) -> int:
-    """Return a frame with other bits in a field."""
+    """Return the frame ``number`` with the bits of one field replaced by ``bits``."""
     return number & ~(placed_field.mask << placed_field.low) | bits << placed_field.low
 
 
 def from_binary(placed: PlacedLayout, number: int) -> int:
-    """Return the frame ``number`` as it is sent, with Gray code and digits converted from binary.
+    """Return the frame ``number`` as it is sent, with binary numbers converted to Gray code or to separate digits.
 
-    The excess of Gray code is added first. It is a number that some encoders add so that their Gray code also wraps
-    around in one bit if the counts are not a power of two.
+    If the counts per revolution are not a power of two, some encoders add an excess to the number first, so that only
+    one bit of the Gray code changes at the wraparound.
     """
     _, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1
 
-    def to_excess_gray(binary: int) -> int:
+    def number_to_gray(binary: int) -> int:
         return binary_to_gray((binary + placed.gray_excess) & mask)
 
     for placed_field in placed.fields:
@@ -190,11 +205,14 @@ def from_binary(placed: PlacedLayout, number: int) -> int:
         if code is not None:
             value = (number >> placed_field.low) & placed_field.mask
             number = with_bits(number, placed_field, digits_of_number(code, value))
-    return _with_gray_part_converted(placed, number, to_excess_gray)
+    return _convert_gray_part(placed, number, number_to_gray)
 
 
-def _with_gray_part_converted(placed: PlacedLayout, frame: int, convert: Callable[[int], int]) -> int:
-    """Return the frame ``frame`` with the fields sent in Gray code, if any, converted and cut to their width."""
+def _convert_gray_part(placed: PlacedLayout, frame: int, convert: Callable[[int], int]) -> int:
+    """Return the frame with the number in Gray code replaced by the result of ``convert``, cut to its width.
+
+    A frame without Gray code is returned unchanged.
+    """
     if not placed.gray:
         return frame
     low, width = placed.place_of(placed.layout.gray_of)
@@ -211,7 +229,7 @@ def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
 
 
 def covered_bits(crc: Crc, placed: PlacedLayout, number: int) -> tuple[int, int]:
-    """Return the bits that the CRC covers as a number, in the order in which it processes them, and how many.
+    """Return the bits that the CRC covers as one number, in the order in which it processes them, and how many.
 
     A CRC over whole bytes is in the last bytes of the frame, and covers all bytes before it.
     """

@@ -14,8 +14,8 @@ from .findings import Findings, findings
 class ChannelFindings:
     """Findings in a frame with several data channels.
 
-    ``agree`` is None if no fields are compared or if a channel has an error. ``verdict`` is None if a channel has an
-    error.
+    ``agree`` is true if the fields that the manual compares between channels match. It is None if the manual compares
+    none, or if a channel has an error. ``verdict`` is None if a channel has an error.
     """
 
     channels: tuple[Findings, ...]
@@ -24,7 +24,10 @@ class ChannelFindings:
 
 
 def decode_channels(device: Device, frame: PlacedChannels, number: int) -> tuple[codec.DecodedFrame, ...]:
-    """Return the channels of a frame, each decoded by itself. ``number`` has at most as many bits as the frame."""
+    """Split the frame ``number`` into its data channels, decode each of them, and return the results.
+
+    ``number`` must not have more bits than the frame.
+    """
     decoded_channels = []
     for placed, bits in zip(frame.channels, frame.split(number), strict=True):
         decoded_channels.append(codec.decode(device, placed, bits))
@@ -34,9 +37,10 @@ def decode_channels(device: Device, frame: PlacedChannels, number: int) -> tuple
 def channel_findings(
     device: Device, variant: Variant, frame: PlacedChannels, decoded_channels: Sequence[codec.DecodedFrame]
 ) -> ChannelFindings:
-    """Return the findings in each channel, and the worst verdict of all, which also depends on the compared fields.
+    """Return the findings in each channel, and the verdict on the position in the whole frame.
 
-    A channel without the position can make the verdict worse, but it is not needed for a better one.
+    It is the worst verdict of all channels, or NOT_USABLE if fields that should match in all channels differ. A channel
+    without the position counts only if its own verdict is known.
     """
     findings_by_channel = tuple(findings(device, variant, decoded) for decoded in decoded_channels)
     if any(decoded.problems for decoded in decoded_channels):
@@ -44,13 +48,13 @@ def channel_findings(
     agree = None
     if frame.compared:
         agree = frame.agree([decoded.values for decoded in decoded_channels])
-    # If nothing is compared, ``agree`` is None, and the fields do not disagree.
-    verdicts = [Verdict.NOT_USABLE] if agree is False else []
+    verdicts = []
+    if agree is False:  # None means that no fields are compared.
+        verdicts.append(Verdict.NOT_USABLE)
     for placed, channel in zip(frame.channels, findings_by_channel, strict=True):
         has_position = device.sends_position(variant.interface, placed.layout)
-        # A channel without the position is not asked whether it is usable, so its UNKNOWN does not count.
-        is_relevant = has_position or channel.verdict is not Verdict.UNKNOWN
-        if channel.verdict is not None and is_relevant:
+        counts = has_position or channel.verdict is not Verdict.UNKNOWN
+        if channel.verdict is not None and counts:
             verdicts.append(channel.verdict)
     from_worst_to_best = list(Verdict)
     worst = min(verdicts, key=from_worst_to_best.index)

@@ -6,13 +6,11 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from ..model import (
-    Choice,
     Constant,
     CrcValue,
     Decimal,
     Device,
     Fault,
-    Field,
     Join,
     Parity,
     PlacedField,
@@ -22,28 +20,26 @@ from ..model import (
     Variant,
     number_from_bytes,
 )
-from ..model.position_range import PositionRange
 from ..model.record import dataclass
 from ..say import report
 from ..say.layout import as_one_number
 from ..say.plain_text import count_with_unit
 from .bits import compute, documented_bits, from_binary, join_value, parity_bit, to_binary, unused_bits
+from .problems import FrameProblem as FrameProblem
+from .problems import (
+    problems_of_digits,
+    problems_of_position,
+    problems_of_value,
+    problems_with_other_fields,
+    range_message,
+)
 from .values import EncodeError as EncodeError
 from .values import Values as Values
-from .values import checked_number, encode_digits, encode_value, signed_or_plain, value_and_meaning
+from .values import checked_number, encode_digits, encode_value, value_and_meaning
 from .values import number_of_text as number_of_text
 
 #: Name of the number that holds the unused bits of a decoded frame.
 UNUSED = "unused"
-
-
-@dataclass(frozen=True, slots=True)
-class FrameProblem:
-    """An error in a frame, with the field in error."""
-
-    fault: Fault
-    field: str
-    message: str
 
 
 class DecodedField(NamedTuple):
@@ -65,17 +61,25 @@ class DecodedField(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class CrcResult:
+    """The CRC in a received frame, and the CRC computed from its other bits."""
+
     name: str
     received: int
     computed: int
 
     @property
     def ok(self) -> bool:
+        """True if both are equal."""
         return self.received == self.computed
 
 
 @dataclass(frozen=True, slots=True)
 class DecodedFrame:
+    """A decoded frame or register. ``number`` is the frame as it is sent.
+
+    ``layout`` is None if no layout matches. ``crc`` is None without a CRC.
+    """
+
     layout: PlacedLayout | None
     number: int
     fields: tuple[DecodedField, ...]
@@ -84,16 +88,17 @@ class DecodedFrame:
 
     @property
     def values(self) -> dict[str, int | str | bool]:
+        """Values of the fields by name."""
         return {field.name: field.value for field in self.fields}
 
 
 def select_layout(
     device: Device, variant: Variant, sender: str, data: bytes
 ) -> tuple[PlacedLayout | None, tuple[FrameProblem, ...]]:
-    """Return the layout of ``data`` and no problems, or None and the reason why there is none.
+    """Find the layout of the frame ``data`` from ``sender``. Return it without problems, or None and the problem.
 
-    It is the first layout of the sender with the selector value in ``data``. A layout without a selector accepts any
-    data.
+    Frames of several layouts have a selector, a field that identifies the layout by its value. The result is the first
+    layout of the sender that has this value, or the first one without a selector.
     """
     layouts = [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
     if not layouts:
@@ -106,7 +111,7 @@ def select_layout(
         valid_selector_values.extend(layout.selects)
         if _selector_value(placed, data) in layout.selects:
             return placed, ()
-    first_layout = layouts[0]  # The message contains the value at the selector's place.
+    first_layout = layouts[0]  # The selector is at the same place in all layouts of the sender.
     selector_value = _selector_value(first_layout.place(variant.parameters), data)
     if selector_value is None:
         message = report.too_few_bytes(count_with_unit(len(data), "byte"))
@@ -117,24 +122,25 @@ def select_layout(
 
 
 def _selector_value(placed: PlacedLayout, data: bytes) -> int | None:
-    """Return the value of the selector field, or None if ``data`` ends before it, or the order code has no selector.
+    """Return the value of the selector, the field that identifies the layout of a frame.
 
-    The bytes after the selector are ignored, so the frame may be incomplete or too long.
+    Return None if ``data`` ends before it, or if the order code has no selector. The bytes after the selector are
+    ignored, so the frame may be incomplete or too long.
     """
     selector = placed.find_field(placed.layout.selector)
     if selector is None:
         return None
     if placed.layout.byte_order == "low_byte_first":
         needed_length = selector.high // 8 + 1
-        missing_low_bits = 0
+        ignored_low_bits = 0
     else:
-        # The ignored bytes are the low bits of the frame. Without them, the selector is that much lower.
+        # The ignored bytes are the low bits of the frame.
         needed_length = (placed.bits - selector.low + 7) // 8
-        missing_low_bits = placed.bits - 8 * needed_length
+        ignored_low_bits = placed.bits - 8 * needed_length
     if len(data) < needed_length:
         return None
     number = number_from_bytes(placed.layout, data[:needed_length])
-    low_in_number = selector.low - missing_low_bits
+    low_in_number = selector.low - ignored_low_bits
     return (number >> low_in_number) & selector.mask
 
 
@@ -169,11 +175,12 @@ def _result_of_wrong_length(placed: PlacedLayout, frame: int, needed_length: str
 
 
 def decode(device: Device, placed: PlacedLayout, number: int) -> DecodedFrame:
-    """Decode ``number``, the frame as it is sent, into all fields and the CRC, and find all errors.
+    """Decode the frame ``number``, as it is sent, into its fields and its CRC, and find all errors.
 
-    Errors are in the order of ``Fault``. A number with more bits than the frame has the wrong length.
+    Errors are sorted in the order of ``Fault``. A number with too many bits is reported as a wrong length.
     """
-    if number >> placed.bits:  # Bits above the highest one of the frame.
+    has_too_many_bits = number >> placed.bits != 0
+    if has_too_many_bits:
         return _result_of_wrong_length(placed, number, f"{placed.bits} bits", number.bit_length())
     problems: list[FrameProblem] = []
     fields: list[DecodedField] = []
@@ -181,11 +188,11 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> DecodedFrame:
     for placed_field in placed.fields:
         sent_value = (number >> placed_field.low) & placed_field.mask
         binary_value = (binary_number >> placed_field.low) & placed_field.mask
-        problems += _problems_of_value(placed_field.field, binary_value)
-        problems += _problems_with_other_fields(placed, placed_field, sent_value, number)
+        problems += problems_of_value(placed_field.field, binary_value)
+        problems += problems_with_other_fields(placed, placed_field, sent_value, number)
         fields += _decode_field(placed_field, sent_value, binary_value)
-    problems += _problems_of_position(device, placed, binary_number)
-    problems += _problems_of_digits(device, placed, number, binary_number)
+    problems += problems_of_position(device, placed, binary_number)
+    problems += problems_of_digits(device, placed, number, binary_number)
     crc = _decode_crc(device, placed, number)
     if crc is not None and not crc.ok:
         message = report.wrong_crc_message(f"{crc.received:#04x}", f"{crc.computed:#04x}")
@@ -200,75 +207,8 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> DecodedFrame:
     return DecodedFrame(layout=placed, number=number, fields=tuple(fields), crc=crc, problems=tuple(problems))
 
 
-def _problems_with_other_fields(
-    placed: PlacedLayout, placed_field: PlacedField, sent_value: int, frame: int
-) -> Iterator[FrameProblem]:
-    """Yield the problem of a parity bit that is wrong in the frame ``frame``, or of a selector of another layout.
-
-    The parity bit covers the bits as they are sent, so ``sent_value`` may be in Gray code.
-    """
-    name = placed_field.name
-    kind = placed_field.field.kind
-    if isinstance(kind, Parity):
-        correct_bit = parity_bit(placed, kind, frame)
-        if sent_value != correct_bit:
-            covered_names = ", ".join(field.name for field in placed.find_fields(kind.of))
-            message = report.parity(name, f"{sent_value}", covered_names, f"{correct_bit}")
-            yield FrameProblem(Fault.CONSTANT, name, message)
-    elif name == placed.layout.selector and sent_value not in placed.layout.selects:
-        yield FrameProblem(Fault.RANGE, name, report.of_other_frame(name, f"{sent_value:X}"))
-
-
-def _problems_of_position(device: Device, placed: PlacedLayout, binary_number: int) -> Iterator[FrameProblem]:
-    """Yield the problem if the frame contains a position that this encoder does not have.
-
-    ``binary_number`` is the frame with its Gray code converted to binary.
-    """
-    position_range = device.range_in(placed.layout)
-    if position_range is None or position_range.field.number.digit_code:
-        return
-    position_field = placed.find_field(position_range.field.name)
-    if position_field is None:
-        return
-    raw = (binary_number >> position_field.low) & position_field.mask
-    message = _range_message(position_range, position_field, raw, placed)
-    if message:
-        yield FrameProblem(Fault.RANGE, position_field.name, message)
-
-
-def _problems_of_digits(device: Device, placed: PlacedLayout, frame: int, binary_number: int) -> Iterator[FrameProblem]:
-    """Yield the problems of numbers whose digits are sent separately: a digit without a valid code, or too high.
-
-    ``frame`` is the frame as it is sent. In ``binary_number``, all bits of a number without a valid code are 1.
-    """
-    position_range = device.range_in(placed.layout)
-    for placed_field in placed.fields:
-        name = placed_field.name
-        code = placed_field.field.number.code_of_digits
-        if code is None:
-            continue
-        highest = code.highest(placed_field.width)
-        if position_range is not None and position_range.field.name == name:
-            highest = position_range.highest.value(placed.parameters)
-        sent_bits = (frame >> placed_field.low) & placed_field.mask
-        if (binary_number >> placed_field.low) & placed_field.mask > highest:
-            yield FrameProblem(Fault.RANGE, name, report.not_in_code(name, f"{sent_bits:#x}", f"{highest}", code.name))
-
-
-def _range_message(position_range: PositionRange, placed_field: PlacedField, raw: int, placed: PlacedLayout) -> str:
-    """Return the error message if the encoder does not have this position, or an empty string if it does."""
-    lowest = position_range.lowest.value(placed.parameters)
-    highest = position_range.highest.value(placed.parameters)
-    position = signed_or_plain(placed_field.field.number, raw, placed_field.width)
-    if lowest <= position <= highest:
-        return ""
-    if placed_field.field.number.signed:
-        return report.outside(f"{placed_field.name} {position}", f"{lowest}", f"{highest}")
-    return report.too_high(placed_field.name, f"{position}", f"{highest}")
-
-
 def _decode_crc(device: Device, placed: PlacedLayout, frame: int) -> CrcResult | None:
-    """Return the received and the computed CRC of the frame ``frame``, or None if it has no CRC."""
+    """Return the CRC in ``frame`` together with the CRC computed from its other bits, or None if it has no CRC."""
     placed_field = placed.crc_field
     crc = device.crc_of(placed)
     if placed_field is None or crc is None:
@@ -278,13 +218,14 @@ def _decode_crc(device: Device, placed: PlacedLayout, frame: int) -> CrcResult |
 
 
 def _name_of_crc_field(placed: PlacedLayout) -> str:
+    """Return the name of the field with the CRC, or an empty string if the order code has none."""
     return placed.crc_field.name if placed.crc_field is not None else ""
 
 
 def _decode_join(placed: PlacedLayout, join: Join, frame: int, binary_frame: int) -> DecodedField:
-    """Return fields that form one number, such as multiturn and singleturn, as one field.
+    """Return the number that several fields form together, such as multiturn and singleturn, as an additional field.
 
-    ``frame`` is the frame as it is sent, and ``binary_frame`` the frame with its Gray code converted to binary.
+    ``frame`` is the frame as it is sent, and ``binary_frame`` is the frame with its Gray code converted to binary.
     """
     field_names = " and ".join(field.name for field in placed.find_fields(join.fields))
     meaning = as_one_number(field_names) if len(join.fields) > 1 else ""
@@ -302,9 +243,9 @@ def _computed_field(name: str, raw: int, value: int, meaning: str) -> DecodedFie
 
 
 def _decode_field(placed_field: PlacedField, sent_value: int, binary_value: int) -> Iterator[DecodedField]:
-    """Yield a decoded field, and then each run of its decimal digits.
+    """Yield a decoded field, followed by each named group of decimal digits in it, such as year and week.
 
-    ``sent_value`` may be in Gray code. ``binary_value`` is the same value in binary.
+    ``sent_value`` are its bits as they are sent, possibly in Gray code. ``binary_value`` is the same value in binary.
     """
     field = placed_field.field
     high = placed_field.high
@@ -312,31 +253,17 @@ def _decode_field(placed_field: PlacedField, sent_value: int, binary_value: int)
     value, meaning = value_and_meaning(field, binary_value, placed_field.width)
     yield DecodedField(field.name, sent_value, value, field.unit, meaning, high, low, field.scale)
     for run in field.runs:
-        # The digits 34 of 1234 have divisor 1 and modulus 100, and its digits 12 divisor 100 and modulus 100.
+        # In 1234, the digits 34 have divisor 1 and modulus 100, and the digits 12 have divisor 100 and modulus 100.
         digits = binary_value // run.divisor % run.modulus
         yield DecodedField(run.name, raw=digits, value=digits, unit="", meaning=run.meaning, high=high, low=low)
 
 
-def _problems_of_value(field: Field, raw: int) -> Iterator[FrameProblem]:
-    """Yield the error if a number is not valid in a field, whatever the other fields contain."""
-    name = field.name
-    match field.kind:
-        case Choice(named_values):
-            if all(named_value.value != raw for named_value in named_values):
-                yield FrameProblem(Fault.RANGE, name, report.no_value(name, f"{raw:#x}"))
-        case Constant(constant):
-            if raw != constant:
-                yield FrameProblem(Fault.CONSTANT, name, report.constant(name, f"{raw:#x}", f"{constant:#x}"))
-        case Decimal() as decimal:
-            if raw >= decimal.limit:
-                yield FrameProblem(Fault.RANGE, name, report.digits(name, f"{raw}", f"{decimal.digits}"))
-
-
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
-    """Encode these values.
+    """Encode the values of fields, by name, and return the frame as it is sent.
 
-    Constants, parity and CRC are filled in. A join is a number formed by several fields, and its value can replace the
-    values of its fields. Unused bits are as in the manual. The bits that are 1 in the value ``unused`` are inverted.
+    Constants, parity bits and the CRC are added. The value of a join, a number that several fields form, can replace
+    the values of these fields. Unused bits are sent as in the manual, except those that are 1 in the value ``unused``,
+    which are inverted.
 
     Raises:
         EncodeError: A value is missing, unknown, or does not fit.
@@ -350,9 +277,8 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     if placed.layout.unused:
         inverted_bits = checked_number(field_values.pop(UNUSED, 0))
         frame_bits |= _encode_unused(placed, inverted_bits)
-    # What remains are names of fields: joins and ``unused`` have been removed.
     _check_names(placed, field_values)
-    # Parity and CRC are those of the bits as sent, which includes the Gray code. The CRC also covers the parity.
+    # Parity bits and CRC are computed from the bits as they are sent, in Gray code. The CRC also covers parity bits.
     frame_bits = from_binary(placed, frame_bits)
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, Parity):
@@ -368,14 +294,14 @@ def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
     """Return the bits of all fields at their positions in the frame. Parity, CRC and unused bits are still 0.
 
     Raises:
-        EncodeError: A value is missing, or does not fit, or the encoder does not have this position.
+        EncodeError: A value is missing or does not fit, or the position is outside the range of this encoder.
     """
     frame_bits = 0
     position_range = device.range_in(placed.layout)
     for placed_field in placed.fields:
         raw = _encode_field(placed, placed_field, values)
         if position_range is not None and placed_field.name == position_range.field.name:
-            problem = _range_message(position_range, placed_field, raw, placed)
+            problem = range_message(position_range, placed_field, raw, placed)
             if problem:
                 raise EncodeError(problem)
         frame_bits |= raw << placed_field.low
@@ -383,7 +309,9 @@ def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
 
 
 def _check_names(placed: PlacedLayout, values: Values) -> None:
-    """Check that each value belongs to a field, and that fields that this order code lacks are 0 if given.
+    """Check that each value belongs to a field of the layout.
+
+    Values of fields that other order codes have, but this one does not, must be 0.
 
     Raises:
         EncodeError: A name is unknown, or this order code has no such field.
@@ -396,16 +324,16 @@ def _check_names(placed: PlacedLayout, values: Values) -> None:
         if name not in known_names:
             raise EncodeError(f"there is no field '{name}' in {placed.name}")
     for field in placed.layout.fields:
-        # The layout applies to all order codes. ``placed`` contains the fields of this order code.
-        if values.get(field.name) and placed.find_field(field.name) is None:
+        # The layout has the fields of all order codes. ``placed`` has only those of this order code.
+        has_nonzero_value = bool(values.get(field.name))
+        if has_nonzero_value and placed.find_field(field.name) is None:
             raise EncodeError(f"{field.name} {values[field.name]} does not fit: this order code has no such field")
 
 
 def _encode_unused(placed: PlacedLayout, inverted_bits: int) -> int:
     """Return the unused bits at their positions in the frame: as in the manual, with some of them inverted.
 
-    ``inverted_bits`` is the number ``unused`` of a decoded frame, in which the unused fields are packed and each bit
-    that differs from the manual is 1.
+    In ``inverted_bits``, all unused fields are packed into one number, in which the bits to invert are 1.
 
     Raises:
         EncodeError: ``inverted_bits`` has bits that belong to no unused field.
@@ -423,17 +351,17 @@ def _encode_unused(placed: PlacedLayout, inverted_bits: int) -> int:
 
 
 def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Values) -> dict[str, int]:
-    """Return the value of each field of a join, by name. Values of these fields in ``values`` must be the same.
+    """Split a joined number into the values of the fields that form it, and return them by name.
 
     Fields that this order code lacks are 0.
 
     Raises:
-        EncodeError: The value does not fit in the fields, or differs from the values of the fields.
+        EncodeError: The number does not fit in the fields, or ``values`` contains a different value for one of them.
     """
     value_by_field: dict[str, int] = {}
     remaining_bits = joined_value
-    # From the least significant field on.
-    for name in reversed(join.fields):
+    least_significant_first = reversed(join.fields)
+    for name in least_significant_first:
         placed_field = placed.find_field(name)
         width = placed_field.width if placed_field is not None else 0
         value_by_field[name] = remaining_bits & ((1 << width) - 1)
@@ -447,9 +375,12 @@ def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Val
 
 
 def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int:
-    """Return the bits of one field, shifted down to bit 0, or raise an EncodeError if its value is missing or wrong.
+    """Return the bits of one field as a number. CRC, parity and unused bits are 0 here, and are added later.
 
-    A selector with a single value needs none. CRC, parity and unused bits are 0 here, and are added later.
+    Constants, and selectors with a single valid value, need no value in ``values``.
+
+    Raises:
+        EncodeError: The value of the field is missing, or does not fit.
     """
     name = placed_field.name
     kind = placed_field.field.kind
@@ -458,7 +389,7 @@ def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Value
     if isinstance(kind, (Unused, CrcValue, Parity)):
         return 0
     if isinstance(kind, Decimal) and name not in values:
-        # The values may have its digits under their own names instead.
+        # The values contain its groups of digits under their own names instead.
         return encode_digits(kind, values)
     if name not in values:
         if name == placed.layout.selector and len(placed.layout.selects) == 1:

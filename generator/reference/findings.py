@@ -66,22 +66,21 @@ class Findings:
 
 
 def findings(device: Device, variant: Variant, decoded: DecodedFrame) -> Findings:
-    """Return the findings in ``decoded``, a frame of the encoder or a register.
+    """Return the findings in a decoded frame or register: reports, the verdict, and differences from the manual.
 
-    An invalid frame has no findings, since none of its bits can be trusted. A frame of the master has no findings
-    either.
+    They are empty for an invalid frame, since none of its bits can be trusted, and for a frame that the master sends.
     """
     if decoded.problems or decoded.layout is None or decoded.layout.layout.sender == "master":
         return Findings()
-    # A layout without a sender belongs to a register.
     layout = decoded.layout.layout
+    is_register = layout.sender != "encoder"
     decoded_fields = {field.name: field for field in decoded.fields}
     active_fields = _active_fields(decoded.layout, decoded_fields)
-    if layout.sender == "encoder":
-        reports = _reports_of_frame(device, variant, active_fields)
-    else:
+    if is_register:
         reports = _reports_of_register(device, variant, active_fields, layout.name)
-    differences = _yield_differences(variant, decoded, decoded_fields, is_register=layout.sender != "encoder")
+    else:
+        reports = _reports_of_frame(device, variant, active_fields)
+    differences = _find_differences(variant, decoded, decoded_fields, is_register)
     verdict = None
     if device.has_verdict(variant.interface, layout):
         verdict = _find_worst_verdict(decoded.layout, active_fields)
@@ -89,9 +88,10 @@ def findings(device: Device, variant: Variant, decoded: DecodedFrame) -> Finding
 
 
 def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedField]) -> list[Field]:
-    """Return the active flags, the unused bits that differ from the manual, and the flags of active signs.
+    """Return the active flags, and the unused bits that differ from the manual.
 
-    A sign is a combination of values with a verdict, like the verdict of a flag. Registers have none.
+    Some frames have signs: combinations of values that decide the verdict like a flag. If all values of a sign match,
+    its flag, which has no bits, is active as well.
     """
     active_fields: list[Field] = []
     for placed_field in placed.fields:
@@ -104,16 +104,20 @@ def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedFie
 
 
 def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[Field]) -> Iterator[FrameReport]:
-    """Yield a report for each active field, except fields with which the position stays usable without a warning."""
+    """Yield a report for each active flag or unused field, except those with which the position remains usable."""
     for field in active_fields:
-        if field.kind.makes_position is not Verdict.USABLE:
+        leaves_position_usable = field.kind.makes_position is Verdict.USABLE
+        if not leaves_position_usable:
             yield _build_report(field, _alarm_for(device, variant, field, register=""))
 
 
 def _reports_of_register(
     device: Device, variant: Variant, active_fields: Sequence[Field], register: str
 ) -> Iterator[FrameReport]:
-    """Yield a report for each active field that is an alarm of the manual. Other flags may mean "ready" or the like."""
+    """Yield a report for each active flag that the manual describes as an alarm.
+
+    Other flags of a register are not reported, because they may mean "ready", for example.
+    """
     for field in active_fields:
         alarm = _alarm_for(device, variant, field, register)
         if alarm is not None:
@@ -121,18 +125,19 @@ def _reports_of_register(
 
 
 def _alarm_for(device: Device, variant: Variant, field: Field, register: str) -> Alarm | None:
-    """Return the alarm of a flag, or None if the manual describes none for this order code.
+    """Return the alarm that the manual describes for a flag, or None if there is none for this order code.
 
-    In a frame, ``register`` is empty.
+    ``register`` is the name of the register with the flag, or empty for a flag in a frame.
     """
     alarm = alarm_of(device, field, register)
-    if alarm is None or not fits(alarm.only, variant.code):
+    if alarm is None:
         return None
-    return alarm
+    applies_to_order_code = fits(alarm.only, variant.code)
+    return alarm if applies_to_order_code else None
 
 
 def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> bool:
-    """Return whether a flag is active or unused bits differ from the manual. No other field is ever active."""
+    """Return whether a flag is active, or unused bits differ from the manual. Return false for all other fields."""
     match placed_field.field.kind:
         case Flag():
             return bool(decoded_field.value)
@@ -144,16 +149,16 @@ def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> 
 
 
 def _is_active_sign(sign: Sign, layout: Layout, decoded_fields: Mapping[str, DecodedField]) -> bool:
-    """Return whether all fields of a sign have the values in its conditions."""
-    for name, number in sign.conditions:
-        required_value = _decoded_value(layout.field(name), number)
+    """Return whether all fields of a sign, a combination of values that decides the verdict, have these values."""
+    for name, required_number in sign.conditions:
+        required_value = _decoded_value(layout.field(name), required_number)
         if name not in decoded_fields or decoded_fields[name].value != required_value:
             return False
     return True
 
 
 def _decoded_value(field: Field, number: int) -> str | bool:
-    """Return the decoded value of a flag or of a field with named values."""
+    """Return the decoded form of a number: true or false for a flag, or the name of a named value."""
     if isinstance(field.kind, Flag):
         return bool(number)
     return field.value_of(number).name
@@ -172,14 +177,15 @@ def _build_report(field: Field, alarm: Alarm | None) -> FrameReport:
 
 
 def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) -> Verdict:
-    """Return the worst verdict of the layout and the active fields.
+    """Return the worst verdict to which the active flags and unused bits of a frame lead.
 
-    The layout has UNKNOWN if no bit of its frames judges the position, and else USABLE.
+    If none of them leads to a verdict, the position is USABLE. It is UNKNOWN if the frame has no bits that say whether
+    the position is usable.
     """
     active_names = {field.name for field in active_fields}
     verdicts = [Verdict.USABLE if placed.judges_position else Verdict.UNKNOWN]
     for field in active_fields:
-        # A flag that sums up other flags, ``sums_up``, adds no information if one of them is active.
+        # A flag that combines others, listed in ``sums_up``, adds no information while one of them is active.
         is_redundant = isinstance(field.kind, Flag) and not active_names.isdisjoint(field.kind.sums_up)
         verdict = field.kind.makes_position
         if verdict is not None and not is_redundant:
@@ -188,12 +194,12 @@ def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) ->
     return min(verdicts, key=from_worst_to_best.index)
 
 
-def _yield_differences(
+def _find_differences(
     variant: Variant, decoded: DecodedFrame, decoded_fields: Mapping[str, DecodedField], is_register: bool
 ) -> Iterator[ValueDifference]:
-    """Yield the fields whose documented value for this order code differs from the actual value.
+    """Yield the fields whose value differs from the value that the manual gives for this order code.
 
-    ``is_register`` is true for the fields of a register, for which the message has other words.
+    ``is_register`` is true if ``decoded`` is a register, which changes the wording of the messages.
     """
     assert decoded.layout is not None
     for placed_field in decoded.layout.fields:
@@ -216,7 +222,7 @@ def _yield_differences(
 def _difference_message(
     placed_field: PlacedField, variant: Variant, actual: int | str, documented: int | str, is_register: bool
 ) -> str:
-    """Return the message about a value that differs from the manual or, in a register, from the order code."""
+    """Return the message about a value that differs from the manual. For a register, it names the order code."""
     name = placed_field.field.printed_name or placed_field.name
     actual_text, documented_text = _quoted_or_hex(actual), _quoted_or_hex(documented)
     if is_register:
@@ -225,17 +231,21 @@ def _difference_message(
 
 
 def _quoted_or_hex(field_value: int | str) -> str:
+    """Return a text in double quotes, or a number in hexadecimal, such as ``0x2a``."""
     return f'"{field_value}"' if isinstance(field_value, str) else f"{field_value:#04x}"
 
 
 def _identity_registers(device: Device, variant: Variant) -> Iterator[Register]:
-    """Yield the registers that identify this order code, except registers in banks, whose addresses are not unique."""
+    """Yield the registers whose documented contents identify the encoder, such as the device ID.
+
+    Registers in banks are omitted, because their addresses are not unique.
+    """
     names = {register.name for register, _ in device.identity if register.bank is None}
     return (register for register in device.registers_over(variant.interface) if register.name in names)
 
 
 def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
-    """Return the addresses of the registers that identify this order code."""
+    """Return the addresses of the registers whose documented contents identify an encoder with this order code."""
     addresses: set[int] = set()
     for register in _identity_registers(device, variant):
         addresses.update(_list_addresses(register))
@@ -243,13 +253,14 @@ def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
 
 
 def _list_addresses(register: Register) -> range:
+    """Return the addresses of all bytes of a register."""
     return range(register.address, register.last_address + 1)
 
 
 def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[ValueDifference, ...]:
-    """Return the fields of identifying registers whose contents contradict this order code.
+    """Return the fields of identifying registers whose contents show that the encoder has a different order code.
 
-    Bytes at addresses that ``bytes_by_address`` does not contain are unknown, and contradict nothing.
+    Registers that ``bytes_by_address`` does not contain are unknown, and are not compared.
     """
     differences: list[ValueDifference] = []
     for register in _identity_registers(device, variant):
@@ -260,9 +271,10 @@ def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int
 def _compare_register(
     variant: Variant, register: Register, bytes_by_address: Mapping[int, int]
 ) -> Iterator[ValueDifference]:
-    """Yield the fields of a register whose known bytes differ from the order code's bytes.
+    """Yield the fields of a register whose known bits differ from the values that the manual gives for an order code.
 
-    The message shows the whole field in hexadecimal, or dots for digits that are unknown.
+    Bytes that ``bytes_by_address`` lacks are unknown. The message shows the field in hexadecimal, with a dot for each
+    unknown digit.
     """
     placed = register.layout.place(variant.parameters)
     addresses = _list_addresses(register)
@@ -279,7 +291,8 @@ def _compare_register(
         documented_bits = number_of_text(documented) if isinstance(documented, str) else documented
         known_bits = (known_mask >> placed_field.low) & placed_field.mask
         actual_bits = (content >> placed_field.low) & known_bits
-        if actual_bits == documented_bits & known_bits:
+        matches_documentation = actual_bits == documented_bits & known_bits
+        if matches_documentation:
             continue
         path = f"{register.name}.{placed_field.name}" if len(placed.fields) > 1 else register.name
         if known_bits == placed_field.mask:
@@ -292,9 +305,9 @@ def _compare_register(
 
 
 def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
-    """Return the hexadecimal digits of a field, with dots for unknown digits, such as ``..A3h``.
+    """Return the hexadecimal digits of a field with ``width`` bits, with dots for unknown digits, such as ``..A3h``.
 
-    In ``known_bits``, the known bits of the field are 1. A digit is known if all of its bits are.
+    The bits of the field that are known are 1 in ``known_bits``. A digit is known if all of its bits are known.
     """
     digits = ""
     highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest digit may have fewer.
@@ -306,12 +319,13 @@ def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
 
 
 def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDifference]:
-    """Yield register values that are impossible in this edition and therefore show that an older edition applies.
+    """Yield values of a register that show that an older edition of the manual applies to the encoder.
 
-    A value is impossible if it fails the test of an edition: the field ``run`` is not from ``min`` to ``max``.
+    An edition has tests: a register field, ``run``, whose value must be from ``min`` to ``max`` in encoders of this
+    edition. Frames have no such tests.
     """
-    # Only the layout of a register is without a sender.
-    if decoded.layout is None or decoded.layout.layout.sender:
+    is_register = decoded.layout is not None and not decoded.layout.layout.sender
+    if decoded.layout is None or not is_register:
         return
     register = decoded.layout.name
     raw_values = {field.name: field.raw for field in decoded.fields}
@@ -325,10 +339,11 @@ def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDiffe
 
 
 def edition_by_registers(device: Device, match: LabelMatch, bytes_by_address: Mapping[int, int]) -> str:
-    """Return the revision of the latest edition with which the registers of an encoder are compatible.
+    """Return the revision of the latest edition of the manual that is compatible with the registers of an encoder.
 
-    This is the revision before the first edition with a test that the registers fail, or the spec's revision if they
-    fail none.
+    An edition has tests: a register field, ``run``, whose value must be from ``min`` to ``max`` in encoders of this
+    edition. The result is the revision before the first edition with a failed test, or the revision of the spec if no
+    test fails.
 
     Raises:
         ValueError: ``bytes_by_address`` has no complete register that identifies the edition.
@@ -352,7 +367,7 @@ def edition_by_registers(device: Device, match: LabelMatch, bytes_by_address: Ma
 
 
 def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[int, int]:
-    """Return the register bytes by address, without the registers that identify the edition."""
+    """Return the register bytes by address, without the bytes of registers that identify the edition of the manual."""
     edition_addresses: set[int] = set()
     for name in _names_of_edition_registers(device):
         edition_addresses.update(_list_addresses(device.register(name)))
@@ -360,15 +375,15 @@ def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[i
 
 
 def _names_of_edition_registers(device: Device) -> list[str]:
-    """Return the names of the registers that identify the edition, each once."""
+    """Return the names of the registers whose values identify the edition of the manual, without duplicates."""
     names = (test.register for edition in device.editions for test in edition.tests)
     return list(dict.fromkeys(names))
 
 
 def _missing_registers_message(device: Device) -> str:
-    """Return the message with the command-line options for each register that identifies the edition.
+    """Return the message that lists the command-line options for the registers that identify the edition.
 
-    Options for a register of two bytes are ``--register 0x10=0x.. --register 0x11=0x..``.
+    The options for a register of two bytes are, for example, ``--register 0x10=0x.. --register 0x11=0x..``.
     """
     names = _names_of_edition_registers(device)
     if not names:

@@ -30,7 +30,7 @@ from . import codec
 
 
 def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.DecodedFrame:
-    """Decode a register from its bytes in ascending order of address. Capitals in ``name`` do not matter.
+    """Decode a register from its bytes in ascending order of address. Its name is not case-sensitive.
 
     Raises:
         RegisterError: This interface does not have the register, or the register has a different length.
@@ -53,12 +53,15 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
 
 
 def _unknown_register_message(device: Device, erratum: Erratum, name: str) -> str:
-    """Return the message if an erratum says that this edition or overlay lacks a register, or else an empty string."""
-    # ``printed`` lists the registers that are not known, separated by commas.
-    if erratum.used != NOT_KNOWN or name not in erratum.printed.split(", "):
-        return ""
-    # The family of the spec also has errata about its editions, which do not apply to it.
-    if not erratum.overlay and not device.edition:
+    """Return an error message if an erratum says that an edition or overlay does not describe a register.
+
+    Return an empty string if the erratum does not apply to this register, or not to this device.
+    """
+    # For such an erratum, ``printed`` lists the unknown registers, separated by commas.
+    concerns_register = erratum.used == NOT_KNOWN and name in erratum.printed.split(", ")
+    # The device of the latest edition also has errata about older editions.
+    concerns_device = bool(erratum.overlay or device.edition)
+    if not concerns_register or not concerns_device:
         return ""
     if erratum.edition:
         scope = f"in edition {device.edition} of the manual"
@@ -74,10 +77,11 @@ Limits = tuple["Expression | None", "Expression | None"]
 def register_writes(
     device: Device, procedure: Procedure, variant: Variant, arguments: Mapping[str, int]
 ) -> tuple[Write, ...]:
-    """Return every byte that the procedure writes, in order, or the number if a register is written at once.
+    """Return the writes of a procedure in order: one per byte, or one per register that is written at once.
 
-    The limits of later steps take the written values into account. A step that writes one field keeps the others as
-    the procedure has written them, or as in the default of the register, or else 0.
+    Written values can change the limits of later steps. A step that writes only one field keeps the other bits of the
+    register: as the procedure has written them before, or as in the default of the register, which is 0 if the manual
+    gives none.
 
     Raises:
         EncodeError: An argument is missing, does not fit its register or field, or is not a valid content.
@@ -93,7 +97,7 @@ def register_writes(
         placed = register.layout.place(variant.parameters)
         value = _value_of_step(step, arguments)
         if step.value is None:
-            # The limits may depend on how the procedure means the argument.
+            # A register can have several meanings with different limits.
             limits = device.limits(register, meaning_by_argument.get(step.value_name, ""))
             _check_argument(register, _name_of_written_field(register, step), value, placed, limits)
         if isinstance(step, ModifyStep):
@@ -110,7 +114,11 @@ def register_writes(
 
 
 def _value_of_step(step: WriteStep | ModifyStep, arguments: Mapping[str, int]) -> int:
-    """Return the fixed value of a step, or the argument that it names, which must be in ``arguments``."""
+    """Return the number that a step writes: its fixed value, or the argument that it names.
+
+    Raises:
+        EncodeError: ``arguments`` does not contain the argument.
+    """
     if step.value is not None:
         return step.value
     if step.value_name not in arguments:
@@ -119,6 +127,7 @@ def _value_of_step(step: WriteStep | ModifyStep, arguments: Mapping[str, int]) -
 
 
 def _name_of_written_field(register: Register, step: WriteStep | ModifyStep) -> str:
+    """Return the name of the field that a step writes. For a whole register, it is the field with its limits."""
     return step.field if isinstance(step, ModifyStep) else name_with_limits(register)
 
 
@@ -131,21 +140,26 @@ def _writes_of_register(register: Register, content: int) -> list[Write]:
 
 
 def _with_field_changed(placed: PlacedLayout, field_name: str, field_value: int, old_content: int) -> int:
-    """Return the content of a register with ``field_value`` in one of its fields, and the other bits as they were.
+    """Return the content of a register after a value is written to one of its fields. The other bits are unchanged.
 
     Raises:
         EncodeError: The value does not fit, or this order code has no such field.
     """
     placed_field = placed.find_field(field_name)
-    # Bits outside the mask mean that the value is too wide for the field.
-    if placed_field is None or field_value & ~placed_field.mask:
+    if placed_field is None:
+        raise codec.EncodeError(f"{field_value} does not fit '{field_name}'")
+    is_too_wide = field_value & ~placed_field.mask != 0
+    if is_too_wide:
         raise codec.EncodeError(f"{field_value} does not fit '{field_name}'")
     other_bits = old_content & ~(placed_field.mask << placed_field.low)
     return other_bits | (field_value << placed_field.low)
 
 
 def _content_for_argument(device: Device, register: Register, placed: PlacedLayout, argument: int) -> int:
-    """Return the content of a register to which an argument is written: as its limited number, or as the whole content.
+    """Return the content of a register to which an argument is written.
+
+    The argument is the value of the field or joined number to which the limits of the register apply. Without such a
+    field, it is the content itself.
 
     Raises:
         EncodeError: The argument does not fit, or is not a valid content.
@@ -155,7 +169,7 @@ def _content_for_argument(device: Device, register: Register, placed: PlacedLayo
     names_of_numbers |= {join.name for join in register.layout.joins}
     if name in names_of_numbers or register.limits_of == name:
         return codec.encode(device, placed, {name: argument})
-    # If a register has several fields and no limits on one of them, the argument is the number in the whole register.
+    # The argument is the number in the whole register.
     problems = codec.decode(device, placed, argument).problems
     if problems:
         raise codec.EncodeError(f"{argument:#x} is not a value of '{register.name}': {problems[0].message}")
@@ -163,7 +177,10 @@ def _content_for_argument(device: Device, register: Register, placed: PlacedLayo
 
 
 def _check_argument(register: Register, field_name: str, argument: int, placed: PlacedLayout, limits: Limits) -> None:
-    """Check that an argument is a value of the field ``field_name``, and within the limits if they apply to this field.
+    """Check that an argument is a named value of the field, if it has any, and that it is within the limits.
+
+    The limits are checked if they belong to a meaning of the register, or if the register's own limits apply to this
+    field.
 
     Raises:
         EncodeError: The argument is not valid.

@@ -35,9 +35,9 @@ def number_of_text(text: str) -> int:
 
 
 def value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | bool, str]:
-    """Return the value and the meaning of a number in a field: ``("ready", "the encoder is ready")`` for a choice.
+    """Return the value that the bits of a field represent, and its meaning, such as ``("ready", "encoder is ready")``.
 
-    Invalid numbers are returned unchanged.
+    ``raw`` is the number formed by the bits. It is the value if the field has named values but none for this number.
     """
     match field.kind:
         case Number() as number:
@@ -60,29 +60,29 @@ def value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | b
 
 
 def signed_or_plain(number: Number, raw: int, width: int) -> int:
-    """Return the value of these bits: two's complement if the field is signed. Zero may represent another value.
+    """Return the number that ``width`` bits represent: 0b111 is -1 in a signed field of 3 bits, and otherwise 7.
 
-    0b111 of 3 bits is -1 in a signed field, and else 7. ``zero_means`` is 0 unless the manual gives 0 another meaning.
+    ``zero_means`` is the number that the bits 0 represent, which is 0 in most fields.
     """
     sign_bit = raw >> (width - 1)
     if number.signed and sign_bit:
         return raw - (1 << width)
-    return raw or number.zero_means
+    return number.zero_means if raw == 0 else raw
 
 
 def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | bool) -> int:
-    """Return the number that represents a value of a field. Named values and texts may also be given as numbers.
+    """Return the bits of a field for a value, as a number. Instead of a name or a text, the number itself is accepted.
 
     Raises:
-        EncodeError: A number is a text or does not fit, or no value has this name. Named values and texts that are
-            given as numbers are not checked.
+        EncodeError: The value is not a number although it should be, it does not fit, or it is an unknown name. A
+            number that replaces a name or a text is not checked.
     """
     match kind:
         case Number():
             return _encode_number(kind, placed_field, checked_number(value))
         case Flag():
-            # 1 for an active flag that is active high, and for an inactive one that is active low.
-            return int(bool(value) != kind.active_low)
+            is_active = bool(value)
+            return int(is_active != kind.active_low)
         case Choice(named_values) if isinstance(value, str):
             return _number_of_name(placed_field.name, named_values, value)
         case Text() if isinstance(value, str):
@@ -94,13 +94,14 @@ def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | b
 
 
 def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int:
-    """Return the bits of a number, which may be signed, or 0 for the number that 0 stands for.
+    """Return the bits that represent ``value``, which may be negative in a signed field.
+
+    In some fields, the bits 0 represent the number ``zero_means`` instead of 0.
 
     Raises:
-        EncodeError: The number does not fit in the bits or their digits, or is not a power of two in a field that needs
-            one.
+        EncodeError: The number does not fit in the bits or their digits, or the field requires a power of two.
     """
-    # A number that does not fit loses bits, so it is not decoded to itself.
+    # A number that does not fit loses bits, and decoding returns a different number.
     raw = 0 if value == number.zero_means else value & placed_field.mask
     if signed_or_plain(number, raw, placed_field.width) != value:
         raise EncodeError(report.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))
@@ -113,7 +114,7 @@ def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int
 
 
 def _number_of_name(field_name: str, named_values: Sequence[Value], name: str) -> int:
-    """Return the number of the value ``name`` of a field, or raise an ``EncodeError`` if the field has none."""
+    """Return the number of the named value ``name``, or raise an ``EncodeError`` if the field has no such name."""
     for named_value in named_values:
         if named_value.name == name:
             return named_value.value
@@ -121,10 +122,12 @@ def _number_of_name(field_name: str, named_values: Sequence[Value], name: str) -
 
 
 def encode_digits(decimal: Decimal, values: Values) -> int:
-    """Return the number that consists of all runs of digits, of which a missing one is 0.
+    """Return the decimal number that groups of digits form, such as 1234 from the groups 12 and 34.
+
+    ``values`` contains the number of each group by name. A missing group is 0.
 
     Raises:
-        EncodeError: A run is a text, is negative or has too many digits.
+        EncodeError: A group is not a number, is negative, or has too many digits.
     """
     number = 0
     for run in decimal.runs:
@@ -136,7 +139,7 @@ def encode_digits(decimal: Decimal, values: Values) -> int:
 
 
 def checked_number(value: int | str | bool) -> int:
-    """Return a value as a number, or raise an ``EncodeError`` if it is a text."""
+    """Return a number or Boolean as an integer, or raise an ``EncodeError`` if the value is a text."""
     if isinstance(value, str):
         raise EncodeError(f"'{value}' is not a number")
     return int(value)

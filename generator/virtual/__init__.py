@@ -10,5 +10,5 @@ from .faults import FAULTS as FAULTS
 from .faults import Faults as Faults
 from .faults import faults_of as faults_of
 from .faults import motion as motion
-from .request_lines import Rs485Line as Rs485Line
-from .request_lines import SpiLine as SpiLine
+from .rs485_line import Rs485Line as Rs485Line
+from .spi_line import SpiLine as SpiLine

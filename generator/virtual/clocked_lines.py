@@ -14,14 +14,15 @@ from ..reference.bits import compute_bits
 from .encoder import VirtualEncoder
 from .faults import BUSY_S, word_with_fault
 
-#: Bytes that the master sends to wait for the time-out, and to set the clock low and high.
+#: Bytes that the master sends to wait for the timeout, and to set the clock low and high.
 TIMEOUT, CLOCK = b"TC"
 
 
 class ByLevels(ABC):
-    """Line whose master sends ``0`` or ``1`` for each level of the clock, ``C`` for 0 and 1, and ``T`` for a time-out.
+    """Line whose master sends bytes that control the clock: ``0`` and ``1`` set its level, and ``C`` sets 0 and then 1.
 
-    Each byte is answered by the level of the data line after it, ``0`` or ``1``. Other bytes are ignored.
+    ``T`` lets the timeout pass. The line answers each byte with the resulting level of the data line, ``0`` or ``1``.
+    Other bytes are ignored.
     """
 
     def __init__(self) -> None:
@@ -33,10 +34,10 @@ class ByLevels(ABC):
 
     @abstractmethod
     def timeout(self) -> int:
-        """Let the time-out pass, and return the level of the data line."""
+        """Let the timeout pass, and return the level of the data line."""
 
     def receive(self, data: bytes) -> None:
-        """Take bytes that the master sends."""
+        """Receive bytes from the master, and store the level of the data line after each of them."""
         for byte in data:
             if byte in b"01":  # The lowest bit of the character is the level.
                 self._levels.append(ord("0") + self.clock(byte & 1))
@@ -47,13 +48,13 @@ class ByLevels(ABC):
                 self._levels.append(ord("0") + self.timeout())
 
     def send(self) -> bytes:
-        """Return each answer once."""
+        """Return the stored levels of the data line as bytes ``0`` and ``1``, and discard them."""
         data = bytes(self._levels)
         self._levels.clear()
         return data
 
     def due(self) -> float | None:
-        """Return None, because the answers never wait."""
+        """Return None, because every answer is available at once."""
         return None
 
 
@@ -61,7 +62,7 @@ class ByLevels(ABC):
 ZEROS = 14
 #: CRC of control data: x^4 + x + 1, inverted.
 _CONTROL_CRC = Crc(name="control", width=4, poly=0x3, init=0, refin=False, refout=False, xorout=0xF, source=())
-#: Fewest and most clocks by which the start bit is late.
+#: Smallest and largest delay of the start bit in clocks, by fault.
 _CLOCKS_LATE = {"late": (1, 8), "busy": (9, 40)}
 
 
@@ -98,12 +99,12 @@ class BissLine(ByLevels):
 
     @cached_property
     def _channel_layouts(self) -> tuple[Layout, ...]:
-        """The data channels of a frame, in the order in which they are sent. Mostly there is a single one."""
+        """The layouts of the data channels of a frame, in the order in which they are sent. Most frames have one."""
         frame = channel_frame(self.encoder.device.interface("biss"))
         return frame.layouts if frame is not None else self.encoder.layouts("encoder")[:1]
 
     def _compose_word(self) -> int:
-        """Return the bits of all data channels with the current values."""
+        """Return the current single cycle data, which consist of the frames of all data channels, one after another."""
         word = 0
         for layout in self._channel_layouts:
             word = (word << self.encoder.place(layout).bits) | self.encoder.frame(layout)
@@ -124,7 +125,7 @@ class BissLine(ByLevels):
             The CDS bit of this cycle, and its single cycle data.
         """
         cycle_bits = self.cycle(cdm)
-        # The start bit is the first 1. It can be late. Without a 1, the line is low, and all bits of the cycle are 0.
+        # The start bit is the first 1 after the acknowledge. It can be late. If the line stays low, there is none.
         has_start_bit = 1 in cycle_bits[self.acknowledge :]
         start_index = cycle_bits.index(1, self.acknowledge) if has_start_bit else self.acknowledge
         cds_index = start_index + 1
@@ -134,7 +135,7 @@ class BissLine(ByLevels):
     def cycle(self, cdm: int) -> list[int]:
         """Return the bits of a cycle from the second rising edge of MA: acknowledge, start, CDS, data, stop.
 
-        A fault is drawn at random, and may change the bits. The CDM bit of the previous cycle is used in any case.
+        ``cdm`` is the CDM bit of the previous cycle. A fault is drawn at random, and may change the bits.
         """
         encoder = self.encoder
         faults = self.encoder.faults
@@ -146,21 +147,7 @@ class BissLine(ByLevels):
         late_clocks = faults.random.randint(fewest_late, most_late)
         start_bit, stop_bit = 1, 0
         cycle_bits = [*[0] * (self.acknowledge + late_clocks), start_bit, cds, *data_bits, stop_bit]
-        if fault == "low":
-            cycle_bits = [0] * len(cycle_bits)
-        elif fault in ("high", "lost", "restart") or encoder.is_off():
-            cycle_bits = [1] * len(cycle_bits)
-        elif fault == "flip":
-            # From the CDS bit to the last bit before the stop bit.
-            inverted_index = faults.random.randrange(self.acknowledge + 1, len(cycle_bits) - 1)
-            cycle_bits[inverted_index] ^= 1
-        elif fault in ("short", "brownout"):
-            # At least one of the lost bits is 0, so that the frame differs.
-            zeros_at = [index for index, data_bit in enumerate(data_bits) if data_bit == 0]
-            last_zero = zeros_at[-1] if zeros_at else 0
-            # In the cycle, the data begin 2 bits after the acknowledge: the start bit and CDS come first.
-            first_lost = faults.random.randint(self.acknowledge, self.acknowledge + 2 + last_zero)
-            cycle_bits[first_lost:] = [1] * (len(cycle_bits) - first_lost)
+        cycle_bits = self._bits_with_fault(fault, cycle_bits, data_bits)
         if fault in ("restart", "brownout"):
             encoder.restart()
             self._control_frame = None
@@ -168,10 +155,35 @@ class BissLine(ByLevels):
             encoder.be_busy(BUSY_S)
         return cycle_bits
 
-    def clock(self, ma: int) -> int:
-        """Set the level of MA, and return the resulting level of SLO.
+    def _bits_with_fault(self, fault: str, cycle_bits: list[int], data_bits: list[int]) -> list[int]:
+        """Return the bits of a cycle as the master reads them with a fault, or unchanged for other faults.
 
-        The first rising edge after a time-out begins a cycle. SLO is 0 after the last bit.
+        ``data_bits`` are the bits of the single cycle data, which are a part of the cycle.
+        """
+        faults = self.encoder.faults
+        if fault == "low":
+            return [0] * len(cycle_bits)
+        if fault in ("high", "lost", "restart") or self.encoder.is_off():
+            return [1] * len(cycle_bits)
+        if fault == "flip":
+            # Any bit from the CDS bit to the last bit before the stop bit.
+            inverted_index = faults.random.randrange(self.acknowledge + 1, len(cycle_bits) - 1)
+            inverted_bit = 1 - cycle_bits[inverted_index]
+            return [*cycle_bits[:inverted_index], inverted_bit, *cycle_bits[inverted_index + 1 :]]
+        if fault in ("short", "brownout"):
+            # At least one of the lost bits is 0, so that the frame differs.
+            indices_of_zeros = [index for index, data_bit in enumerate(data_bits) if data_bit == 0]
+            last_zero = indices_of_zeros[-1] if indices_of_zeros else 0
+            # In the cycle, the start bit and CDS precede the data.
+            last_zero_in_cycle = self.acknowledge + 2 + last_zero
+            first_lost = faults.random.randint(self.acknowledge, last_zero_in_cycle)
+            return cycle_bits[:first_lost] + [1] * (len(cycle_bits) - first_lost)
+        return cycle_bits
+
+    def clock(self, ma: int) -> int:
+        """Set the level of the clock line MA, and return the resulting level of the data line SLO.
+
+        The first rising edge after a timeout begins a cycle. SLO is 0 after the last bit.
         """
         is_rising_edge = ma and not self._ma
         if is_rising_edge:
@@ -181,22 +193,23 @@ class BissLine(ByLevels):
         self._ma = ma
         # The first bit of the cycle comes with the second rising edge.
         bit_index = self._rising_edges - 2
-        is_before_cycle = bit_index < 0
-        if is_before_cycle:
-            return 1  # The line is idle.
+        is_idle = bit_index < 0
+        if is_idle:
+            return 1
         is_after_cycle = bit_index >= len(self._cycle_bits)
         return 0 if is_after_cycle else self._cycle_bits[bit_index]
 
     def timeout(self) -> int:
-        """Let the time-out pass. The inverse of the level of MA is the CDM bit. SLO is then high."""
+        """End the cycle with a timeout, and return 1, the idle level of SLO. The CDM bit is the inverse of MA."""
         self._cdm = 1 - self._ma
         self._rising_edges = 0
         return 1
 
     def _exchange_control_bit(self, cdm: int) -> int:
-        """Take the CDM bit of the previous cycle, and return the CDS bit of the current cycle.
+        """Receive the CDM bit of the previous cycle, and return the CDS bit of the current cycle.
 
-        ``ZEROS`` zeros abort a control frame. The first 1 after them begins the next one. Without one, CDS is 0.
+        A control frame consists of one CDM bit and one CDS bit per cycle. 14 zeros abort it, and the first 1 after them
+        begins the next one. CDS is 0 between control frames.
         """
         may_start = self._cdm_zeros >= ZEROS
         self._cdm_zeros = 0 if cdm else self._cdm_zeros + 1
@@ -216,19 +229,21 @@ class BissLine(ByLevels):
     def _answer_control_frame(self) -> Generator[int, int, int]:
         """Answer one control frame: yield CDS bits, receive the next CDM bit for each, and return the last CDS bit.
 
-        The frame accesses registers: after the head, the read bit and the write bit choose what, and then bytes follow
-        as long as the master sends another start bit, each at the next address.
+        The frame reads or writes registers. Its head contains the address, and is followed by a read bit and a write
+        bit. Then bytes at consecutive addresses are transmitted as long as the master sends another start bit.
         """
         memory = self.encoder.memory
         read_bit, head = yield from _receive_head()
         # CTS = 1 and slave ID 0 in 4 bits, 7 bits of the address, 4 bits of the CRC.
-        cts_and_id, address, received_crc = head >> 11, (head >> 4) & 0x7F, head & 0xF
-        covered_bits = head >> 4
-        if cts_and_id != 0b1000 or received_crc != compute_bits(_CONTROL_CRC, covered_bits, 11):
+        cts_and_id = head >> 11
+        address = (head >> 4) & 0x7F
+        received_crc = head & 0xF
+        correct_crc = compute_bits(_CONTROL_CRC, head >> 4, 11)
+        if cts_and_id != 0b1000 or received_crc != correct_crc:
             return 0
         write_bit = yield read_bit
-        # The access must be either a read or a write.
-        if read_bit == write_bit:
+        is_read_or_write = read_bit != write_bit
+        if not is_read_or_write:
             return write_bit
         is_accessible = memory.writable if write_bit else memory.readable
         # The encoder rejects an access by sending the write bit inverted.
@@ -255,10 +270,10 @@ class BissLine(ByLevels):
         return 0
 
     def _write_byte(self, address: int) -> Generator[int, int, tuple[int, bool]]:
-        """Receive a byte and its CRC, and write the byte if the CRC is correct.
+        """Receive a byte and its CRC in CDM bits, and write the byte to a register if the CRC is correct.
 
-        CDS repeats each bit of CDM, one cycle later. Return the next CDM bit and True. After a wrong CRC, return its
-        last bit, which CDS still has to repeat, and False.
+        CDS echoes each CDM bit, one cycle later. Return the next CDM bit and True. After a wrong CRC, return the last
+        bit of the CRC, which CDS must still echo, and False.
         """
         # The start bit, then 8 bits of the byte and 4 of the CRC.
         cdm = yield 1
@@ -276,7 +291,7 @@ class BissLine(ByLevels):
         return cdm, True
 
     def _read_byte(self, address: int) -> Generator[int, int, int]:
-        """Send the start bit, a byte and its CRC, and return the next CDM bit."""
+        """Send a start bit, the byte of a register, and its CRC as CDS bits. Return the next CDM bit."""
         byte = self.encoder.memory.read(address) or 0
         byte_and_crc = (byte << 4) | compute_bits(_CONTROL_CRC, byte, 8)
         cdm = yield 1
@@ -286,8 +301,10 @@ class BissLine(ByLevels):
 
 
 def _receive_head() -> Generator[int, int, tuple[int, int]]:
-    """Receive the head of a control frame. Return the next CDM bit, which is the read bit, and the head."""
-    # CTS, 3 bits of the slave ID, 7 of the address and 4 of the CRC. CDS answers the start bit with 1.
+    """Receive the 15 bits of the head of a control frame: CTS, slave ID (3), address (7), and CRC (4).
+
+    CDS answers the start bit with 1. Return the next CDM bit, which is the read bit, and the head.
+    """
     cdm = yield 1
     head = 0
     for _ in range(15):
@@ -326,7 +343,7 @@ class SsiLine(ByLevels):
 
     @property
     def _is_not_ready(self) -> bool:
-        """True if the encoder is busy and no flag can report it, so that it keeps the data line low."""
+        """True if the encoder holds the data line low because it is busy and has no flag to report this."""
         encoder = self.encoder
         return encoder.is_busy() and not encoder.is_off() and not encoder.reports_busy
 
@@ -355,7 +372,7 @@ class SsiLine(ByLevels):
         return self._data_level
 
     def timeout(self) -> int:
-        """Let the pause after a word pass. The data line is then high, but low if the encoder is not ready."""
+        """End the word with a pause, and return the level of the data line: high, or low if the encoder is busy."""
         self._bits_left = -1
         self._data_level = int(not self._is_not_ready)
         return self._data_level

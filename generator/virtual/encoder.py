@@ -7,17 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from time import monotonic
 
-from ..model import (
-    Biss,
-    Field,
-    Flag,
-    Layout,
-    Measurement,
-    PlacedField,
-    PlacedLayout,
-    Variant,
-    channel_frame,
-)
+from ..model import Biss, Field, Flag, Layout, Measurement, PlacedField, PlacedLayout, Variant, channel_frame
 from ..order_codes.parameters import with_answers
 from ..reference import codec
 from .faults import Faults, Position
@@ -93,31 +83,33 @@ class VirtualEncoder:
 
     @property
     def lowest(self) -> int:
-        """Lowest position in that frame. It is negative if the position is signed."""
+        """Lowest position in the first frame with a position. It is negative if the position is signed."""
         return self._find_lowest_position(self._position_layout)
 
     @property
     def counts_per_turn(self) -> int:
         """Number of positions in one turn, or 0 if the position is not an angle."""
         measurement = self._find_measurement(self._position_layout)
-        per_turn = measurement.counts_per_turn if measurement is not None else None
-        return per_turn.value(self.variant.parameters) if per_turn is not None else 0
+        if measurement is None or measurement.counts_per_turn is None:
+            return 0
+        return measurement.counts_per_turn.value(self.variant.parameters)
 
     def _count_positions(self, layout: Layout | None) -> int:
-        """Return the number of positions in frames with this layout.
+        """Return the number of different positions that frames with this layout can contain.
 
-        Without a measurement, all values of the position fields count.
+        If the manual does not give it, every value of the position bits is a position.
         """
         measurement = self._find_measurement(layout)
-        total = measurement.total if measurement is not None else None
-        if total is not None:
-            return total.value(self.variant.parameters)
-        return 1 << sum(placed_field.width for placed_field in self._position_fields(layout))
+        if measurement is not None and measurement.total is not None:
+            return measurement.total.value(self.variant.parameters)
+        position_bits = sum(placed_field.width for placed_field in self._position_fields(layout))
+        return 1 << position_bits
 
     def _find_lowest_position(self, layout: Layout | None) -> int:
         """Return the lowest position in frames with this layout.
 
-        It is 0 unless the position is a single signed field. Without a highest position, half of them are negative.
+        It is 0 unless the position is a single signed field. If the manual does not give the highest position, half of
+        the positions are negative.
         """
         fields = self._position_fields(layout)
         if len(fields) != 1 or not fields[0].field.number.signed:
@@ -129,7 +121,10 @@ class VirtualEncoder:
         return -(self._count_positions(layout) // 2)
 
     def _find_measurement(self, layout: Layout | None) -> Measurement | None:
-        """Return the unit and range of the position in frames with this layout."""
+        """Return the unit and range of the position in frames with this layout, or None if the manual gives neither.
+
+        Without a layout, return those of the interface.
+        """
         if layout is None:
             return self.device.measurement_of(self.variant.interface)
         return self.device.measurement_in(self.variant.interface, layout)
@@ -139,40 +134,40 @@ class VirtualEncoder:
         return self.device.position_names(self.variant.interface)
 
     def position_now(self) -> int:
-        """Return the position that the encoder currently sends, which is 0 while it reports that it is not ready."""
+        """Return the position that the encoder currently sends, which is 0 while it reports that it is busy."""
         if self._reports_not_ready():
             return 0
         return self._wrap_into(self._position_layout, self.raw_position() + self._offset)
 
     def _reports_not_ready(self) -> bool:
-        """Return whether the encoder is busy and reports that, so that it has no position."""
+        """Return whether the encoder is busy and has a flag to report this. It then sends no position."""
         return self.is_busy() and self.reports_busy
 
     def _wrap_into(self, layout: Layout | None, count: int) -> int:
-        """Return the position in frames with this layout for a count, which can be outside their range."""
+        """Wrap a count into the range of the position in frames with this layout, and return it."""
         lowest = self._find_lowest_position(layout)
         return lowest + (count - lowest) % self._count_positions(layout)
 
     def parts_now(self, layout: Layout | None = None) -> dict[str, int]:
         """Return the bits of each field of the current position: ``{"multiturn": 3, "singleturn": 1024}``.
 
-        They are the bits in frames with ``layout`` if it has the position, and else in the first frame with one. They
-        are 0 while the encoder reports that it is not ready.
+        The fields are those of ``layout`` or, if it does not contain the position, those of the first frame that does.
+        All bits are 0 while the encoder reports that it is busy.
         """
         if layout is None or not self._carries_position(layout):
             layout = self._position_layout
         remaining_bits = 0
         if not self._reports_not_ready():
             remaining_bits = self._wrap_into(layout, self.raw_position() + self._offset)
-        # From the least significant field on.
         bits_by_field: dict[str, int] = {}
-        for placed_field in reversed(self._position_fields(layout)):
+        least_significant_first = reversed(self._position_fields(layout))
+        for placed_field in least_significant_first:
             bits_by_field[placed_field.name] = remaining_bits & placed_field.mask
             remaining_bits >>= placed_field.width
         return bits_by_field
 
     def raw_position(self) -> int:
-        """Return the current position without presets and resets."""
+        """Return the current position of the shaft, without the effect of presets and resets."""
         if callable(self.position):
             return int(self.position(self._read_clock()))
         return int(self.position)
@@ -202,14 +197,16 @@ class VirtualEncoder:
         self.flags.difference_update(names)
 
     def reset(self, procedure: str) -> None:
-        """Carry out a reset: clear its alarms, and set the parts of the position that its name contains to 0.
+        """Execute a reset procedure: clear the alarms that it clears, and set parts of the position to 0.
 
-        For example, the ``procedure`` named ``reset_multiturn`` sets the field ``multiturn`` to 0.
+        These parts are the fields whose names are in the name of the procedure: ``reset_multiturn`` sets the field
+        ``multiturn`` to 0.
         """
         self.flags -= {alarm.name for alarm in self.device.alarms if procedure in alarm.cleared_by}
-        # The position of another frame may be wider, so it stays as it is unless a part of it is reset.
         fields = self._position_fields(self._position_layout)
-        if not any(placed_field.name in procedure for placed_field in fields):
+        resets_position = any(placed_field.name in procedure for placed_field in fields)
+        if not resets_position:
+            # The position is not set below, because other frames may contain more of its bits.
             return
         position = self._wrap_into(self._position_layout, self.raw_position() + self._offset)
         # Lowest bit of the field in the position, and after the loop, the number of bits of the position.
@@ -222,13 +219,13 @@ class VirtualEncoder:
         self.set_position(position & position_mask)  # as an unsigned number
 
     def restart(self) -> None:
-        """Switch the supply off and on again. Registers that were not saved are lost."""
+        """Switch the supply off and on again. Register values that were not saved are lost."""
         self._off_until = self.clock() + OFF_S
         self.memory.restart()
         self.be_busy(OFF_S + READY_S)
 
     def be_busy(self, seconds: float) -> None:
-        """Be busy for a time."""
+        """Make the encoder busy for at least this time."""
         self._busy_until = max(self._busy_until, self.clock() + seconds)
 
     def is_off(self) -> bool:
@@ -241,23 +238,27 @@ class VirtualEncoder:
 
     @property
     def reports_busy(self) -> bool:
-        """True if a flag in frames shows that the encoder is busy."""
+        """True if the encoder has a flag that shows that it is busy."""
         return bool(self._not_ready_flags)
 
     @cached_property
     def _alarms_in_registers(self) -> frozenset[str]:
+        """Names of the alarms that a register reports."""
         return frozenset(alarm.name for alarm in self.device.alarms if alarm.register)
 
     def frame(self, layout: Layout, request_values: Mapping[str, int | str | bool] | None = None) -> int:
-        """Return a frame with the current values as one number. The request determines ``request_values``."""
-        self._instant = self.clock()  # ``_read_clock`` returns it for all fields.
+        """Return a frame with the current values as one number.
+
+        ``request_values`` are the values of fields that depend on the request of the master, by name.
+        """
+        self._instant = self.clock()  # All fields of the frame use this time.
         try:
             return codec.encode(self.device, self.place(layout), self._collect_values(layout, request_values or {}))
         finally:
             self._instant = None
 
     def frame_of_another(self, layout: Layout, request_values: Mapping[str, int | str | bool]) -> int:
-        """Return the frame that a second encoder of this kind sends, whose shaft is half of all positions away."""
+        """Return the frame of a second encoder of this kind, whose position differs by half of all positions."""
         distance = self._count_positions(layout) // 2
         self._offset += distance
         try:
@@ -266,7 +267,8 @@ class VirtualEncoder:
             self._offset -= distance
 
     def place(self, layout: Layout) -> PlacedLayout:
-        """Return a layout for this encoder with its current registers. A write to these can replace ``variant``."""
+        """Return the positions and widths of the fields of a layout, for the current parameters of the encoder."""
+        # A write to a register can change parameters, and then replaces ``variant``.
         if self._placed_for is not self.variant:
             self._placed_for = self.variant
             self._placed_layouts = {}
@@ -275,26 +277,27 @@ class VirtualEncoder:
         return self._placed_layouts[layout.name]
 
     def layouts(self, sender: str) -> tuple[Layout, ...]:
-        """Return the frames that the encoder or the master sends on this interface."""
+        """Return the layouts of the frames that ``sender`` sends over the interface: ``encoder`` or ``master``."""
         layouts = self.device.interface(self.variant.interface).layouts
         return tuple(layout for layout in layouts if layout.sender == sender)
 
     def needs_answer(self, layout: Layout) -> bool:
-        """Return whether a question about this layout is open."""
+        """Return whether the manual leaves a question about this layout open to which the user gave no answer."""
         return any(alternative.name not in self.answers for alternative in self.device.alternatives_of(layout))
 
     def is_active(self, field: Field) -> bool:
-        """Return whether a flag is active.
+        """Return whether a flag is active now.
 
-        It is if it is set, if a flag that it sums up is set, or if it reports that the encoder is busy. The flag with
-        the name of the BiSS error flag is also active while an alarm in a register is.
+        It is active if it or a flag that it combines (``sums_up``) is set, or reports that the encoder is busy. The
+        error flag of BiSS is also active while an alarm that a register reports is set.
         """
         assert isinstance(field.kind, Flag)
-        if field.name in self.flags or any(name in self.flags for name in field.kind.sums_up):
+        own_and_combined_names = {field.name, *field.kind.sums_up}
+        if own_and_combined_names & self.flags:
             return True
-        if self.is_busy() and self._not_ready_flags & {field.name, *field.kind.sums_up}:
+        if self.is_busy() and own_and_combined_names & self._not_ready_flags:
             return True
-        # The first BiSS flag is the error flag. It reports alarms whose own flags are only in registers.
+        # The first BiSS flag is the error flag.
         error_flag = next(iter(Biss.flags))
         has_error_in_register = not self.flags.isdisjoint(self._alarms_in_registers)
         return field.name == error_flag and has_error_in_register
@@ -306,9 +309,10 @@ class VirtualEncoder:
     def _collect_values(
         self, layout: Layout, request_values: Mapping[str, int | str | bool]
     ) -> dict[str, int | str | bool]:
-        """Return the value of each field that carries data, from the first source that has a value.
+        """Return the current value of each field of a frame that carries data, by its name.
 
-        The sources are the request, the position, the active flags, and the documented value.
+        A value comes from the first of these sources that has it: the request, the position, the active flags, and the
+        manual. A field without any of them has a valid value, such as 0.
         """
         position_bits = self.parts_now(layout) | self._compared_parts(layout)
         values: dict[str, int | str | bool] = {}
@@ -331,9 +335,10 @@ class VirtualEncoder:
         return values
 
     def _compared_parts(self, layout: Layout) -> dict[str, int]:
-        """Return the bits of the field that a master compares with the position in another data channel, by its name.
+        """Return the bits of the field in ``layout`` that a master compares with the position in another data channel.
 
-        The map is empty for a layout without such a field, and for the layout with the position itself.
+        The key is the name of the field. The map is empty for a layout without such a field, and for the layout with
+        the position itself.
         """
         frame = channel_frame(self.device.interface(self.variant.interface))
         position_layout = self._position_layout
@@ -343,18 +348,19 @@ class VirtualEncoder:
         are_both_compared = {layout.name, position_layout.name} <= name_by_layout.keys()
         if not are_both_compared:
             return {}
-        name, position_name = name_by_layout[layout.name], name_by_layout[position_layout.name]
+        name = name_by_layout[layout.name]
+        position_name = name_by_layout[position_layout.name]
         width = self.place(layout).field(name).width
         position_width = self.place(position_layout).field(position_name).width
         position_bits = self.parts_now(position_layout)[position_name]
-        # The highest bits of both fields agree. A wider field has additional zeros after them.
+        # The highest bits of both fields are equal. In the wider field, the position is followed by zeros.
         if position_width >= width:
             return {name: position_bits >> (position_width - width)}
         return {name: position_bits << (width - position_width)}
 
     @property
     def _position_layout(self) -> Layout | None:
-        """The first frame with a position."""
+        """The first layout that contains the position, or None if no frame does."""
         for layout in self.layouts("encoder"):
             if self._carries_position(layout):
                 return layout
@@ -362,23 +368,27 @@ class VirtualEncoder:
 
     @property
     def _position_name(self) -> str:
+        """Name of the field or joined number that is the position."""
         return self.device.position_name(self.variant.interface)
 
     def _carries_position(self, layout: Layout) -> bool:
-        """Return whether a layout contains the position, as a join of several fields or as one field."""
+        """Return whether a layout contains the position, either as one field or as several that form one number."""
         name = self._position_name
-        is_joined = layout.names_in(name) != (name,)
-        return is_joined or self.place(layout).find_field(name) is not None
+        consists_of_several_fields = layout.names_in(name) != (name,)
+        return consists_of_several_fields or self.place(layout).find_field(name) is not None
 
     def _position_fields(self, layout: Layout | None) -> tuple[PlacedField, ...]:
-        """Return the fields that form the position in frames with a layout, most significant first."""
+        """Return the fields that form the position in frames with a layout, most significant first.
+
+        The tuple is empty without a layout.
+        """
         if layout is None:
             return ()
         return tuple(self.place(layout).find_fields(layout.names_in(self._position_name)))
 
     @cached_property
     def _not_ready_flags(self) -> set[str]:
-        """Flags of alarms that do not latch. They are active while the encoder is not ready."""
+        """Names of the flags of alarms that the manual describes as not latching. They are active while it is busy."""
         non_latching_alarms = [alarm.name for alarm in self.device.alarms if alarm.latch is False]
         return {name for name in non_latching_alarms if name in self._flag_names}
 
@@ -394,13 +404,15 @@ class VirtualEncoder:
         return frozenset(names)
 
     def _may_send(self, field: Field) -> bool:
-        """Return whether the encoder sends a field now, or with other values in its registers."""
+        """Return whether the encoder sends a field now, or could send it with different values in its registers."""
+        is_sent_now = field.width.value(self.variant.parameters) > 0
         run_time_names = {parameter.name for parameter in self.device.run_time_parameters}
         needed_names = self.device.needed_parameters(field.width.parameters)
-        return field.width.value(self.variant.parameters) > 0 or not run_time_names.isdisjoint(needed_names)
+        depends_on_registers = not run_time_names.isdisjoint(needed_names)
+        return is_sent_now or depends_on_registers
 
     def _check_answers(self, variant: Variant) -> None:
-        """Check that each answer belongs to a question, and that each question about a position has an answer.
+        """Check that each answer belongs to a question, and that questions about frames with a position have answers.
 
         Raises:
             ValueError: An answer is unknown or missing.
@@ -418,7 +430,7 @@ class VirtualEncoder:
                 self._check_choices(layout)
 
     def _check_choices(self, layout: Layout) -> None:
-        """Raise a ValueError if a question about a layout has no answer."""
+        """Raise a ``ValueError`` if the user has not answered a question that the manual leaves open about a layout."""
         for alternative in self.device.alternatives_of(layout):
             if alternative.name not in self.answers:
                 options = " or ".join(f"{alternative.name}={answer.name}" for answer in alternative.answers)

@@ -21,17 +21,17 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
         "spi": "all bits are 1",
     },
     "short": {
-        "rs485": "the end of the reply is missing",
-        "biss": "the end of the frame is missing, and the line is high",
-        "ssi": "the end of the word is missing, and the line is high",
-        "spi": "the end of the word is missing, and the missing bits read as 1",
+        "rs485": "the reply is truncated",
+        "biss": "the frame is truncated, and then the line is high",
+        "ssi": "the word is truncated, and then the line is high",
+        "spi": "the word is truncated, and the missing bits are read as 1",
     },
-    "doubled": {"rs485": "the reply comes twice"},
-    "repeated": {"rs485": "the reply comes again, 0.1 to 1 ms later"},
-    "second": {"rs485": "a second encoder at another position replies, too, up to 1 ms later"},
+    "doubled": {"rs485": "the reply is sent twice"},
+    "repeated": {"rs485": "the reply is sent again 0.1 to 1 ms later"},
+    "second": {"rs485": "a second encoder at another position also replies within 1 ms"},
     "late": {
-        "rs485": "the reply comes 5 to 40 ms late",
-        "biss": "the start bit comes 1 to 8 clocks late",
+        "rs485": "the reply arrives 5 to 40 ms late",
+        "biss": "the start bit arrives 1 to 8 clocks late",
     },
     "flip": {
         "rs485": "one bit of the reply is inverted",
@@ -39,8 +39,8 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
         "ssi": "one bit of the word is inverted",
         "spi": "one bit of the word is inverted",
     },
-    "echo": {"rs485": "the request comes back before the reply"},
-    "junk": {"rs485": "random bytes come before the reply"},
+    "echo": {"rs485": "the request is echoed before the reply"},
+    "junk": {"rs485": "random bytes precede the reply"},
     "low": {
         "rs485": "the line is low for 20 ms",
         "biss": "the data line is low for the whole frame",
@@ -54,9 +54,9 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
         "spi": "all bits are 1",
     },
     "busy": {
-        "rs485": "the encoder is busy for 20 ms: it reports this, or does not reply",
-        "biss": "the start bit comes 9 to 40 clocks late, registers wait for 20 ms",
-        "ssi": "the encoder reports for 20 ms that it is busy, or the line is low",
+        "rs485": "the encoder is busy for 20 ms, and reports this or does not reply",
+        "biss": "the start bit is 9 to 40 clocks late, registers wait for 20 ms",
+        "ssi": "the encoder is busy for 20 ms: it reports this or the line is low",
     },
     "restart": {
         "rs485": "the supply is off for 20 ms",
@@ -65,17 +65,17 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
         "spi": "the supply is off for 20 ms",
     },
     "brownout": {
-        "rs485": "the supply fails within the reply, for 20 ms",
-        "biss": "the supply fails within the frame, for 20 ms",
-        "ssi": "the supply fails within the word, for 20 ms",
-        "spi": "the supply fails within the word, for 20 ms",
+        "rs485": "the supply fails for 20 ms during the reply",
+        "biss": "the supply fails for 20 ms during the frame",
+        "ssi": "the supply fails for 20 ms during the word",
+        "spi": "the supply fails for 20 ms during the word",
     },
 }
 #: Seconds for which the fault ``busy`` keeps an encoder busy.
 BUSY_S = 0.02
 #: Shortest and longest time in seconds between a reply and an extra reply, as in the effects above.
 _SHORTEST_AND_LONGEST_GAP_S = (0.0001, 0.001)
-#: Most random bytes before a reply with the fault ``junk``.
+#: Maximum number of random bytes before a reply with the fault ``junk``.
 _MOST_JUNK_BYTES = 8
 
 
@@ -101,9 +101,9 @@ class Faults:
         self._names_and_rates = [_parse_fault(interface, text) for text in fault_texts]
 
     def draw(self) -> str:
-        """Return the fault of the next reply, or an empty string.
+        """Draw the fault of the next reply at random, and return its name, or an empty string for no fault.
 
-        Faults are tried in the order given, each with its rate, until one occurs. A reply has at most one fault.
+        Faults are tried in the given order, each with its rate, until one occurs. A reply has at most one fault.
         """
         for name, rate in self._names_and_rates:
             if self.random.random() < rate:
@@ -112,11 +112,14 @@ class Faults:
         return ""
 
     def damaged(self, name: str, reply: bytes, request: bytes) -> bytes:
-        """Return the bytes that this fault puts on the line instead of the reply. Other faults leave the reply."""
+        """Return the bytes that the encoder sends instead of the reply if it has this fault.
+
+        Faults that do not change the bytes of the reply, such as ``late``, return it unchanged.
+        """
         if name == "lost":
             return b""
         if name in ("short", "brownout"):
-            # At least one byte is missing and, if the reply has several, one remains.
+            # At least one byte is lost. If the reply has several bytes, at least one remains.
             shortest_length = min(1, len(reply) - 1)
             return reply[: self.random.randrange(shortest_length, len(reply))]
         if name == "doubled":
@@ -134,21 +137,26 @@ class Faults:
         return reply
 
     def gap_s(self) -> float:
-        """Return the time in seconds after which an extra reply follows."""
+        """Return a random time in seconds between a reply and an extra reply."""
         return self.random.uniform(*_SHORTEST_AND_LONGEST_GAP_S)
 
     def cut(self, word: int, bits: int) -> int:
-        """Return a word whose last bits are all 1, at least one of which was 0 if the word has a 0."""
-        # word + 1 sets the lowest 0 of the word and clears the ones below it, so & ~word leaves only that bit.
-        lowest_zero = (~word & (word + 1)).bit_length() - 1
-        fewest_missing = min(lowest_zero + 1, bits)
-        missing_bits = self.random.randrange(fewest_missing, max(fewest_missing + 1, bits))
-        missing_mask = (1 << missing_bits) - 1
-        return word | missing_mask
+        """Return a word of ``bits`` bits as it is read if its end is lost: a random number of its last bits are 1.
+
+        At least one of them was 0, so that the word changes, unless all of its bits are 1.
+        """
+        # Adding 1 changes the lowest 0 of the word to 1 and the ones below it to 0.
+        mask_of_lowest_zero = ~word & (word + 1)
+        bits_up_to_lowest_zero = mask_of_lowest_zero.bit_length()
+        fewest_lost = min(bits_up_to_lowest_zero, bits)
+        end_of_range = max(fewest_lost + 1, bits)
+        lost_bits = self.random.randrange(fewest_lost, end_of_range)
+        mask_of_lost_bits = (1 << lost_bits) - 1
+        return word | mask_of_lost_bits
 
 
-class _Host(Protocol):
-    """Encoder whose line has faults."""
+class _EncoderWithFaults(Protocol):
+    """The members of an encoder that faults of its line need."""
 
     @property
     def faults(self) -> Faults: ...
@@ -156,10 +164,11 @@ class _Host(Protocol):
     def restart(self) -> None: ...
 
 
-def word_with_fault(encoder: _Host, fault: str, word: int, bits: int) -> int:
-    """Return a word of ``bits`` bits as it arrives over a clocked line with this fault.
+def word_with_fault(encoder: _EncoderWithFaults, fault: str, word: int, bits: int) -> int:
+    """Return a word of ``bits`` bits as the master reads it over SSI or SPI if the encoder has this fault.
 
-    ``restart`` and ``brownout`` also restart the encoder. Without supply, all bits are 1.
+    ``fault`` is empty for no fault. ``restart`` and ``brownout`` also restart the encoder. While the encoder is off,
+    all bits are 1.
     """
     was_off = encoder.is_off()
     if fault in ("restart", "brownout"):
@@ -183,19 +192,19 @@ def faults_of(interface: str) -> dict[str, str]:
 
 
 def _parse_fault(interface: str, text: str) -> tuple[str, float]:
-    """Return the name and the rate of a fault: ``("flip", 0.001)`` for ``flip:1e-3``.
+    """Parse a fault, and return its name and its rate: ``("flip", 0.001)`` for ``flip:1e-3``.
 
     Raises:
         ValueError: There is no such fault, the interface cannot have it, or the rate is not from 0 to 1.
     """
     name, _, rate_text = text.partition(":")
     try:
-        rate = float(rate_text or 1)  # Without a rate, every reply has the fault.
+        rate = float(rate_text) if rate_text else 1.0  # Without a rate, every reply has the fault.
     except ValueError:
-        rate = -1.0  # Not a rate, so the text is rejected below.
+        rate = -1.0  # This invalid rate is rejected below.
     possible_names = ", ".join(faults_of(interface))
-    is_rate = isfinite(rate) and 0 <= rate <= 1
-    if name not in FAULTS or not is_rate:
+    is_valid_rate = isfinite(rate) and 0 <= rate <= 1
+    if name not in FAULTS or not is_valid_rate:
         advice = f"write a name and a rate from 0 to 1, such as flip:1e-3: {possible_names}"
         raise ValueError(f"'{text}' is not a fault; {advice}")
     if interface not in FAULTS[name]:
@@ -213,7 +222,7 @@ _SINE_TEXT = re.compile(rf"sine:(?P<frequency>{_NUMBER})(?:Hz)?(?::(?P<amplitude
 
 
 def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) -> Position:
-    """Parse a position.
+    """Parse a constant position or a motion, and return it as a number or as a function of the time in seconds.
 
     Args:
         text: A number of counts, ``sine:0.5Hz:90deg`` (90 degrees to each side of the middle), ``sine:0.5Hz:1000``
@@ -255,10 +264,10 @@ def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) ->
 
 
 def _parse_finite(number_text: str, text: str) -> float:
-    """Return a number in the text of a position.
+    """Parse a number that is part of ``text``, the text of a position.
 
     Raises:
-        ValueError: The number is too large.
+        ValueError: The number is too large for a float.
     """
     number = float(number_text)
     if not math.isfinite(number):
@@ -267,6 +276,7 @@ def _parse_finite(number_text: str, text: str) -> float:
 
 
 def _not_a_position(text: str) -> ValueError:
+    """Return the error for a text that is not a position, with examples of positions."""
     return ValueError(
         f"'{text}' is not a position; write 1000003, sine:0.5Hz, sine:0.5Hz:90deg, sine:0.5Hz:1000 (counts), "
         "or ramp:1000 (counts per second)"
@@ -276,17 +286,17 @@ def _not_a_position(text: str) -> ValueError:
 def _amplitude_in_counts(
     text: str, amplitude: float, *, is_angle: bool, largest_amplitude: float, counts_per_turn: int
 ) -> float:
-    """Return the amplitude of a motion in counts. With ``is_angle``, the amplitude is in degrees.
+    """Convert the amplitude of a motion to counts. It is in degrees if ``is_angle`` is true, and otherwise in counts.
 
     ``text`` is the whole motion, such as ``sine:0.5Hz:90deg``, for the messages.
 
     Raises:
-        ValueError: The encoder has no turns for degrees, or the amplitude is negative or leaves its positions.
+        ValueError: The amplitude is an angle, but the encoder has no turns, or it is negative or too large.
     """
     if is_angle and not counts_per_turn:
         raise ValueError(f"'{text}' is an angle, but this encoder has no turns; write the amplitude in counts")
     amplitude_in_counts = amplitude * counts_per_turn / 360 if is_angle else amplitude
     if not 0 <= amplitude_in_counts <= largest_amplitude:
         limit_text = f"the largest amplitude is {largest_amplitude:g} counts"
-        raise ValueError(f"'{text}' leaves the positions of this encoder; {limit_text}")
+        raise ValueError(f"'{text}' exceeds the range of this encoder; {limit_text}")
     return amplitude_in_counts

@@ -16,46 +16,48 @@ from ..order_codes.labels import LabelMatch, UnknownOrderCode, find_code
 
 @cache
 def _load_families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
-    """Return the families without problems, from these specs or from those shipped with codewheel.
+    """Load specs, and return the families without problems. An empty tuple stands for the specs of the package.
 
     Raises:
-        ValueError: There are none. The message has the problems of the specs.
+        ValueError: No family is valid. The message lists the problems in the specs.
     """
     families, report = load_families(specs or None)
     valid_families = tuple(sound_families(families, report))
     if not valid_families:
-        raise ValueError("\n".join(problem.format() for problem in report.shown) or "there are no specs")
+        problems_text = "\n".join(problem.format() for problem in report.shown)
+        raise ValueError(problems_text or "there are no specs")
     return valid_families
 
 
 def _has_special_code(device: Device, text: str) -> bool:
-    """Return whether the text of an order code contains the code of a special model of the family."""
+    """Return whether an order code contains the code of a special model, which an overlay of the family describes."""
     return any(overlay.special and overlay.special in text for overlay in device.overlays)
 
 
 def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, LabelMatch]:
-    """Return the family and the variant of an order code, or of an encoder in one line.
+    """Return the family and the variant of an order code, or of an encoder that is described in one line.
 
-    Families of the special model in the text come first. Others with a ``base`` are left out, since they share the
-    order codes of that family.
+    Families with a special model that is named in the text are tried first. Families derived from a ``base`` have the
+    same order codes as their base and are not tried.
 
     Raises:
         ValueError: There is no such order code or edition, no spec is valid, or the line has a problem. For an unknown
-            order code, the message comes from the last family that is ``close``, or else from the first family.
+            order code, the message names the most similar codes of the last family that has any.
     """
     if is_line(text):
         if edition:
             raise ValueError("an encoder in one line has no editions; leave the edition out")
         return device_of_line(text)
-    reason = ""
+    error_message = ""
     special_families = [family for family in _load_families(specs) if _has_special_code(family.device, text)]
     ordinary_families = [family for family in _load_families(specs) if not family.device.base]
     for family in (*special_families, *ordinary_families):
         try:
             match = find_code(family.device, text)
         except UnknownOrderCode as error:
-            if error.close or not reason:
-                reason = str(error)
+            # An error with similar order codes is more helpful.
+            if error.close or not error_message:
+                error_message = str(error)
             continue
         if not edition:
             return family.device, match
@@ -64,4 +66,4 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
         if family_in_edition is None or report:
             raise ValueError("\n".join(problem.format() for problem in report.shown))
         return family_in_edition.device, find_code(family_in_edition.device, text)
-    raise ValueError(reason)
+    raise ValueError(error_message)

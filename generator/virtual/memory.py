@@ -33,7 +33,7 @@ from ..reference import codec
 
 
 class Host(Protocol):
-    """Encoder that has the registers."""
+    """The members of the encoder that its registers read and change."""
 
     device: Device
     variant: Variant
@@ -48,7 +48,7 @@ class Host(Protocol):
 
 
 class Memory:
-    """Registers by address. ``too_early`` counts commands that were not executed because of a missing wait."""
+    """Registers by address. ``too_early`` counts commands that were ignored because the master did not wait."""
 
     def __init__(self, encoder: Host, initial_bytes: Mapping[str, bytes]) -> None:
         self._encoder = encoder
@@ -69,6 +69,11 @@ class Memory:
             self._apply_to_parameters(register)
 
     def _set_initial_bytes(self, name: str, data: bytes) -> None:
+        """Set the bytes of a register, in ascending order of address.
+
+        Raises:
+            ValueError: There is no such register, or it has a different length.
+        """
         if name not in self.registers or len(data) != self.registers[name].length:
             sizes = ", ".join(f"{register.name} ({register.length})" for register in self.registers.values())
             raise ValueError(f"no register '{name}' of {len(data)} bytes; the registers are: {sizes or 'none'}")
@@ -79,9 +84,9 @@ class Memory:
         return number_from_bytes(self.registers[name].layout, bytes(self._bytes[name]))
 
     def hold(self, address: int, value: int) -> None:
-        """Set the byte at an address, even if the master cannot write it, and save it.
+        """Set and save the byte at an address, even if the master cannot write it.
 
-        In a register that is accessed whole, and so has a single address, this is the last byte.
+        For a register that is accessed whole, and therefore has a single address, this is the last byte.
 
         Raises:
             ValueError: There is no register at this address.
@@ -107,7 +112,8 @@ class Memory:
     def read(self, address: int) -> int | None:
         """Return the byte at an address, or None if it cannot be read.
 
-        Reading the first byte updates the register. Its effects follow once the last byte has been read.
+        Before its first byte is read, the register is updated with the current position and alarms. Reading the last
+        byte can clear alarms.
         """
         register = self._readable_register_at(address)
         if register is None:
@@ -142,7 +148,7 @@ class Memory:
     def write(self, address: int, value: int) -> bool:
         """Write the byte at an address, and return whether the encoder accepts it.
 
-        The last byte triggers the effects.
+        The write takes effect with the last byte of the register: for example, the encoder then executes a command.
         """
         register = self._writable_register_at(address)
         if register is None or not self._is_open(register):
@@ -153,9 +159,9 @@ class Memory:
         return True
 
     def restart(self) -> None:
-        """Discard values that were not saved: the values of volatile registers.
+        """Discard the values of volatile registers that were not saved.
 
-        ``volatile`` means that a value is lost without a command that saves it. Other registers save each write.
+        The value of a volatile register is lost without a command that saves it. Other registers save each write.
         """
         for name, register in self.registers.items():
             if register.volatile:
@@ -164,12 +170,14 @@ class Memory:
         self._ready_at = 0.0
 
     def _readable_register_at(self, address: int) -> Register | None:
+        """Return the register with a byte at this address that the master may read, or None if there is none."""
         for register in self._registers_at(address):
             if register.readable:
                 return register
         return None
 
     def _writable_register_at(self, address: int) -> Register | None:
+        """Return the register with a byte at this address that the master may write, or None if there is none."""
         for register in self._registers_at(address):
             if register.writable:
                 return register
@@ -179,16 +187,16 @@ class Memory:
         """Yield the registers with a byte at this address in the selected bank."""
         for register in self.registers.values():
             if register.address <= address <= register.last_address:
-                # Name of the register with the number of the selected bank, or "" for a register in no bank.
+                # The register that contains the number of the selected bank, or "" for a register outside all banks.
                 bank_selector = self._encoder.device.bank_selector(register)
                 is_in_selected_bank = not bank_selector or self.value(bank_selector) == register.bank
                 if is_in_selected_bank:
                     yield register
 
     def _default_bytes(self, register: Register) -> bytes:
-        """Return the default of a register, as stated or from the documented values of its fields.
+        """Return the factory default of a register: as the manual gives it, or else from the values of its fields.
 
-        A field whose value cannot be encoded while all others are 0 is 0.
+        A field whose value cannot be encoded is 0.
         """
         if register.default is not None:
             return register.bytes_of(register.default)
@@ -198,17 +206,17 @@ class Memory:
             if placed_field.field.carries_data:
                 value_by_field[placed_field.name] = self._default_value(placed_field.field)
         content = 0
-        # One field at a time, so that a field that cannot be encoded does not block the others.
+        # One field at a time, with 0 in the others, so that a field that cannot be encoded does not affect them.
+        zeros = dict.fromkeys(value_by_field, 0)
         for name, value in value_by_field.items():
-            only_this_value = {**dict.fromkeys(value_by_field, 0), name: value}
             try:
-                content |= codec.encode(self._encoder.device, placed_layout, only_this_value)
+                content |= codec.encode(self._encoder.device, placed_layout, {**zeros, name: value})
             except codec.EncodeError:
-                continue  # such as a number for which 0 is not valid
+                continue  # For example, 0 is not a valid number of this field.
         return number_to_bytes(register.layout, content, 8 * register.length)
 
     def _default_value(self, field: Field) -> int | str | bool:
-        """Return the documented value of a field, or else its default, or else false or 0."""
+        """Return the value of a field in the manual or, without one, its factory default, or false or 0."""
         documented_value = field.documented(self._encoder.variant.parameters)
         if documented_value is not None:
             return documented_value
@@ -217,9 +225,10 @@ class Memory:
         return field.default or 0
 
     def _is_open(self, register: Register) -> bool:
-        """Return whether the register that protects ``register``, if any, has the value that allows writing.
+        """Return whether the master can write a register now.
 
-        The value is in the field ``opened_by_field``, or in the first field if the spec names none.
+        A register can be protected by another one, ``opened_by``: the master can write it only while a field of the
+        other register has a certain value. This is the field ``opened_by_field``, or the first one if it is empty.
         """
         if not register.opened_by:
             return True
@@ -234,19 +243,8 @@ class Memory:
         return _bits_of_field(self.value(opener.name), placed_field) == opening_value
 
     def _react_to_write(self, register: Register) -> None:
-        """Do what follows from the new value of a register: correct it, execute a command, and save it.
-
-        The constant bits keep their value. A number above the highest becomes the default if the encoder behaves in
-        this way.
-        """
-        content = self.value(register.name)
-        for placed_field in self._encoder.place(register.layout).fields:
-            if isinstance(placed_field.field.kind, Constant):
-                content = _with_bits_of_field(content, placed_field, placed_field.field.kind.value)
-        if register.above_max == "default" and register.max is not None and register.default is not None:
-            highest = register.max.value(self._encoder.variant.parameters)
-            if content > highest:
-                content = register.default
+        """Let a written register take effect: correct its value, execute it if it is a command, and save it."""
+        content = self._corrected_content(register, self.value(register.name))
         self._store_number(register, content)
         for name in register.write_clears:
             self._store_number(self.registers[name], 0)
@@ -259,30 +257,44 @@ class Memory:
         if not register.volatile:
             self._saved_bytes[register.name] = bytes(self._bytes[register.name])
 
+    def _corrected_content(self, register: Register, written_content: int) -> int:
+        """Return the content that a register has after a write.
+
+        Constant bits keep their value. Some encoders replace a number above the maximum by the default, which the spec
+        expresses with ``above_max: default``.
+        """
+        content = written_content
+        for placed_field in self._encoder.place(register.layout).fields:
+            if isinstance(placed_field.field.kind, Constant):
+                content = _with_bits_of_field(content, placed_field, placed_field.field.kind.value)
+        if register.above_max == "default" and register.max is not None and register.default is not None:
+            highest = register.max.value(self._encoder.variant.parameters)
+            if content > highest:
+                return register.default
+        return content
+
     def _store_number(self, register: Register, number: int) -> None:
+        """Store a number in a register, and update the parameters of the encoder that the register holds."""
         self._bytes[register.name][:] = number_to_bytes(register.layout, number, 8 * register.length)
         self._apply_to_parameters(register)
 
     def _apply_to_parameters(self, register: Register) -> None:
-        """Set the parameters of the encoder that the register holds, such as the width of a field.
-
-        If it holds no parameters, nothing changes.
-        """
+        """Update the parameters of the encoder that a register holds, if any, such as the resolution."""
         encoder = self._encoder
         encoder.variant = after_write(encoder.device, encoder.variant, register, self.value(register.name))
 
     def _execute_command(self, register: Register, number: int) -> None:
-        """Execute the command with this number, unless the previous one is still being executed.
+        """Execute the command with this number, unless the encoder is still executing the previous one.
 
-        The words in its name are its effects: ``save_all``, ``restore_defaults``, ``simulate_overheat``, where
-        ``overheat`` is a flag. A number without a name is not a command, and has no effect.
+        The effects follow from words in the name of the command: ``save_all``, ``restore_defaults``,
+        ``simulate_overheat``, where ``overheat`` is a flag. A number without a name is not a command.
         """
         command_names = [value.name for value in register.layout.fields[0].values if value.value == number]
         if not command_names:
             return
         now = self._encoder.clock()
-        # The master did not wait long enough, so the encoder ignores the command.
-        if now < self._ready_at:
+        is_still_busy = now < self._ready_at
+        if is_still_busy:
             self.too_early += 1
             return
         self._ready_at = now + (register.wait_at_least_ms or 0) / 1000
@@ -302,18 +314,20 @@ class Memory:
         self._set_polled_fields(register, number)
 
     def _restore_defaults(self) -> None:
+        """Set all volatile registers to their factory defaults."""
         for register in self.registers.values():
             if register.volatile:
                 self._store_number(register, register.default or 0)
 
     def _activate_last_argument(self, command_register: Register) -> None:
-        """Activate the last register to which a procedure writes an argument, if this command activates it.
+        """Activate the value that the user wrote before an activate command, such as the preset.
 
-        That is the first procedure that writes to the command register a value with ``activate`` in its name.
+        A procedure shows which register this is: it writes an argument to the register, and then writes a value with
+        ``activate`` in its name to the command register. The first such procedure applies.
         """
         for procedure in self._encoder.device.procedures:
             write_steps = [step for step in procedure.steps if isinstance(step, WriteStep)]
-            # A step without a fixed value writes what the user of the procedure chooses.
+            # A step without a fixed value writes an argument of the procedure.
             argument_steps = [step for step in write_steps if step.value is None]
             command_steps = _command_steps(procedure, command_register)
             activates = any("activate" in step.value_name for step in command_steps)
@@ -322,9 +336,10 @@ class Memory:
                 return
 
     def _activate_argument(self, register: Register) -> None:
-        """Preset the position to the number in a register, or use it as an offset if the register means that now.
+        """Preset the position to the number in a register, or use the number as an offset.
 
-        The number is in the field or join ``limits_of``, or is the whole register if it has no such field.
+        It is an offset if the register currently has the meaning ``offset``. The number is in the field or joined
+        number ``limits_of``, or in the last field, or else it is the number in the whole register.
         """
         placed_layout = self._encoder.place(register.layout)
         content = self.value(register.name)
@@ -337,9 +352,10 @@ class Memory:
             self._encoder.set_position(argument)
 
     def _current_meaning(self, register: Register) -> str:
-        """Return the meaning of a register while a field of another register has its present value, or an empty string.
+        """Return the name of the meaning that a register has now, such as ``offset``, or an empty string.
 
-        ``meaning.when`` is the place of that field, such as ``mode.preset_type``, and ``meaning.value`` a named value.
+        The meaning can depend on a field of another register: ``meaning.when`` is this field, such as
+        ``mode.preset_type``, and ``meaning.value`` is the name of the value that it must have.
         """
         for meaning in register.meanings:
             deciding_register, _, deciding_field = meaning.when.partition(".")
@@ -354,7 +370,7 @@ class Memory:
         return ""
 
     def _set_polled_fields(self, command_register: Register, command: int) -> None:
-        """Set the fields for which procedures with this command poll, to the value that ends the polling."""
+        """Set the fields that procedures poll after this command to the value for which they wait."""
         for procedure in self._encoder.device.procedures:
             commands = [step.value for step in _command_steps(procedure, command_register)]
             if command not in commands:
@@ -364,14 +380,15 @@ class Memory:
                     self._set_field(self.registers[step.register], step.field, step.value)
 
     def _set_field(self, register: Register, field_name: str, value: int) -> None:
+        """Store a value in a field of a register. A field that this order code lacks is ignored."""
         placed_field = self._encoder.place(register.layout).find_field(field_name)
         if placed_field is not None:
             self._store_number(register, _with_bits_of_field(self.value(register.name), placed_field, value))
 
     def _refresh_register(self, register: Register) -> None:
-        """Update the bits of a register that show alarms or the position to their present values.
+        """Update the position and the alarms in a register before the master reads it.
 
-        A register that the master can write is left as it is.
+        A register that the master can write has neither, and is unchanged.
         """
         if register.writable:
             return
@@ -386,24 +403,29 @@ class Memory:
                 is_active = placed_field.name in self._encoder.flags
                 is_active_low = getattr(placed_field.field.kind, "active_low", False)
                 alarm_bit = 1 << placed_field.low
-                is_bit_set = is_active != is_active_low
-                content = content | alarm_bit if is_bit_set else content & ~alarm_bit
+                if is_active != is_active_low:
+                    content |= alarm_bit
+                else:
+                    content &= ~alarm_bit
         self._bytes[register.name][:] = number_to_bytes(register.layout, content, 8 * register.length)
 
     def _react_to_read(self, register: Register) -> None:
-        """Clear the alarms of a procedure that only reads, once it has been carried out up to its last step."""
+        """Clear alarms if the master has just read the registers that a procedure reads to clear them.
+
+        Such a procedure consists only of reads. Its last step reads whether the alarms have been cleared, so they are
+        cleared once all steps before it have been carried out.
+        """
         self._last_reads.append(register.name)
         for procedure in self._encoder.device.procedures:
             read_steps = [step for step in procedure.steps if isinstance(step, ReadStep)]
-            # The last step reads whether the alarms are gone.
+            only_reads = len(read_steps) == len(procedure.steps)
             registers_to_read = [step.register for step in read_steps[:-1]]
-            only_reads = len(registers_to_read) + 1 == len(procedure.steps)
-            # The last reads must be these, in this order.
+            if not only_reads or not registers_to_read:
+                continue
             last_reads = list(self._last_reads)[-len(registers_to_read) :]
-            have_been_read = last_reads == registers_to_read
-            if only_reads and have_been_read:
-                alarms = self._encoder.device.alarms
-                self._encoder.flags -= {alarm.name for alarm in alarms if procedure.name in alarm.cleared_by}
+            if last_reads == registers_to_read:
+                cleared_alarms = [alarm for alarm in self._encoder.device.alarms if procedure.name in alarm.cleared_by]
+                self._encoder.flags -= {alarm.name for alarm in cleared_alarms}
 
 
 def _bits_of_field(number: int, placed_field: PlacedField) -> int:
@@ -412,7 +434,7 @@ def _bits_of_field(number: int, placed_field: PlacedField) -> int:
 
 
 def _with_bits_of_field(number: int, placed_field: PlacedField, bits: int) -> int:
-    """Return the number that a register holds with other bits in a field."""
+    """Return the content of a register, ``number``, with the bits of one field replaced by ``bits``."""
     other_bits = number & ~(placed_field.mask << placed_field.low)
     return other_bits | (bits << placed_field.low)
 

@@ -13,18 +13,19 @@ from typing import NamedTuple, Protocol
 
 from .clocked_lines import BissLine, SsiLine
 from .encoder import VirtualEncoder
-from .request_lines import Rs485Line, SpiLine
+from .rs485_line import Rs485Line
+from .spi_line import SpiLine
 
 #: Longest wait in seconds before the server checks whether it should stop.
 _TICK_S = 0.2
 #: Longest wait in seconds for a program to read its replies.
 PATIENCE_S = 1.0
-#: Most bytes that are taken from a connection at once.
+#: Maximum number of bytes to read from a connection at once.
 _MOST_BYTES_READ = 4096
 
 
 class ByteLine(Protocol):
-    """Line as bytes."""
+    """Line of an encoder as bytes. ``due`` returns the time of its next reply, or None if no reply is pending."""
 
     def receive(self, data: bytes) -> None: ...
     def send(self) -> bytes: ...
@@ -32,7 +33,10 @@ class ByteLine(Protocol):
 
 
 class _Port(NamedTuple):
-    """End of a connection: the file descriptor to wait for, and functions to read and write. Users open ``name``."""
+    """Server end of a connection: the file descriptor to wait for, and functions to read, write and close.
+
+    ``name`` is the device or URL that users open.
+    """
 
     name: str
     handle: Callable[[], int]
@@ -42,7 +46,7 @@ class _Port(NamedTuple):
 
 
 def line_of(encoder: VirtualEncoder) -> ByteLine:
-    """Return the line of an encoder, for its interface."""
+    """Return a line with this encoder: RS-485, BiSS, SSI or SPI, according to its interface."""
     lines: dict[str, Callable[[VirtualEncoder], ByteLine]] = {
         "rs485": Rs485Line,
         "biss": BissLine,
@@ -68,8 +72,8 @@ def terminal() -> _Port:
     tty.setraw(slave)
     os.set_blocking(master, False)
 
-    # Write as much as the terminal accepts within ``PATIENCE_S``, and discard the rest.
     def write(data: bytes) -> None:
+        """Write as much as the terminal accepts within ``PATIENCE_S``, and discard the rest."""
         deadline = monotonic() + PATIENCE_S
         unwritten = data
         while unwritten:
@@ -112,7 +116,7 @@ class _Clients:
         return (self._client or self._server).fileno()
 
     def read(self) -> bytes:
-        """Return data of the client, or accept the next one if there is none, and return no data.
+        """Return data that the client has sent. Without a client, accept the next one and return no data.
 
         A client that has closed its connection is disconnected.
         """
@@ -123,8 +127,8 @@ class _Clients:
             data = self._client.recv(_MOST_BYTES_READ)
         except OSError:
             data = b""
-        # A client that has gone sends no more data.
-        if not data:
+        has_closed_connection = not data
+        if has_closed_connection:
             self._disconnect_client()
         return data
 
@@ -152,24 +156,25 @@ class _Clients:
 
 
 def listener(server: socket.socket, name: str) -> _Port:
-    """Serve one client after another on a listening socket.
+    """Return a port that serves one client after another on a listening socket.
 
-    A client that has gone or does not read its replies in time is disconnected. Its other requests are not answered.
+    A client that closes its connection or does not read its replies in time is disconnected.
     """
     clients = _Clients(server)
     return _Port(name=name, handle=clients.handle, read=clients.read, write=clients.write, close=clients.close)
 
 
 def serve(encoder: VirtualEncoder, line: ByteLine, port: _Port, stop: Event | None = None) -> None:
-    """Serve a line until ``stop`` is set. Without ``stop``, serve forever.
+    """Pass requests from the port to the line and replies back, until ``stop`` is set, or forever without ``stop``.
 
-    It waits for requests, but no longer than until the next reply is due.
+    The function waits for requests, but never longer than until the next reply is due.
     """
     while stop is None or not stop.is_set():
         due = line.due()
         wait_s = _TICK_S
         if due is not None:
-            wait_s = min(_TICK_S, max(0.0, due - encoder.clock()))
+            seconds_until_reply = max(0.0, due - encoder.clock())
+            wait_s = min(_TICK_S, seconds_until_reply)
         readable, _, _ = select([port.handle()], [], [], wait_s)
         if readable:
             line.receive(port.read())

@@ -11,17 +11,18 @@ from .encoder import VirtualEncoder
 
 
 def positions(encoder: VirtualEncoder) -> st.SearchStrategy[int]:
-    """Return positions of an encoder, in which those near the ends are more frequent."""
+    """Return a strategy for positions of an encoder. The ends of the range and its middle are more frequent."""
     lowest = encoder.lowest
     highest = encoder.lowest + encoder.counts - 1
-    # The ends, the middle, and 0 if the position is signed.
-    frequent = {lowest, lowest + 1, (lowest + highest) // 2, highest, max(lowest, 0)}
-    return st.one_of(st.sampled_from(sorted(frequent)), st.integers(lowest, highest))
+    middle = (lowest + highest) // 2
+    zero = max(lowest, 0)  # The position 0, which is not an end if positions are signed.
+    frequent_positions = {lowest, lowest + 1, middle, highest, zero}
+    return st.one_of(st.sampled_from(sorted(frequent_positions)), st.integers(lowest, highest))
 
 
 @st.composite
 def frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "") -> tuple[int, int | bytes]:
-    """Return a position of an encoder, and the frame in which it sends it.
+    """Return a position of an encoder, and the frame with this position.
 
     Args:
         draw: Passed by Hypothesis.
@@ -58,7 +59,7 @@ def disturbed_frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "")
 
 
 def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
-    """Return the frame with this name, or without a name the first frame with a whole position.
+    """Return the layout of the frame with this name. If the name is empty, return the first one with a whole position.
 
     Raises:
         ValueError: The encoder sends no such frame.
@@ -74,12 +75,14 @@ def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
 
 
 def _frame_or_bytes(encoder: VirtualEncoder, layout: Layout) -> Any:
-    """Return the current frame with this layout as bytes over RS-485, otherwise as a number.
+    """Return the current frame of the encoder with this layout: bytes over RS-485, and otherwise a number.
 
-    The selector has the first value that identifies the frame.
+    If a selector field identifies frames of this layout, it has the first of its valid values.
     """
-    selector_values = {layout.selector: layout.selects[0]} if layout.selector else {}
-    number = encoder.frame(layout, selector_values)
+    selector_value = {}
+    if layout.selector:
+        selector_value[layout.selector] = layout.selects[0]
+    number = encoder.frame(layout, selector_value)
     if layout.in_bytes:
         return number_to_bytes(layout, number, encoder.place(layout).bits)
     return number

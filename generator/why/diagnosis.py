@@ -13,9 +13,9 @@ from .hypotheses import LEAST_EQUAL_BITS, NOT_INVERTED, WITH_SECOND_MISTAKE, Hyp
 from .recordings import FRAME_INSIDE
 from .texts import TEXTS
 
-#: A mistake that matches more than one random frame in eight explains nothing.
+#: Fewest bits that must match. A mistake that matches more than one random frame in eight explains nothing.
 LEAST_BITS = 3
-#: An explanation that matches fewer random frames than one in this many is as good as certain.
+#: An explanation that matches fewer than one in this many random frames is practically certain.
 CERTAIN = 1 << 16
 
 
@@ -46,7 +46,7 @@ class Explanation:
 
     @property
     def mistake(self) -> tuple[str, str, bool]:
-        """Key of the mistake, which is the same for all frames with it."""
+        """Key of the mistake, which is the same for all frames with this mistake."""
         return self.kind, self.template or self.text, self.twice
 
 
@@ -74,19 +74,20 @@ class Diagnosis:
 
     @property
     def equal_readings(self) -> int:
-        """Number of equally good readings of a frame without a CRC, or 0 if one reading fits better than the rest.
+        """Number of equally good explanations of a frame without a CRC, or 0 if one is better than all others.
 
-        Of these readings, the likeliest comes first.
+        The likeliest of them is the first explanation.
         """
         if self.has_crc:
             return 0
-        chances = [explanation.one_in for explanation in self.explanations]
-        equal_count = chances.count(max(chances, default=0))
+        strengths = [explanation.one_in for explanation in self.explanations]
+        greatest_strength = max(strengths, default=0)
+        equal_count = strengths.count(greatest_strength)
         return equal_count if equal_count > 1 else 0
 
     @property
     def needs_another_frame(self) -> bool:
-        """True if other frames with the same mistake would decide between the explanations."""
+        """True if another frame with the same mistake would show which explanation is correct."""
         if any(explanation.kind in ("line_stuck", "echo") for explanation in self.explanations):
             return False
         is_doubtful = bool(self.explanations) and self.explanations[0].one_in < CERTAIN
@@ -96,21 +97,21 @@ class Diagnosis:
 def diagnose_without_crc(
     device: Device, hypotheses: Iterable[Hypothesis], missing: str, disturbed: tuple[int, ...] = ()
 ) -> Diagnosis | None:
-    """Return the readings of a frame without a CRC, most likely first. Nothing proves one of them.
+    """Return the possible explanations of a frame without a CRC, most likely first. None of them is certain.
 
-    Of readings that lead to the same frame, only the likeliest is an explanation. ``missing`` is the part that a
-    recording lacks, or an empty string. ``disturbed`` are the bits that may be inverted. Return None if there is no
-    reading, nothing is missing and no bit may be inverted.
+    If several mistakes lead to the same frame, only the likeliest is listed. ``missing`` is a text about the part that
+    the received bits lack, or empty. ``disturbed`` are the positions of bits, one of which may be corrupted. Return
+    None if nothing fits, nothing is missing, and no bit may be corrupted.
     """
     frame_and_explanations: list[tuple[int | str, Explanation]] = []
     for same_mistake in _grouped_by_mistake(hypotheses):
-        likeliest = same_mistake[0]  # The hypotheses of a mistake are sorted.
+        likeliest = same_mistake[0]  # The likeliest hypothesis is the first.
         has_frame = likeliest.frame_layout is not None
-        # A mistake that does not change the frame leads to its own description.
+        # The description replaces the frame for a mistake that does not change it.
         resulting_frame = likeliest.frame if has_frame else likeliest.description
-        frame_and_explanations.append((resulting_frame, _explanation_of_all(device, same_mistake)))
+        frame_and_explanations.append((resulting_frame, _explain_mistake(device, same_mistake)))
     frame_and_explanations.sort(key=lambda frame_and_explanation: -frame_and_explanation[1].score)
-    # The explanations are sorted, so the first one for a frame is the likeliest.
+    # The first explanation of each frame is the likeliest.
     likeliest_by_frame: dict[int | str, Explanation] = {}
     for resulting_frame, explanation in frame_and_explanations:
         likeliest_by_frame.setdefault(resulting_frame, explanation)
@@ -129,25 +130,25 @@ def diagnose_without_crc(
 
 
 def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypothesis]]:
-    """Return the hypotheses that fit in lists, the likeliest first in each.
+    """Group the hypotheses that match the frame by their mistake, and return the groups, each with the likeliest first.
 
-    Hypotheses that differ only in the assumed value of a lost bit share a list. Each other hypothesis is alone in its
-    list.
+    Hypotheses that differ only in the assumed value of a lost bit have the same mistake. Every other hypothesis is a
+    group of its own.
     """
     fitting_hypotheses = [hypothesis for hypothesis in hypotheses if hypothesis.fits]
     fitting_hypotheses.sort(key=lambda hypothesis: -hypothesis.score)
     hypotheses_by_mistake: dict[object, list[Hypothesis]] = {}
     for number, hypothesis in enumerate(fitting_hypotheses):
-        # A hypothesis without a lost bit is the only entry in its list, under its own number.
-        mistake = (hypothesis.kind, hypothesis.template) if hypothesis.has_assumed_bit else number
-        hypotheses_by_mistake.setdefault(mistake, []).append(hypothesis)
+        # The number makes the key of any other hypothesis unique.
+        mistake_key = (hypothesis.kind, hypothesis.template) if hypothesis.has_assumed_bit else number
+        hypotheses_by_mistake.setdefault(mistake_key, []).append(hypothesis)
     return hypotheses_by_mistake.values()
 
 
-def _explanation_of_all(device: Device, same_mistake: Sequence[Hypothesis]) -> Explanation:
-    """Return one explanation for hypotheses that differ only in the value of a lost bit.
+def _explain_mistake(device: Device, same_mistake: Sequence[Hypothesis]) -> Explanation:
+    """Return one explanation for hypotheses with the same mistake, which differ only in the value of a lost bit.
 
-    Each explanation has half the evidence, since one of two values fits more often by chance.
+    With two possible values, the mistake matches twice as many frames by chance.
     """
     explanations = [
         _explain_hypothesis(device, hypothesis, undecided_parameters=frozenset()) for hypothesis in same_mistake
@@ -158,7 +159,6 @@ def _explanation_of_all(device: Device, same_mistake: Sequence[Hypothesis]) -> E
     return replace(
         likeliest,
         text=without_details(likeliest.template),
-        # If each of two hypotheses matches 1 in 64 random frames, each counts as matching 1 in 128.
         one_in=sum(explanation.one_in for explanation in explanations),
         score=sum(explanation.score for explanation in explanations),
         or_reads=tuple(explanation.reads for explanation in others),
@@ -166,9 +166,9 @@ def _explanation_of_all(device: Device, same_mistake: Sequence[Hypothesis]) -> E
 
 
 def without_details(template: str) -> str:
-    """Return a template as a text without the details of a frame.
+    """Return the text of a template without the details of a frame.
 
-    ``the first bit ({0}) is missing`` becomes ``the first bit is missing``, and any other detail ``some``.
+    ``the first bit ({0}) is missing`` becomes ``the first bit is missing``, and other details become ``some``.
     """
     return template.replace("({0}) ", "").format("some")
 
@@ -183,11 +183,12 @@ def diagnose(
     with_pairs: bool = False,
     repeated: Sequence[Hypothesis] = (),
 ) -> Diagnosis | None:
-    """Return the explanations among the hypotheses, without the refuted hypotheses, or None if there is no hypothesis.
+    """Try hypotheses on a frame with a CRC, and return those that explain its error, most likely first.
 
-    Pairs of mistakes would mostly match by coincidence, so they are only tried if no single mistake matches, or
-    ``with_pairs``. ``repeated`` hypotheses lead to the same frame as a better hypothesis, so they are only in
-    ``unmerged``.
+    Hypotheses that match the same frames as a ``refuted`` one are not tried. Pairs of mistakes would often match by
+    chance, so they are only tried if no single mistake matches, or with ``with_pairs``. ``repeated`` are hypotheses
+    that lead to the same frame as a better one, and are added to ``unmerged`` only. Fields that depend on
+    ``undecided_parameters`` are not decoded. Return None if no hypothesis could be tried.
     """
     significant = significant_hypotheses(hypotheses, refuted)
     tried_hypotheses = _distinct_hypotheses(significant)
@@ -216,9 +217,10 @@ def diagnose(
 
 
 def _chance_of_any(hypotheses: Iterable[Hypothesis]) -> float:
-    """Return the fraction of random frames that at least one of the hypotheses matches: 0.03 for two with 1 in 64.
+    """Return the fraction of random frames that at least one of the hypotheses matches by chance.
 
-    Hypotheses that match the same frames count once.
+    It is 0.03 for two hypotheses that match 1 in 64 random frames each. Hypotheses that match the same frames are
+    counted once.
     """
     one_in_by_key = {hypothesis.match_key: hypothesis.one_in for hypothesis in hypotheses}
     chance_that_none_matches = prod(1 - 1 / one_in for one_in in one_in_by_key.values())
@@ -226,9 +228,9 @@ def _chance_of_any(hypotheses: Iterable[Hypothesis]) -> float:
 
 
 def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothesis]:
-    """Yield the hypotheses together with the most common mistake, a CRC that is inverted or not.
+    """Yield each hypothesis combined with the most common mistake: a CRC that is wrongly inverted or not inverted.
 
-    Left out are hypotheses without a CRC, this mistake itself, and frames that were searched at every bit.
+    Hypotheses without a CRC, this mistake itself, and frames that were searched at every bit are omitted.
     """
     for hypothesis in hypotheses:
         if hypothesis.crc is None or hypothesis.kind in (NOT_INVERTED, FRAME_INSIDE):
@@ -248,10 +250,9 @@ def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothe
 
 
 def is_significant(hypothesis: Hypothesis) -> bool:
-    """Return whether at least 3 bits of CRC and other determined bits can contradict the hypothesis.
+    """Return whether a match of the hypothesis means anything: at least 3 bits must be compared.
 
-    A hypothesis whose frame has 12 or more bits that are all equal is not significant, since that may be a part of an
-    idle line. Without inversion, the CRC of zeros is 0.
+    A frame of 12 or more bits that are all equal means nothing either, since it may be a part of an idle line.
     """
     frame_layout = hypothesis.frame_layout
     if frame_layout is not None and frame_layout.bits >= LEAST_EQUAL_BITS:
@@ -262,16 +263,19 @@ def is_significant(hypothesis: Hypothesis) -> bool:
 
 
 def significant_hypotheses(hypotheses: Iterable[Hypothesis], refuted: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """Return the significant hypotheses, without hypotheses that match the same frames as a refuted one."""
+    """Return the hypotheses whose match would mean something, without those that the frame refutes.
+
+    A hypothesis is refuted if it matches the same frames as one of ``refuted``.
+    """
     refuted_keys = {hypothesis.match_key for hypothesis in refuted}
     significant = [hypothesis for hypothesis in hypotheses if is_significant(hypothesis)]
     return [hypothesis for hypothesis in significant if hypothesis.match_key not in refuted_keys]
 
 
 def _distinct_hypotheses(hypotheses: Iterable[Hypothesis]) -> list[Hypothesis]:
-    """Return the hypotheses, but only the likeliest of those that match the same frames and lead to the same frame.
+    """Return the hypotheses without duplicates.
 
-    They are in the order of the first one for each result.
+    Of hypotheses that match the same frames and lead to the same frame, only the likeliest remains.
     """
     likeliest_by_result: dict[object, Hypothesis] = {}
     for hypothesis in hypotheses:
@@ -283,14 +287,14 @@ def _distinct_hypotheses(hypotheses: Iterable[Hypothesis]) -> list[Hypothesis]:
 
 
 def _ranking_key(hypothesis: Hypothesis) -> tuple[bool, float]:
-    """Return a key that puts hypotheses with wrong determined bits below all other hypotheses."""
+    """Return a key for comparing hypotheses by score. Those that the frame contradicts rank below all others."""
     return hypothesis.are_determined_right, hypothesis.score
 
 
 def _resulting_frame(hypothesis: Hypothesis) -> object:
-    """Return a key of the frame without the mistake: its bits and where its fields are.
+    """Return a key of the frame without the mistake: its bits and the positions of its fields.
 
-    A mistake that does not change the frame leads to its own description.
+    For a mistake that does not change the frame, the key is its description.
     """
     placed_layout = hypothesis.frame_layout
     if placed_layout is None:
@@ -306,7 +310,10 @@ def _explain_hypotheses(
     *,
     by_two_mistakes: bool = False,
 ) -> list[Explanation]:
-    """Return an explanation for each hypothesis that fits the frame. ``by_two_mistakes`` marks pairs of mistakes."""
+    """Return an explanation for each hypothesis that matches the frame.
+
+    ``by_two_mistakes`` is true if each hypothesis is a pair of mistakes.
+    """
     explanations: list[Explanation] = []
     for hypothesis in hypotheses:
         if hypothesis.fits:
@@ -316,7 +323,11 @@ def _explain_hypotheses(
 
 
 def _explain_hypothesis(device: Device, hypothesis: Hypothesis, undecided_parameters: frozenset[str]) -> Explanation:
-    """Return a hypothesis that fits as an explanation, with the numbers in its frame if it changes the frame."""
+    """Return a hypothesis that matches the frame as an explanation.
+
+    If the mistake changes the frame, it contains the numbers in the frame without the mistake. Fields that depend on
+    ``undecided_parameters`` are omitted.
+    """
     numbers: Mapping[str, int] = {}
     if hypothesis.frame_layout is not None:
         numbers = _numbers_in_frame(device, hypothesis.frame_layout, hypothesis.frame, undecided_parameters)
@@ -335,10 +346,11 @@ def _explain_hypothesis(device: Device, hypothesis: Hypothesis, undecided_parame
 
 
 def _hides_shift(hypothesis: Hypothesis) -> bool:
-    """Return whether the CRC is also valid for every second frame that is shifted by one bit.
+    """Return whether the CRC of a hypothesis is also valid for half of all frames that are shifted by one bit.
 
-    Without start value and inversion, a frame and its CRC are a multiple of the polynomial. If its last bit is 0, it is
-    also valid without this bit, and if its first bit is 0, with an additional last 0.
+    This is true if the CRC has neither a start value nor an inversion, so that a frame with its CRC is a multiple of
+    the polynomial. If its last bit is 0, it is also valid without this bit, and if its first bit is 0, with an
+    additional 0 at the end.
     """
     crc = hypothesis.crc
     if hypothesis.kind != NOT_INVERTED or crc is None or hypothesis.is_crc_over_bytes:
@@ -351,7 +363,7 @@ def _numbers_in_frame(
 ) -> dict[str, int]:
     """Return the numbers in a frame by field name: ``{"position": 4711}``.
 
-    Fields whose low bit depends on an undecided parameter, such as an answer that the user has not given, are left out.
+    Fields whose position depends on an undecided parameter, such as an answer that the user has not given, are omitted.
     """
     numbers: dict[str, int] = {}
     field_by_name = {placed_field.name: placed_field.field for placed_field in placed_layout.fields}
@@ -365,9 +377,9 @@ def _numbers_in_frame(
 
 
 def _blind_spots(crcs: Iterable[Crc]) -> list[str]:
-    """Return the mistakes that at least one of the CRCs cannot detect, each once, as texts.
+    """Return the mistakes that at least one of the CRCs cannot detect, as texts without duplicates.
 
-    A CRC that is the XOR of the bytes does not depend on their order. With a start value of 0, leading zeros do not
+    A CRC that is the XOR of the bytes does not depend on their order. If the start value is 0, leading zeros do not
     change the CRC.
     """
     undetected_mistakes: list[str] = []

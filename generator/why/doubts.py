@@ -1,6 +1,6 @@
-"""Other readings of a valid frame whose position looks wrong, where nothing in the layout can contradict the frame.
+"""Other readings of a valid frame without a CRC, for users whose position looks wrong.
 
-They do not explain an error: every valid frame has them. The script of the decode page follows the same rules.
+They do not explain an error, because every valid frame has them. The script of the decode page follows the same rules.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ READINGS = (
     "if it is not sent in Gray code",
     "if the bytes are swapped",
 )
-#: Name of the position of an encoder whose counts are not known.
+#: Name of the position of an encoder if the manual describes no measurement.
 _POSITION_NAME = "position"
 
 
 def position_name(device: Device, variant: Variant) -> str:
-    """Return the name of the position, which is ``position`` for an encoder without a measurement."""
+    """Return the name of the position in the frames of an order code, or ``position`` without a measurement."""
     measurement = device.measurement_of(variant.interface)
     return measurement.of if measurement is not None else _POSITION_NAME
 
@@ -35,12 +35,13 @@ def position_name(device: Device, variant: Variant) -> str:
 def other_positions(
     device: Device, variant: Variant, decoded: codec.DecodedFrame, typed_frame: TypedFrame | None = None
 ) -> list[tuple[str, int]]:
-    """Return other readings of the position, each with its text: ``[("if it is sent in Gray code", 4711)]``.
+    """Return positions that a valid frame would have if it was misread: ``[("if it is sent in Gray code", 4711)]``.
 
-    Zeros in front of the typed frame may also have been received, so those recordings that SSI allows follow.
+    Over SSI, leading zeros of ``typed_frame``, the number as the user typed it, may also have been received. The frame
+    is then a different part of it.
 
-    The list is empty if a CRC or an error contradicts other readings, if the frame has no position, or if it has
-    numbers whose digits are sent separately. Readings with the same position are left out.
+    The list is empty if a CRC confirms the frame, if the frame has an error or no position, or if it has numbers whose
+    digits are sent separately. Readings with the same position as the frame itself are omitted.
     """
     placed_layout = decoded.layout
     if placed_layout is None or placed_layout.layout.in_bytes or placed_layout.layout.sender != "encoder":
@@ -70,12 +71,14 @@ def other_positions(
 def _recorded_frames(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[tuple[str, int]]:
-    """Yield the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received.
+    """Yield the frames that an SSI recording with more bits than the frame may contain.
 
-    Each frame comes with a text, such as ``if the word comes first, and the other clocks read 0``.
+    The user typed leading zeros, and these may also have been received. Each frame comes with a text, such as ``if the
+    word comes first, and the other clocks read 0``.
     """
     interface = device.interface(variant.interface)
-    if not isinstance(interface, Ssi) or typed_frame.exact or typed_frame.written <= placed_layout.bits:
+    has_extra_zeros = not typed_frame.exact and typed_frame.written > placed_layout.bits
+    if not isinstance(interface, Ssi) or not has_extra_zeros:
         return
     received_bits = f"{typed_frame.number:0{typed_frame.written}b}"
     known_frames = {typed_frame.number}
@@ -86,19 +89,18 @@ def _recorded_frames(
 
 
 def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, frame: int) -> Iterator[int | None]:
-    """Yield the frame without each mistake in ``READINGS``, in this order, or None if the mistake is impossible.
+    """Yield the frame as it was before each mistake in ``READINGS``, in the same order, or None if it is impossible.
 
-    A frame that was read early has an additional first bit and lacks its last bit. A frame that was read late is the
-    reverse.
+    The mistakes are: reading one clock early or late, three mistakes with Gray code, and swapped bytes. A frame that is
+    read one clock early has an extra first bit and lacks its last bit. One clock late, it is the reverse.
     """
-    # One item for each text of ``READINGS``, in the same order.
     yield _read_one_clock_later(placed_layout, frame)
     read_one_clock_earlier = frame >> 1
     yield read_one_clock_earlier
     if placed_layout.gray:
         yield None
         yield None
-        # The decoder will convert from Gray code. This undoes it, so the position consists of the bits as sent.
+        # Decoding converts from Gray code. This conversion cancels it, so the position has the bits as they are sent.
         yield from_binary(placed_layout, frame)
     else:
         yield _with_position_from_gray(placed_layout, (position_name,), frame)
@@ -113,7 +115,7 @@ def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, fra
 
 
 def _parts_of(placed_layout: PlacedLayout, position_name: str) -> Sequence[str]:
-    """Return the names of the fields that are joined to the position: ``["multiturn", "singleturn"]``.
+    """Return the names of the fields that form the position together, such as ``["multiturn", "singleturn"]``.
 
     The list is empty if the position is a single field.
     """
@@ -125,7 +127,7 @@ def _parts_of(placed_layout: PlacedLayout, position_name: str) -> Sequence[str]:
 
 
 def _with_position_from_gray(placed_layout: PlacedLayout, numbers: Sequence[str], frame: int) -> int:
-    """Return the frame with each of these numbers converted from Gray code to binary."""
+    """Return the frame with the numbers of these names converted from Gray code to binary."""
     for name in numbers:
         low, width = placed_layout.place_of(name)
         number = (frame >> low) & ((1 << width) - 1)
@@ -135,13 +137,14 @@ def _with_position_from_gray(placed_layout: PlacedLayout, numbers: Sequence[str]
 
 
 def _read_one_clock_later(placed_layout: PlacedLayout, frame: int) -> int:
-    """Return the frame with its missing last bit, and without its first bit.
+    """Return the frame as it would be if it had been read one clock later: without its first bit, and with a last bit.
 
-    The last bit is 1 if constants and parity are right only with a 1, and otherwise 0.
+    The last bit, which was not received, is assumed to be 1 if constants and parity are correct only with a 1, and
+    otherwise 0.
     """
     frame_mask = (1 << placed_layout.bits) - 1
     with_last_0 = (frame << 1) & frame_mask
     with_last_1 = with_last_0 | 1
-    _, is_0_right = check_constant_bits(placed_layout, with_last_0)
-    _, is_1_right = check_constant_bits(placed_layout, with_last_1)
-    return with_last_1 if is_1_right and not is_0_right else with_last_0
+    _, is_0_correct = check_constant_bits(placed_layout, with_last_0)
+    _, is_1_correct = check_constant_bits(placed_layout, with_last_1)
+    return with_last_1 if is_1_correct and not is_0_correct else with_last_0

@@ -1,4 +1,4 @@
-"""Own requests among the received bits: whole frames of RS-485, and words of SPI that equal a request.
+"""The user's own requests among the received bits: whole RS-485 frames, and SPI words that equal a request.
 
 The decode page follows the same rules.
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from operator import itemgetter
 
 from ..model import Constant, Device, Layout, Number, PlacedLayout, Rs485, Spi, Unused, Variant, number_from_bytes
 from ..model.record import dataclass
@@ -14,16 +15,16 @@ from ..reference import codec
 from ..reference.bits import unused_bits
 from .hypotheses import Hypothesis, check_constant_bits
 
-#: More bytes than this are not searched for frames.
+#: Maximum number of bytes that are searched for frames.
 MOST_BYTES = 64
-#: Frames with fewer expected bits in all may be any bytes.
+#: Fewest bits with the expected value that prove that bytes are frames.
 LEAST_EVIDENCE = 3
 ECHO_TEXT = (
-    "these bytes are only your own request{0}: the receiver is on while sending, wires A and B are swapped, or the "
-    "encoder does not answer"
+    "these bytes are only your own request{0}: the receiver stays on during transmission, wires A and B are swapped, "
+    "or the encoder does not answer"
 )
 FRAMES_TEXT = "the bytes are whole frames: {0}"
-#: A word of SPI with fewer expected bits may equal a request by coincidence.
+#: Fewest bits with the expected value that prove that an SPI word is a request. Fewer may match by chance.
 LEAST_BITS_OF_ECHO = 12
 WORD_ECHO_TEXT = (
     "this word is your own request{0}: MISO is connected to MOSI, or the encoder does not answer on a shared line"
@@ -32,7 +33,7 @@ WORD_ECHO_TEXT = (
 
 @dataclass(frozen=True, slots=True)
 class ExchangedFrame:
-    """A valid frame among the bytes. ``evidence`` is the number of its bits that have the only expected value."""
+    """A valid frame among the received bytes. ``evidence`` is the number of its bits that have an expected value."""
 
     placed_layout: PlacedLayout
     data: bytes
@@ -40,23 +41,29 @@ class ExchangedFrame:
 
     @property
     def is_request(self) -> bool:
+        """True if the master sends this frame."""
         return self.placed_layout.layout.sender == "master"
 
     @property
     def role(self) -> str:
+        """The word ``request`` or ``reply``."""
         return "request" if self.is_request else "reply"
 
     @property
     def title(self) -> str:
+        """The role and the name of the frame, such as ``reply position_frame``."""
         return f"{self.role} {self.placed_layout.name}"
 
 
 def exchange_hypotheses(device: Device, variant: Variant, received_bytes: bytes) -> Iterator[Hypothesis]:
-    """Yield one hypothesis that bytes over RS-485 are whole frames, unless they are a single reply or no whole frames.
+    """Yield the hypothesis that bytes received over RS-485 are several whole frames, or only the user's own request.
 
-    If the last of these frames is a reply whose meaning is known, the hypothesis contains it.
+    Nothing is yielded if they are a single reply, or if other bytes remain. If the last frame is a reply that can be
+    decoded without an answer to an open question, the hypothesis contains it.
     """
-    frames = _frames_in(device, variant, received_bytes) if variant.interface == Rs485.name else None
+    if variant.interface != Rs485.name:
+        return
+    frames = _frames_in(device, variant, received_bytes)
     if not frames:
         return
     is_one_reply = len(frames) == 1 and not frames[0].is_request
@@ -93,9 +100,10 @@ def exchange_hypotheses(device: Device, variant: Variant, received_bytes: bytes)
 
 
 def _mistake_kind(frames: Sequence[ExchangedFrame]) -> str:
-    """Return the kind of mistake: "echo" for only requests, or "several_frames" for several replies.
+    """Return the kind of mistake with which these frames were received instead of a single reply.
 
-    With one reply, other bytes are "bytes_in_front" of it if the first frame is a request, and else "bytes_behind" it.
+    It is ``echo`` if all frames are requests, and ``several_frames`` for several replies. With one reply, it is
+    ``bytes_in_front`` if the first frame is a request, and otherwise ``bytes_behind``.
     """
     replies = [frame for frame in frames if not frame.is_request]
     if not replies:
@@ -107,9 +115,9 @@ def _mistake_kind(frames: Sequence[ExchangedFrame]) -> str:
 
 
 def _frames_in(device: Device, variant: Variant, received_bytes: bytes) -> tuple[ExchangedFrame, ...] | None:
-    """Return the fewest valid frames that the bytes consist of, in order, or None if other bytes remain.
+    """Split bytes into as few valid frames as possible, and return them in order, or None if other bytes remain.
 
-    ``()`` is the result for no bytes. More than 64 bytes are not searched.
+    The tuple is empty if there are no bytes. More than 64 bytes are not searched, and the result is None.
     """
     if len(received_bytes) > MOST_BYTES:
         return None
@@ -117,13 +125,12 @@ def _frames_in(device: Device, variant: Variant, received_bytes: bytes) -> tuple
     placed_layouts = [layout.place(variant.parameters) for layout in byte_layouts]
     requests = [placed_layout for placed_layout in placed_layouts if placed_layout.layout.sender == "master"]
     replies = [placed_layout for placed_layout in placed_layouts if placed_layout.layout.sender != "master"]
-    # The fewest frames from each byte to the end, by the index of the byte. It is filled from the end, so the frames
-    # after a byte are known.
+    # The fewest frames from each byte to the end, by the index of the byte. The map is filled from the end.
     fewest_frames_from: dict[int, tuple[ExchangedFrame, ...]] = {len(received_bytes): ()}
     for start in reversed(range(len(received_bytes))):
-        # A request is before its reply, even if both have the same form.
-        likeliest_first = requests + replies if start == 0 else replies + requests
-        for placed_layout in likeliest_first:
+        # The first frame is likely to be a request, and later frames are likely to be replies.
+        likeliest_layouts_first = requests + replies if start == 0 else replies + requests
+        for placed_layout in likeliest_layouts_first:
             end = start + placed_layout.bits // 8
             if end not in fewest_frames_from:
                 continue
@@ -141,7 +148,10 @@ def _frames_in(device: Device, variant: Variant, received_bytes: bytes) -> tuple
 def _valid_frame(
     device: Device, interface: str, placed_layout: PlacedLayout, received_bytes: bytes
 ) -> ExchangedFrame | None:
-    """Return the bytes as a frame with this layout, or None if it is not valid, or has no expected bits."""
+    """Return the bytes as a frame with this layout, or None if they are not a valid frame.
+
+    Return None also if no bit of the frame has an expected value, so that any bytes would be valid.
+    """
     frame_number = number_from_bytes(placed_layout.layout, received_bytes)
     usual_values = usual_values_of(device, interface, placed_layout.layout)
     evidence = _expected_bits(device, placed_layout, frame_number, usual_values)
@@ -151,7 +161,7 @@ def _valid_frame(
 
 
 def echo_hypotheses(device: Device, variant: Variant, placed_layout: PlacedLayout, frame: int) -> Iterator[Hypothesis]:
-    """Yield the hypothesis that a word of SPI is the request that the master sent, if it equals one."""
+    """Yield the hypothesis that an SPI word is the request that the master itself sent, if it equals a request."""
     request_and_evidence = _echoed_request(device, variant, placed_layout, frame)
     if request_and_evidence is None:
         return
@@ -170,7 +180,7 @@ def echo_hypotheses(device: Device, variant: Variant, placed_layout: PlacedLayou
 
 
 def own_request(device: Device, variant: Variant, placed_layout: PlacedLayout, frame: int) -> str:
-    """Return the name of the request that a word of SPI from the encoder equals, or ""."""
+    """Return the name of the request that a received SPI word equals, or an empty string."""
     request_and_evidence = _echoed_request(device, variant, placed_layout, frame)
     if request_and_evidence is None:
         return ""
@@ -181,13 +191,16 @@ def own_request(device: Device, variant: Variant, placed_layout: PlacedLayout, f
 def _echoed_request(
     device: Device, variant: Variant, placed_layout: PlacedLayout, frame: int
 ) -> tuple[PlacedLayout, int] | None:
-    """Return the request of SPI that a word equals, with the most expected bits and their number.
+    """Return the SPI request that a received word equals, and the number of bits that prove it.
 
-    The result is None if no request has the length of the word and at least 12 expected bits.
+    These are the bits that have an expected value in the request. At least 12 are needed. If several requests match, it
+    is the one with the most of these bits. Return None if no request matches.
     """
-    if variant.interface != Spi.name or placed_layout.layout.sender != "encoder" or frame >> placed_layout.bits:
+    is_from_encoder = placed_layout.layout.sender == "encoder"
+    has_too_many_bits = frame >> placed_layout.bits != 0
+    if variant.interface != Spi.name or not is_from_encoder or has_too_many_bits:
         return None
-    # Bits that also occur in a reply are not evidence of an echo, such as the command on a shared line.
+    # Bits that every reply contains as well, such as a repeated command, do not prove an echo.
     repeated_bits = sum(
         field.width for field in placed_layout.fields if isinstance(field.field.kind, (Constant, Unused))
     )
@@ -202,16 +215,16 @@ def _echoed_request(
             usual_values = usual_values_of(device, Spi.name, layout)
             expected_bits = _expected_bits(device, request, frame, usual_values)
             candidates.append((request, expected_bits - repeated_bits))
-    # A candidate is a request with its number of expected bits.
-    sure_candidates = [candidate for candidate in candidates if candidate[1] >= LEAST_BITS_OF_ECHO]
-    return max(sure_candidates, key=lambda candidate: candidate[1], default=None)
+    proven_candidates = [(request, evidence) for request, evidence in candidates if evidence >= LEAST_BITS_OF_ECHO]
+    return max(proven_candidates, key=itemgetter(1), default=None)  # with the most evidence
 
 
 def usual_values_of(device: Device, interface: str, layout: Layout) -> dict[str, list[int]]:
-    """Return the values that fields of a frame usually have: ``{"address": [0x15]}``.
+    """Return the values that fields of a frame usually have, by name, such as ``{"address": [0x15]}``.
 
-    These are their defaults in any frame, since a reply repeats the address in the request. In a request over SPI, they
-    are also the addresses of registers, and the documented content of unused fields.
+    These are the factory defaults of fields with the same name in any frame of the interface, since a reply repeats the
+    address in its request. In an SPI request, they are also the addresses of all registers, and the values of unused
+    fields in the manual.
     """
     field_names = {field.name for field in layout.fields}
     values_by_field: dict[str, list[int]] = {}
@@ -234,9 +247,9 @@ def usual_values_of(device: Device, interface: str, layout: Layout) -> dict[str,
 def _expected_bits(
     device: Device, placed_layout: PlacedLayout, frame: int, usual_values: Mapping[str, Sequence[int]]
 ) -> int:
-    """Return the number of bits in a valid frame that have the expected value.
+    """Return the number of bits in a valid frame that have an expected value, which proves that the bits are a frame.
 
-    These bits are the CRC, the constants, and fields with one of their usual values. A field that may have one of 4
+    These are the bits of the CRC, of constants, and of fields with one of their usual values. A field with 4 usual
     values has 2 free bits, which do not count.
     """
     crc = device.crc_of(placed_layout)
@@ -246,7 +259,7 @@ def _expected_bits(
         values = usual_values.get(placed_field.name, ())
         raw_value = (frame >> placed_field.low) & placed_field.mask
         if raw_value in values:
-            # The bits that are needed to number the usual values: 2 for 3 or 4 values, 0 for a single value.
+            # Choosing one of 3 or 4 values takes 2 bits, and a single value takes 0 bits.
             free_bits = (len(values) - 1).bit_length()
             usual_bits += placed_field.width - free_bits
     crc_bits = crc.width if crc is not None else 0

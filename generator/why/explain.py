@@ -1,8 +1,8 @@
-"""Explain why a CRC fails by trying common mistakes.
+"""Explain why a CRC check fails by trying common mistakes.
 
-For each mistake, the CRC is computed as if it had been made. All that match are listed, most likely first. A mistake
-may match by coincidence: with a 6-bit CRC, one random frame in 64 does. So each explanation, and the list as a whole,
-states its chance.
+For each mistake, the CRC is computed as if the mistake had been made. All mistakes with a matching CRC are listed, most
+likely first. A mistake can match by chance: with a 6-bit CRC, it matches one random frame in 64. Therefore, each
+explanation and the list as a whole state this probability.
 """
 
 from __future__ import annotations
@@ -43,13 +43,14 @@ def explain_bits(
     is_valid: bool = False,
     with_pairs: bool = False,
 ) -> Diagnosis | None:
-    """Explain the wrong CRC of the typed frame, which should have the layout ``placed_layout``.
+    """Explain an error in a frame that is sent as bits: list the mistakes that could have caused it.
 
-    Return None if the frame is valid, unless all its bits are equal, and if nothing could be tried and nothing is
-    missing. ``with_pairs`` also lists pairs of mistakes if a single one matches.
+    ``typed_frame`` is the frame as the user typed it, which should have the layout ``placed_layout``. Return None if no
+    mistake could be tried and no part of the frame is missing. A valid frame is only explained if all its bits are
+    equal. Pairs of mistakes are listed if no single mistake matches, and with ``with_pairs`` also if one does.
     """
     crc = device.crc_of(placed_layout)
-    # A number without leading zeros is at least as long as the expected frame.
+    # If leading zeros may be missing, the frame is at least as long as expected.
     frame_length = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, placed_layout.bits)
     doubt = _doubt_about_dead_line(placed_layout, crc, typed_frame.number, is_valid)
     dead_line = _diagnose_equal_bits(variant, typed_frame.number, frame_length, doubt)
@@ -60,27 +61,27 @@ def explain_bits(
     missing = _missing_part(device, variant, placed_layout, typed_frame)
     if crc is None:
         hypotheses = _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
-        disturbed = _disturbed_constants(placed_layout, typed_frame)
-        return diagnose_without_crc(device, hypotheses, missing, disturbed)
+        corrupted_bits = _find_corrupted_constant_bits(placed_layout, typed_frame)
+        return diagnose_without_crc(device, hypotheses, missing, disturbed=corrupted_bits)
     refuted = _refuted_hypotheses(placed_layout, crc, typed_frame)
     hypotheses = all_hypotheses(device, variant, placed_layout, crc, typed_frame)
     diagnosis = diagnose(device, hypotheses, refuted, [crc], with_pairs=with_pairs)
     is_explained = diagnosis is not None and bool(diagnosis.explanations)
-    # A number may lack its leading zeros, but bytes are complete.
+    # Bytes are usually typed with all their zeros, so missing digits are reported even if the error is explained.
     if typed_frame.is_bytes or not is_explained:
         missing = missing or _missing_digits(placed_layout, typed_frame)
     if diagnosis is None:
         return _only_missing(missing) if missing else None
-    disturbed_bits: list[int] = []
+    bits_to_invert: list[int] = []
     # There is a refuted hypothesis only if the frame can have the expected length.
-    has_frame_length = bool(refuted)
-    if has_frame_length:
-        disturbed_bits = _bits_to_invert(placed_layout, crc, typed_frame.number)
-    return replace(diagnosis, missing=missing, disturbed=tuple(disturbed_bits))
+    can_have_expected_length = bool(refuted)
+    if can_have_expected_length:
+        bits_to_invert = _bits_to_invert(placed_layout, crc, typed_frame.number)
+    return replace(diagnosis, missing=missing, disturbed=tuple(bits_to_invert))
 
 
 def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[int]:
-    """Return the bits, counted from the last as 0, of which each makes the frame valid if it alone is inverted."""
+    """Return the positions of the bits that make a frame valid if only this bit is inverted. The last bit is 0."""
     bits_to_invert: list[int] = []
     for bit in range(placed_layout.bits):
         frame_with_flip = frame ^ (1 << bit)
@@ -89,43 +90,55 @@ def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[i
     return bits_to_invert
 
 
-def _disturbed_constants(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> tuple[int, ...]:
-    """Return the bits of which each, if inverted, makes wrong constants and a wrong parity of the frame right."""
+def _find_corrupted_constant_bits(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> tuple[int, ...]:
+    """Return the positions of the bits that correct all constants and parity bits if only this bit is inverted.
+
+    The last bit of the frame has the position 0. The tuple is empty if the constants and parity bits are correct, or if
+    the frame cannot have the expected length.
+    """
     frame = typed_frame.number
-    _, are_right = check_constant_bits(placed_layout, frame)
-    if are_right or not typed_frame.may_have(placed_layout.bits):
+    _, are_correct = check_constant_bits(placed_layout, frame)
+    if are_correct or not typed_frame.may_have(placed_layout.bits):
         return ()
-    return tuple(bit for bit in range(placed_layout.bits) if check_constant_bits(placed_layout, frame ^ (1 << bit))[1])
+    correcting_bits: list[int] = []
+    for bit in range(placed_layout.bits):
+        frame_with_flip = frame ^ (1 << bit)
+        _, are_correct = check_constant_bits(placed_layout, frame_with_flip)
+        if are_correct:
+            correcting_bits.append(bit)
+    return tuple(correcting_bits)
 
 
 def _doubt_about_dead_line(placed_layout: PlacedLayout | None, crc: Crc | None, frame: int, is_valid: bool) -> str:
-    """Return why a frame of equal bits may still be a frame, or "" if its CRC, a constant or a parity is wrong.
+    """Return the reason why a frame whose bits are all equal may be a real frame, and not come from a dead line.
 
-    The text continues a sentence: ``and the CRC is correct too``. Without a CRC, the length alone proves nothing.
+    The text continues a sentence: ``and the CRC is correct too``. It is empty if the CRC, a constant, or a parity bit
+    of the frame is wrong.
     """
     if crc is not None:
         return TEXTS["crc_is_correct"] if is_valid else ""
     if placed_layout is None:
         return ""
-    _, are_constants_right = check_constant_bits(placed_layout, frame)
-    return TEXTS["has_no_crc"] if are_constants_right else ""
+    _, are_constants_correct = check_constant_bits(placed_layout, frame)
+    return TEXTS["has_no_crc"] if are_constants_correct else ""
 
 
 def _only_missing(missing: str) -> Diagnosis:
-    """Return the diagnosis of a recording that only lacks a part of the frame."""
+    """Return the diagnosis of an incomplete frame: only ``missing``, the text about the missing part."""
     return Diagnosis(explanations=(), tried=0, coincidence=0.0, cannot_see=(), missing=missing)
 
 
 def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str:
-    """Return what a recording of another length lacks, or "" if a rule of the line finds a frame in it.
+    """Return a text about the part that a recording of the line lacks, or an empty string if it contains a frame.
 
-    It is also empty if the frame may have the right length, or if the line carries bytes.
+    It is also empty if the recording can have the length of the frame, or if the line carries bytes.
     """
     line = LINES.get(line_name(device.interface(variant.interface)))
     if line is None or typed_frame.may_have(placed_layout.bits):
         return ""
     crc = device.crc_of(placed_layout)
     for hypothesis in moved_frame_hypotheses(device, variant, placed_layout, crc, typed_frame):
+        # A frame that is searched at every bit does not count.
         is_found_by_rule = hypothesis.fits and hypothesis.kind != FRAME_INSIDE
         if is_found_by_rule and (hypothesis.crc is None or is_significant(hypothesis)):
             return ""
@@ -133,7 +146,10 @@ def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout,
 
 
 def _missing_digits(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str:
-    """Return how many bytes of the frame were not typed, so that they were read as zeros, or an empty string."""
+    """Return a text about the bytes of the frame that the user did not type, or an empty string.
+
+    These bytes are treated as zeros.
+    """
     has_known_digits = not typed_frame.exact and typed_frame.written > 0
     if not has_known_digits:
         return ""
@@ -142,8 +158,9 @@ def _missing_digits(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str
 
 
 def _missing_bytes(placed_layout: PlacedLayout, received_bits: int) -> str:
-    """Return how many bytes of the frame are missing, or an empty string. Its last bits fill a whole byte."""
-    received_bytes, frame_bytes = -(-received_bits // 8), -(-placed_layout.bits // 8)
+    """Return a text about the number of missing bytes of a frame, or an empty string if none are missing."""
+    received_bytes = (received_bits + 7) // 8  # rounded up
+    frame_bytes = (placed_layout.bits + 7) // 8
     if received_bytes >= frame_bytes:
         return ""
     return TEXTS["bytes_missing"].format(
@@ -154,7 +171,7 @@ def _missing_bytes(placed_layout: PlacedLayout, received_bits: int) -> str:
 def _hypotheses_without_crc(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with a frame without a CRC: with other bits around it, or with its bits or bytes rearranged."""
+    """Yield hypotheses for a frame without a CRC: it is surrounded by extra bits, truncated, or rearranged."""
     yield from moved_frame_hypotheses(device, variant, placed_layout, None, typed_frame)
     yield from rearranged_frame_hypotheses(variant, placed_layout, None, typed_frame)
 
@@ -162,16 +179,16 @@ def _hypotheses_without_crc(
 def explain_constant(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Diagnosis | None:
-    """Explain a wrong constant, or return None if nothing matches.
+    """Explain a wrong constant in a frame, or return None if no mistake matches.
 
-    With a valid CRC, this is another answer to a question that the manual leaves open, or the CRC of a moved or
-    rearranged frame is valid by coincidence. Without a CRC, it is a moved or rearranged frame, or a bit is disturbed.
+    If the CRC is valid, a different answer to a question that the manual leaves open may apply, or the bits are moved
+    or rearranged and the CRC is valid by chance. Without a CRC, bits are moved or rearranged, or one is corrupted.
     """
     crc = device.crc_of(placed_layout)
     if crc is None:
         hypotheses = _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
-        disturbed = _disturbed_constants(placed_layout, typed_frame)
-        return diagnose_without_crc(device, hypotheses, missing="", disturbed=disturbed)
+        corrupted_bits = _find_corrupted_constant_bits(placed_layout, typed_frame)
+        return diagnose_without_crc(device, hypotheses, missing="", disturbed=corrupted_bits)
     answer_hypotheses = other_answer_hypotheses(device, variant, placed_layout, typed_frame)
     fitting_hypotheses = [hypothesis for hypothesis in answer_hypotheses if hypothesis.fits]
     frame_hypotheses = [
@@ -194,13 +211,12 @@ def explain_bytes(
     *,
     with_pairs: bool = False,
 ) -> Diagnosis | None:
-    """Explain the wrong CRC of ``received_bytes``, which should be a frame of the layout ``placed_layout`` if that is
-    known.
+    """Explain an error in a frame that is sent as bytes: list the mistakes that could have caused it.
 
-    ``with_pairs`` also lists pairs of mistakes if a single one matches.
-
-    Return None if there is no mistake to try. If nothing explains too few bytes, only their number is the diagnosis.
-    Single bits that would make the frame valid are only searched if the layout is known and has the length of the data.
+    ``placed_layout`` is the layout that the bytes should have, or None if it is unknown. Return None if there is no
+    mistake to try. If bytes are missing and nothing explains the error, the diagnosis contains only their number.
+    Single corrupted bits are only searched if the layout is known and the length is correct. Pairs of mistakes are
+    listed if no single mistake matches, and with ``with_pairs`` also if one does.
     """
     number = int.from_bytes(received_bytes, "big")
     crc = device.crc_of(placed_layout) if placed_layout is not None else None
@@ -208,8 +224,9 @@ def explain_bytes(
     dead_line = _diagnose_equal_bits(variant, number, 8 * len(received_bytes), doubt)
     if dead_line is not None:
         return dead_line
-    # Only what an encoder sends is searched for whole frames.
-    whole_frames = list(exchange_hypotheses(device, variant, received_bytes)) if sender == "encoder" else []
+    whole_frames: list[Hypothesis] = []
+    if sender == "encoder":
+        whole_frames = list(exchange_hypotheses(device, variant, received_bytes))
     hypotheses = [*whole_frames, *byte_hypotheses(device, variant, sender, placed_layout, received_bytes)]
     if _has_crc_in_bytes(device, variant, sender):
         diagnosis = _diagnose_with_crc(device, hypotheses, whole_frames, with_pairs=with_pairs)
@@ -229,10 +246,14 @@ def explain_bytes(
 def _diagnose_with_crc(
     device: Device, hypotheses: Sequence[Hypothesis], whole_frames: Sequence[Hypothesis], *, with_pairs: bool
 ) -> Diagnosis | None:
-    """Return the diagnosis of bytes by the CRCs of the hypotheses, of which ``whole_frames`` explain extra bytes."""
+    """Return the diagnosis of bytes that end with a CRC.
+
+    ``whole_frames`` are those of the hypotheses in which the bytes consist of several whole frames.
+    """
     crc_names = dict.fromkeys(hypothesis.crc.name for hypothesis in hypotheses if hypothesis.crc is not None)
     crcs = [device.crc(name) for name in crc_names]
-    # For an unknown frame the user has not chosen anything, so values that depend on an answer are not read.
+    # The user may not have answered the questions that the manual leaves open, so fields that depend on them are
+    # omitted.
     undecided = frozenset(name for alternative in device.alternatives for name in alternative.answers[0].sets)
     repeated = [hypothesis for hypothesis in hypotheses if _repeats_frame(hypothesis, whole_frames)]
     return diagnose(
@@ -247,7 +268,7 @@ def _diagnose_with_crc(
 
 
 def _has_crc_in_bytes(device: Device, variant: Variant, sender: str) -> bool:
-    """Return whether any frame in bytes from the sender has a CRC."""
+    """Return whether the sender sends any frame as bytes that has a CRC."""
     for layout in device.interface(variant.interface).layouts:
         is_from_sender = layout.sender == sender and layout.in_bytes
         if is_from_sender and device.crc_of(layout.place(variant.parameters)) is not None:
@@ -256,7 +277,10 @@ def _has_crc_in_bytes(device: Device, variant: Variant, sender: str) -> bool:
 
 
 def _repeats_frame(hypothesis: Hypothesis, whole_frames: Sequence[Hypothesis]) -> bool:
-    """Return whether the hypothesis explains extra bytes although whole frames already explain them, by this frame."""
+    """Return whether a hypothesis finds the same frame between extra bytes as a hypothesis of several whole frames.
+
+    The latter is better, because it also explains the extra bytes.
+    """
     if hypothesis in whole_frames or hypothesis.kind not in ("bytes_in_front", "bytes_behind"):
         return False
     frames_and_layouts = [(whole_frame.frame, whole_frame.frame_layout) for whole_frame in whole_frames]
@@ -264,7 +288,10 @@ def _repeats_frame(hypothesis: Hypothesis, whole_frames: Sequence[Hypothesis]) -
 
 
 def _bits_of_bytes_to_invert(device: Device, placed_layout: PlacedLayout, received_bytes: bytes) -> list[int]:
-    """Return the bits, counted from the last as 0, of which each makes the frame valid if it alone is inverted."""
+    """Return the positions of the bits that make the bytes a valid frame if only this bit is inverted.
+
+    The last bit has the position 0.
+    """
     bits_to_invert: list[int] = []
     number = int.from_bytes(received_bytes, "big")
     for bit in range(placed_layout.bits):
@@ -275,20 +302,22 @@ def _bits_of_bytes_to_invert(device: Device, placed_layout: PlacedLayout, receiv
 
 
 def _refuted_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Sequence[Hypothesis]:
-    """Return the hypothesis that there is no mistake, or nothing if the frame cannot have the expected length.
+    """Return the hypothesis without a mistake, which an invalid frame refutes, as a list.
 
-    The frame is known to be invalid, so this does not match, and mistakes that match the same frames need not be tried.
+    Other hypotheses that match the same frames are refuted with it. The list is empty if the frame cannot have the
+    expected length.
     """
+    is_too_long = typed_frame.bits > placed_layout.bits
     is_too_short = typed_frame.exact and typed_frame.bits < placed_layout.bits
-    if typed_frame.bits > placed_layout.bits or is_too_short:
+    if is_too_long or is_too_short:
         return []
     return [hypothesis_without_mistake(placed_layout, crc, typed_frame.number)]
 
 
 def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: str) -> Diagnosis | None:
-    """Explain a frame of at least 12 bits that are all equal, or return None for any other frame.
+    """Explain a frame of at least 12 bits that are all equal: the line is dead. Return None for any other frame.
 
-    No other mistake is tried for such a frame. ``doubt`` is the reason why nothing proves that the line is dead, or "".
+    ``doubt`` is the reason why the bits may be a real frame, or an empty string.
     """
     all_ones = (1 << bit_count) - 1
     if bit_count < LEAST_EQUAL_BITS or number not in (0, all_ones):
@@ -300,7 +329,7 @@ def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: s
         cause = "a broken wire" if level else "a short circuit"
         other_causes = "wires A and B" if variant.interface == Rs485.name else "the clock"
         explanation_text = TEXTS["line_stuck"].format(level, cause, other_causes)
-    # The first bit can be either level, and the others must have the same. One in 2^62 is enough to be certain.
+    # The first bit can be 0 or 1, and all others must equal it. More than 62 bits do not make this more certain.
     bits_that_agree = min(bit_count - 1, 62)
     one_in = 1 << bits_that_agree
     frequency = MISTAKES["line_stuck"]

@@ -20,10 +20,10 @@ from ..reference.bits import compute_bits, compute_bytes, parity_bit
 
 @dataclass(frozen=True, slots=True)
 class TypedFrame:
-    """A frame as typed, with ``bits`` bits, or at least ``bits`` bits if the text does not show leading zeros.
+    """A frame as the user typed it, with ``bits`` bits, or at least that many if leading zeros may be missing.
 
-    ``written`` is the number of bits of all digits, leading zeros included, or 0 for a decimal number. ``is_bytes``
-    is true for several bytes, which usually have all their zeros.
+    ``exact`` is true if none are missing. ``written`` is the number of bits of all digits, including leading zeros, or
+    0 for a decimal number. ``is_bytes`` is true for several bytes, which usually have all their zeros.
     """
 
     number: int
@@ -33,7 +33,7 @@ class TypedFrame:
     is_bytes: bool = False
 
     def may_have(self, bits: int) -> bool:
-        """Return whether the frame may have this number of bits: exactly those typed, or also more leading zeros."""
+        """Return whether the frame can have this number of bits, possibly with leading zeros that were not typed."""
         if self.exact:
             return self.bits == bits
         return self.bits <= bits
@@ -86,9 +86,9 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
 #: Likelihood, relative to a random bit, of an inactive flag or a reserved bit as documented, and of an active flag.
 #: Faults are assumed to be rare.
 IDLE, ACTIVE = 1.8, 0.2
-#: Frames with fewer bits may have equal bits by chance.
+#: Fewest bits of a frame whose bits are all equal because the line is dead. In shorter frames, this may be chance.
 LEAST_EQUAL_BITS = 12
-#: Relative frequency of inverted bits over SPI, which has no pairs of wires that could be swapped.
+#: Relative frequency of inverted bits over SPI, which has no wire pairs that could be swapped.
 INVERTED_WITHOUT_PAIR = 0.125
 #: Relative frequency of a mistake together with a second one.
 WITH_SECOND_MISTAKE = 0.125
@@ -136,12 +136,15 @@ class Hypothesis:
 
     @property
     def frequency(self) -> float:
-        """Estimated frequency of the mistake, in the unit of ``MISTAKES``."""
+        """Estimated frequency of the mistake, relative to other mistakes."""
         return MISTAKES[self.kind] * self.relative_frequency
 
     @property
     def fits(self) -> bool:
-        """True if a frame with the mistake has these bits: those that the mistake determines, and the CRC."""
+        """True if the hypothesis matches: the bits that the mistake determines and the CRC are correct.
+
+        Without a CRC, only the determined bits are compared.
+        """
         if not self.are_determined_right:
             return False
         if self.crc is None:
@@ -150,15 +153,15 @@ class Hypothesis:
             computed_crc = compute_bytes(self.crc, self.covered_data.to_bytes(self.covered_bits // 8, "big"))
         else:
             computed_crc = compute_bits(self.crc, self.covered_data, self.covered_bits)
-        # Only the first bits of the CRC were received.
+        # Only the received bits of the CRC are compared.
         missing_crc_bits = self.crc.width - self.received_crc_bits
         return computed_crc >> missing_crc_bits == self.received_crc
 
     @property
     def one_in(self) -> int:
-        """Average number of random frames among which one matches: 64 for 6 received CRC bits.
+        """Number of random frames of which one matches the hypothesis by chance: 64 for 6 received CRC bits.
 
-        A frame that was searched at several places matches by chance more often.
+        It is smaller if the frame was searched at several places of a recording.
         """
         compared_bits = self.received_crc_bits + self.determined_bits
         number_of_patterns = 1 << compared_bits
@@ -166,44 +169,44 @@ class Hypothesis:
 
     @property
     def score(self) -> float:
-        """Likelihood of a mistake that matches: its frequency, times the improbability of the match without it."""
+        """Relative likelihood of a mistake that matches: its frequency, times how improbable the match is by chance."""
         evidence = self.received_crc_bits + max(self.determined_bits, self.right_constant_bits)
         return self.frequency * self.likelihood * 2.0**evidence / self.searched_places
 
     @property
     def match_key(self) -> tuple[object, ...]:
         """Key of the hypothesis. Hypotheses with the same key match the same frames."""
-        # With a start value of 0, leading zeros do not change the CRC, so the number of bits does not matter.
+        # If the start value is 0, leading zeros do not change the CRC, so the number of covered bits does not matter.
         has_start_value = self.crc is not None and self.crc.init != 0
         distinguishing_bits = self.covered_bits if has_start_value else 0
         return self.crc, self.covered_data, distinguishing_bits, self.received_crc, self.received_crc_bits
 
 
 def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, bool]:
-    """Return the number of bits in a frame that must have a certain value, and whether they all have it: ``(6, True)``.
+    """Return how many bits of a frame must have a certain value, and whether all of them have it: ``(6, True)``.
 
-    These are constants, parity, and the field that identifies the layout. A field that may have one of 4 values has 2
-    free bits, which do not count.
+    These are the bits of constants, of parity bits, and of the selector, the field that identifies the layout. A
+    selector with 4 valid values has 2 free bits, which do not count.
     """
     constant_bits = 0
-    are_right = True
+    are_correct = True
     for placed_field in placed_layout.fields:
         raw_value = (frame >> placed_field.low) & placed_field.mask
         expected_value = _expected_constant(placed_layout, placed_field, frame)
         if expected_value is not None:
             constant_bits += placed_field.width
-            are_right = are_right and raw_value == expected_value
+            are_correct = are_correct and raw_value == expected_value
         elif placed_field.name == placed_layout.layout.selector:
             selector_values = placed_layout.layout.selects
-            # The bits that are needed to number the possible values: 2 for 3 or 4 values, 0 for a single value.
+            # Choosing one of 3 or 4 values takes 2 bits, and a single value takes 0 bits.
             free_bits = (len(selector_values) - 1).bit_length()
             constant_bits += placed_field.width - free_bits
-            are_right = are_right and raw_value in selector_values
-    return constant_bits, are_right
+            are_correct = are_correct and raw_value in selector_values
+    return constant_bits, are_correct
 
 
 def _expected_constant(placed_layout: PlacedLayout, placed_field: PlacedField, frame: int) -> int | None:
-    """Return the value that a constant or parity must have in the frame, or None for other fields."""
+    """Return the value that a constant or a parity bit must have in the frame, or None for other fields."""
     match placed_field.field.kind:
         case Constant(value):
             return value
@@ -214,10 +217,10 @@ def _expected_constant(placed_layout: PlacedLayout, placed_field: PlacedField, f
 
 
 def likelihood(placed_layout: PlacedLayout, frame: int) -> float:
-    """Return the likelihood of the flags and reserved bits, relative to random bits.
+    """Return how likely the flags and reserved bits of a frame are, compared with random bits.
 
-    It is the product of 1.8 for each inactive flag or reserved bit as documented, and 0.2 for each active flag or
-    reserved field with another value. Without such fields, it is 1.
+    It is the product of 1.8 for each inactive flag and each reserved bit with its value in the manual, and of 0.2 for
+    each active flag and each reserved field with a different value. Without such fields, it is 1.
     """
     likelihood = 1.0
     for placed_field in placed_layout.fields:
@@ -244,16 +247,18 @@ def frame_hypothesis(
     are_determined_right: bool = True,
     order_codes: Sequence[str] = (),
 ) -> Hypothesis:
-    """Return the hypothesis that the frame was ``frame``, whose last ``lost_bits`` bits were not received.
+    """Return the hypothesis that the encoder sent ``frame``, and that a mistake changed it.
 
-    Lost bits belong to the CRC, of which only the others are compared. Without a CRC, they are assumed as ``frame`` has
-    them, so they prove nothing. The bits of constants and parity count as determined, too.
+    ``kind`` and ``description`` name the mistake. The last ``lost_bits`` bits of the frame were not received. They
+    belong to the CRC, and only its other bits are compared. Without a CRC, their values in ``frame`` are assumed, so
+    they prove nothing. ``determined_bits`` is the number of bits around the frame whose value the mistake determines.
+    The bits of constants and parity are added to it.
     """
     if crc is None:
         return _hypothesis_without_crc(
             kind, description, placed_layout, frame, lost_bits, determined_bits, are_determined_right
         )
-    constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
+    constant_bits, are_constants_correct = check_constant_bits(placed_layout, frame)
     covered_data, covered_bits = crc_covered_bits(placed_layout, frame)
     return Hypothesis(
         kind=kind,
@@ -261,11 +266,10 @@ def frame_hypothesis(
         crc=crc,
         covered_data=covered_data,
         covered_bits=covered_bits,
-        # The CRC is at the end of the frame, so the lost bits belong to it.
         received_crc=(frame & crc.mask) >> lost_bits,
         received_crc_bits=crc.width - lost_bits,
         determined_bits=determined_bits + constant_bits,
-        are_determined_right=are_determined_right and are_constants_right,
+        are_determined_right=are_determined_right and are_constants_correct,
         likelihood=likelihood(placed_layout, frame),
         frame=frame,
         frame_layout=placed_layout,
@@ -282,11 +286,12 @@ def _hypothesis_without_crc(
     determined_bits: int,
     are_determined_right: bool,
 ) -> Hypothesis:
-    """Return the hypothesis of a frame that only its constants and parity can contradict.
+    """Return the hypothesis that the encoder sent ``frame``, which has no CRC, and that a mistake changed it.
 
-    Of ``lost_bits`` assumed bits, any value that fits is possible, so their number is subtracted.
+    Only constants and parity bits can contradict it. The values of the ``lost_bits`` bits that were not received are
+    assumed, so their number is subtracted from the number of these bits.
     """
-    constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
+    constant_bits, are_constants_correct = check_constant_bits(placed_layout, frame)
     return Hypothesis(
         kind=kind,
         description=description,
@@ -296,7 +301,7 @@ def _hypothesis_without_crc(
         received_crc=0,
         received_crc_bits=0,
         determined_bits=determined_bits + max(constant_bits - lost_bits, 0),
-        are_determined_right=are_determined_right and are_constants_right,
+        are_determined_right=are_determined_right and are_constants_correct,
         likelihood=likelihood(placed_layout, frame),
         frame=frame,
         frame_layout=placed_layout,
@@ -304,7 +309,7 @@ def _hypothesis_without_crc(
 
 
 def crc_covered_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, int]:
-    """Return the bits that the CRC covers as a number, shifted to bit 0, and how many they are."""
+    """Return the bits of a frame that the CRC covers, as a number shifted to bit 0, and how many they are."""
     low, width = placed_layout.crc_covers
     mask = (1 << width) - 1
     return (frame >> low) & mask, width

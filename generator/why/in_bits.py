@@ -42,11 +42,10 @@ from .texts import TEXTS
 def all_hypotheses(
     device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield every single mistake that could have turned a valid frame into the typed one.
+    """Yield hypotheses, each with one mistake that could have turned a valid frame into the one that the user typed.
 
-    ``placed_layout`` is the layout of the expected frame. If the CRC covers only a part of the frame, only other CRC
-    parameters, and rearranged and moved frames, are tried. A frame that can have the right length is tried in another
-    length only if that leads to another frame.
+    ``placed_layout`` is the layout that the frame should have. If the CRC covers only a part of the frame, only
+    different CRC parameters and moved or rearranged bits are tried.
     """
     if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
         is_biss = variant.interface == Biss.name
@@ -62,10 +61,10 @@ def all_hypotheses(
 
 
 def _possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> list[int]:
-    """Return the lengths in bits that the text may have, longest first.
+    """Return the numbers of bits that may have been received, largest first.
 
-    Without leading zeros, these are the length of the frame and one bit less, since the first bit may be missing.
-    Neither is below the number of typed bits.
+    If the user may have omitted leading zeros, these are the length of the expected frame, and one bit less, since its
+    first bit may be missing.
     """
     has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
     if has_known_length:
@@ -77,10 +76,11 @@ def _possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> l
 def moved_frame_hypotheses(
     device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with bits around the frame, or without its first or last bits, or with the user's own request.
+    """Yield hypotheses in which the received bits are not exactly the frame.
 
-    The offsets and recordings of the line are tried. If none of them fits and there is a CRC, the frame is searched at
-    every bit. A frame of 0 bits is in any bits, so it is not looked for.
+    They may contain extra bits around the frame, lack its first or last bits, or be the user's own request. If no rule
+    of the line finds the frame, and the frame has a CRC, it is searched at every bit. Nothing is yielded for a frame of
+    0 bits.
     """
     line = LINES.get(line_name(device.interface(variant.interface)))
     if line is None or not placed_layout.bits:
@@ -104,8 +104,12 @@ def moved_frame_hypotheses(
 
 
 def _can_have(placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset) -> bool:
-    """Return whether the frame has the bits that are missing with an offset, and its CRC the lost last bits."""
-    if len(offset.missing) + offset.lost > placed_layout.bits:
+    """Return whether a frame with this CRC is long enough to lose as many bits as this offset says.
+
+    Lost last bits must belong to the CRC, if there is one.
+    """
+    missing_bits = len(offset.missing) + offset.lost
+    if missing_bits > placed_layout.bits:
         return False
     return crc is None or offset.lost <= crc.width
 
@@ -113,7 +117,10 @@ def _can_have(placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset)
 def _left_out_command_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield the hypothesis that the bits during the command are missing, with the command that the layout expects."""
+    """Yield the hypothesis that the first bits of an SPI word, which are sent during the command, are missing.
+
+    They are assumed to be the constants that the layout requires.
+    """
     command, command_bits = _bits_during_command(placed_layout, crc)
     remaining_bits = placed_layout.bits - command_bits
     has_remaining_bits = typed_frame.may_have(remaining_bits) and typed_frame.written == remaining_bits
@@ -124,23 +131,23 @@ def _left_out_command_hypotheses(
     frame = (command << remaining_bits) | typed_frame.number
     hypothesis = frame_hypothesis("command_left_out", description, placed_layout, crc, frame)
     constant_bits, _ = check_constant_bits(placed_layout, 0)
-    # The constants of the command are the assumed ones, so they prove nothing.
+    # The constants that were assumed prove nothing.
     assumed_bits = sum(field.width for field in placed_layout.fields if _is_constant_from(field, remaining_bits))
     yield replace(hypothesis, determined_bits=constant_bits - assumed_bits)
 
 
 def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[int, int]:
-    """Return the first bits of a word, up to its data, and their number: ``(0x8021, 16)``.
+    """Return the first bits of a word, before its data, and their number: ``(0x8021, 16)``.
 
-    These are constants, and bits that the CRC does not cover, which are returned as 0. If they are not whole bytes, the
-    result is ``(0, 0)``.
+    These are constants, and bits that the CRC does not cover, which are 0 in the result. If they are not whole bytes,
+    the result is ``(0, 0)``.
     """
     low, width = placed_layout.crc_covers if crc is not None else (0, placed_layout.bits)
     first_bit_above_covered = low + width
     command = 0
     lowest_bit = placed_layout.bits
-    # From the first field that is sent to the last.
-    for field in sorted(placed_layout.fields, key=lambda placed_field: -placed_field.low):
+    fields_as_sent = sorted(placed_layout.fields, key=lambda placed_field: -placed_field.low)
+    for field in fields_as_sent:
         is_uncovered = field.low >= first_bit_above_covered
         if not isinstance(field.field.kind, Constant) and not is_uncovered:
             break
@@ -160,11 +167,11 @@ def _is_constant_from(field: PlacedField, lowest_bit: int) -> bool:
 def _offset_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset, number: int, length: int
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the ``length`` bits of ``number`` do not begin and end with the frame.
+    """Yield hypotheses in which the ``length`` bits of ``number`` contain the frame with an offset.
 
-    The bits are, in the order received: bits before the frame, the received part of the frame, bits after it. Bits
-    around the frame that must be 1 count as determined, and those that are mostly 0 change the likelihood. Without a
-    CRC, there is a hypothesis for each value of the lost last bits. With a CRC, these bits belong to it and are 0 here.
+    An offset describes extra bits before and after the frame, and missing first and last bits. Extra bits that must be
+    1 are evidence, and those that are mostly 0 change the likelihood. Without a CRC, there is a hypothesis for each
+    value of the missing last bits. With a CRC, these bits belong to it, and are 0 here.
     """
     frame_part_length = length - len(offset.front) - len(offset.behind)
     front_and_frame_part = number >> len(offset.behind)
@@ -176,15 +183,22 @@ def _offset_hypotheses(
     start_bits = _bits_with_mark(offset.front, "1", front)
     mostly_zero_bits = _bits_with_mark(offset.front, "~", front) + _bits_with_mark(offset.behind, "~", behind)
     likelihood_around = prod(ACTIVE if bit else IDLE for bit in mostly_zero_bits)
-    assumed_bits = 0 if crc is not None else offset.lost + len(offset.missing)
-    for last_bits in range(1 << offset.lost if crc is None else 1):
+    if crc is None:
+        assumed_bits = offset.lost + len(offset.missing)
+        bits_not_compared = assumed_bits
+        values_of_last_bits = range(1 << offset.lost)
+    else:
+        assumed_bits = 0
+        bits_not_compared = offset.lost
+        values_of_last_bits = range(1)
+    for last_bits in values_of_last_bits:
         hypothesis = frame_hypothesis(
             offset.kind,
             offset.text.format(offset.missing),
             placed_layout,
             crc,
             frame_without_last_bits | last_bits,
-            lost_bits=offset.lost if crc is not None else assumed_bits,
+            lost_bits=bits_not_compared,
             determined_bits=len(start_bits),
             are_determined_right=all(start_bits),
         )
@@ -197,10 +211,10 @@ def _offset_hypotheses(
 
 
 def _bits_with_mark(marks: str, mark: str, received_bits: int) -> list[int]:
-    """Return those received bits before or after the frame that have this mark, the last one first.
+    """Return the extra bits before or after a frame that have a certain mark, last bit first.
 
-    The marks ``1~`` belong to a start bit, which must be 1, and to a bit that is mostly 0. If the bits are 0b10, the
-    bit with the mark ``~`` is ``[0]``.
+    ``marks`` describes these bits: in ``1~``, the first is a start bit, which must be 1, and the second is mostly 0. If
+    ``received_bits`` is 0b10, the result for the mark ``~`` is ``[0]``.
     """
     marks_from_last_bit = enumerate(reversed(marks))
     return [(received_bits >> bit) & 1 for bit, mark_of_bit in marks_from_last_bit if mark_of_bit == mark]
@@ -209,9 +223,9 @@ def _bits_with_mark(marks: str, mark: str, received_bits: int) -> list[int]:
 def rearranged_frame_hypotheses(
     variant: Variant, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which all bits are inverted, or the bits or bytes are in another order.
+    """Yield hypotheses in which all bits are inverted, or the bits or bytes of the frame are in a different order.
 
-    The bits must have the length of the frame. For bytes and words, the frame may be filled up with zeros.
+    The received bits must have the length of the frame, possibly with leading zeros that complete a byte or word.
     """
     if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
         other_frames = {
@@ -222,18 +236,18 @@ def rearranged_frame_hypotheses(
             other_frames["bits_reversed_in_bytes"] = reflected_bytes(typed_frame.number, placed_layout.bits // 8)
         for kind, frame in other_frames.items():
             hypothesis = frame_hypothesis(kind, TEXTS[kind], placed_layout, crc, frame)
-            # SPI has single wires. Over other interfaces, the two wires of a pair can be swapped, which inverts all
-            # bits.
+            # Swapping the two wires of a pair inverts all bits, but SPI has no wire pairs.
             lacks_pair = kind == "all_inverted" and variant.interface == Spi.name
             yield replace(hypothesis, relative_frequency=INVERTED_WITHOUT_PAIR if lacks_pair else 1.0)
     yield from _byte_order_hypotheses("bytes_reversed", placed_layout, crc, typed_frame)
-    # With two bytes, a swapped word is the same as reversed bytes.
-    if placed_layout.bits > 16:
+    # In a single word, swapped bytes are the same as reversed bytes.
+    has_several_words = placed_layout.bits > 16
+    if has_several_words:
         yield from _byte_order_hypotheses("words_swapped", placed_layout, crc, typed_frame)
 
 
 def reflected_bytes(number: int, byte_count: int) -> int:
-    """Return ``byte_count`` bytes with the bits of each in reverse order."""
+    """Return a number of ``byte_count`` bytes with the bits of each byte in reverse order."""
     original_bytes = number.to_bytes(byte_count, "big")
     return int.from_bytes(bytes(reflect(byte, 8) for byte in original_bytes), "big")
 
@@ -241,40 +255,40 @@ def reflected_bytes(number: int, byte_count: int) -> int:
 def _byte_order_hypotheses(
     kind: str, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield the hypothesis that the bytes of the frame are in reverse order, or the two bytes of each 16-bit word.
+    """Yield the hypothesis that the bytes of a frame are in reverse order, or the two bytes of each 16-bit word.
 
-    ``kind`` is "bytes_reversed" or "words_swapped". The frame was filled up with leading zeros to whole bytes or words,
-    which must be zero in the right order. Nothing is yielded for a frame that is longer, or exact in another length.
+    ``kind`` is ``bytes_reversed`` or ``words_swapped``. The frame is padded with leading zeros to whole bytes or words.
+    In the correct order, these must be zeros. Nothing is yielded if the received bits cannot have this length.
     """
     unit_bits = 16 if kind == "words_swapped" else 8
-    # The next multiple of the unit.
-    filled_bits = (placed_layout.bits + unit_bits - 1) // unit_bits * unit_bits
-    is_longer = typed_frame.number >> filled_bits != 0
-    if is_longer:
+    unit_count = (placed_layout.bits + unit_bits - 1) // unit_bits  # rounded up
+    padded_bits = unit_count * unit_bits
+    is_too_long = typed_frame.number >> padded_bits != 0
+    if is_too_long:
         return
-    has_possible_length = typed_frame.bits in (placed_layout.bits, filled_bits)
+    has_possible_length = typed_frame.bits in (placed_layout.bits, padded_bits)
     is_whole_bytes = typed_frame.bits % 8 == 0 and has_possible_length
     if typed_frame.exact and not is_whole_bytes:
         return
     if kind == "words_swapped":
-        filled_frame = swapped_words(typed_frame.number, filled_bits // 8)
+        padded_frame = swapped_words(typed_frame.number, padded_bits // 8)
     else:
-        filled_frame = int.from_bytes(typed_frame.number.to_bytes(filled_bits // 8, "little"), "big")
-    frame = filled_frame & ((1 << placed_layout.bits) - 1)
-    are_filling_bits_zero = frame == filled_frame
+        padded_frame = int.from_bytes(typed_frame.number.to_bytes(padded_bits // 8, "little"), "big")
+    frame = padded_frame & ((1 << placed_layout.bits) - 1)
+    are_padding_bits_zero = frame == padded_frame
     yield frame_hypothesis(
         kind,
         TEXTS[kind],
         placed_layout,
         crc,
         frame,
-        determined_bits=filled_bits - placed_layout.bits,
-        are_determined_right=are_filling_bits_zero,
+        determined_bits=padded_bits - placed_layout.bits,
+        are_determined_right=are_padding_bits_zero,
     )
 
 
 def swapped_words(number: int, byte_count: int) -> int:
-    """Return ``byte_count`` bytes, which is even, with the two bytes of each 16-bit word swapped."""
+    """Return a number of ``byte_count`` bytes, which must be even, with the two bytes of each 16-bit word swapped."""
     original_bytes = number.to_bytes(byte_count, "big")
     swapped_bytes = bytearray(byte_count)
     swapped_bytes[0::2] = original_bytes[1::2]
@@ -283,16 +297,17 @@ def swapped_words(number: int, byte_count: int) -> int:
 
 
 def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which error and warning are missing: removed after the CRC was computed, or before.
+    """Yield hypotheses in which the error and warning bits are missing from the frame.
 
-    They must be the last bits before the CRC. In the first case, the CRC covers them as inactive.
+    Either the CRC covers them as inactive, or it covers only the other bits. In the expected frame, they must be the
+    last bits before the CRC.
     """
     frame_status_mask = status_mask(placed_layout)
     status_bits = frame_status_mask.bit_count()
     bits_without_status = placed_layout.bits - status_bits
-    # The mask, shifted by the CRC, then consists of ones from bit 0 on.
-    ones_from_bit_0 = (1 << status_bits) - 1
-    are_last_before_crc = frame_status_mask >> crc.width == ones_from_bit_0
+    # The mask without the CRC then has ones only in its lowest bits.
+    lowest_bits_mask = (1 << status_bits) - 1
+    are_last_before_crc = frame_status_mask >> crc.width == lowest_bits_mask
     if not frame_status_mask or not are_last_before_crc or not typed_frame.may_have(bits_without_status):
         return
     data = typed_frame.number >> crc.width
@@ -300,7 +315,8 @@ def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fram
     data_in_frame = data << (crc.width + status_bits)
     frame = data_in_frame | _idle_status(placed_layout, frame_status_mask) | received_crc
     yield frame_hypothesis("status_not_sent", TEXTS["removed_and_idle"], placed_layout, crc, frame)
-    if typed_frame.exact:  # Otherwise this is the same as a CRC over the bits before them.
+    # If leading zeros may be missing, other hypotheses include a CRC over the bits before error and warning.
+    if typed_frame.exact:
         yield Hypothesis(
             kind="status_not_sent",
             description=TEXTS["removed"],
@@ -316,7 +332,7 @@ def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fram
 
 
 def _idle_status(placed_layout: PlacedLayout, frame_status_mask: int) -> int:
-    """Return the bits of error and warning, at their places in the frame, while neither is active."""
+    """Return the inactive values of the error and warning bits, at their places in the frame."""
     idle_bits = 0
     for placed_field in placed_layout.fields:
         is_status = (frame_status_mask >> placed_field.low) & 1
@@ -336,9 +352,10 @@ def _is_set_when_idle(kind: Kind) -> bool:
 def other_answer_hypotheses(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield the frame with each other answer to the open questions of the manual, complete or read one bit too long.
+    """Yield hypotheses in which a different answer to a question that the manual leaves open applies to the frame.
 
-    Answers that do not change the layout, or that lead to a frame without a CRC, are skipped.
+    The frame is complete, or one extra bit was read. Answers that do not change the layout, or that lead to a frame
+    without a CRC, are skipped.
     """
     for answers, changed_parameters in answer_combinations(device.alternatives_of(placed_layout.layout)):
         other_layout = placed_layout.layout.place({**variant.parameters, **changed_parameters})
@@ -355,7 +372,7 @@ def other_answer_hypotheses(
 
 
 def _decode_options(device: Device, answers: Sequence[Answer]) -> Iterator[str]:
-    """Yield the options of ``decode`` that choose the answers, such as ``--choose zero_bit=left_out``."""
+    """Yield the command-line option of ``decode`` that chooses each answer, such as ``--choose zero_bit=left_out``."""
     for alternative in device.alternatives:
         for answer in answers:
             if answer in alternative.answers:

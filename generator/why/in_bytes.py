@@ -22,17 +22,17 @@ from .hypotheses import Hypothesis, frame_hypothesis
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
 from .texts import TEXTS
 
-#: More extra bytes than this do not come from an echoed request.
+#: Longest request in bytes whose echo is considered.
 MOST_ECHOED_BYTES = 4
 
 
 def byte_hypotheses(
     device: Device, variant: Variant, sender: str, expected_layout: PlacedLayout | None, received_bytes: bytes
 ) -> Iterator[Hypothesis]:
-    """Yield every single mistake that could have turned a valid frame of the sender into ``received_bytes``.
+    """Yield hypotheses, each with one mistake that could have turned a valid frame into ``received_bytes``.
 
-    All layouts in bytes of the sender are tried, without a CRC or with one of 8 bits. Other CRCs are tried only for
-    ``expected_layout``, the layout of ``received_bytes``, or None if that is not known.
+    All frames of the sender that are sent as bytes are considered if they have no CRC or one of 8 bits. Different CRC
+    parameters are tried only for ``expected_layout``, the layout that the bytes should have, or None if it is unknown.
     """
     expected_name = expected_layout.name if expected_layout is not None else None
     for layout in device.interface(variant.interface).layouts:
@@ -52,7 +52,7 @@ def byte_hypotheses(
 
 
 def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, received_bytes: bytes) -> bool:
-    """Return whether the frame has an 8-bit CRC, and its CRC, constants, parity and selector are correct."""
+    """Return whether the bytes are a valid frame with an 8-bit CRC: CRC, constants, parity and selector are correct."""
     crc = device.crc_of(placed_layout)
     if crc is None or crc.width != 8:
         return False
@@ -60,7 +60,7 @@ def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, received_byte
 
 
 def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -> Iterator[Hypothesis]:
-    """Yield hypotheses with another CRC over the frame, or with a CRC that does not cover the first byte.
+    """Yield hypotheses in which the CRC has different parameters, or does not cover the first byte.
 
     The last byte of the frame is the received CRC.
     """
@@ -69,8 +69,8 @@ def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -
     for kind, description, other_crc in other_crcs_over_bytes(crc):
         yield replace(without_mistake, kind=kind, description=description, crc=other_crc)
     bytes_without_first_and_crc = frame[1:-1]
-    # A frame that is only a CRC has no first byte that it covers.
-    if len(frame) > 1:
+    has_byte_before_crc = len(frame) > 1
+    if has_byte_before_crc:
         yield replace(
             without_mistake,
             kind="first_byte_left_out",
@@ -83,19 +83,21 @@ def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -
 def _displaced_byte_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes, first_bytes: Sequence[int]
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the bytes do not begin and end with the frame, or are inverted.
+    """Yield hypotheses in which extra bytes surround the frame, its first byte is missing, or all bits are inverted.
 
-    Up to 4 bytes may precede or follow the frame, such as an echoed request. The first byte may be missing, and then an
-    extra byte may follow the frame. ``first_bytes`` are the possible values of a missing first byte.
+    Up to 4 bytes may precede or follow the frame, such as an echoed request. If the first byte is missing, an extra
+    byte may follow the frame. ``first_bytes`` are the possible values of a missing first byte.
     """
     frame_length = placed_layout.bits // 8
     extra_bytes = len(received_bytes) - frame_length
     if 0 < extra_bytes <= MOST_ECHOED_BYTES:
         counted_bytes = TEXTS["extra_bytes" if extra_bytes > 1 else "extra_byte"].format(extra_bytes)
-        text_in_front, text_behind = TEXTS["before"].format(counted_bytes), TEXTS["after"].format(counted_bytes)
-        last_bytes, leading_bytes = received_bytes[extra_bytes:], received_bytes[:frame_length]
-        yield _frame_hypothesis("bytes_in_front", text_in_front, placed_layout, crc, last_bytes)
-        yield _frame_hypothesis("bytes_behind", text_behind, placed_layout, crc, leading_bytes)
+        text_before = TEXTS["before"].format(counted_bytes)
+        text_after = TEXTS["after"].format(counted_bytes)
+        last_bytes = received_bytes[extra_bytes:]
+        first_received_bytes = received_bytes[:frame_length]
+        yield _frame_hypothesis("bytes_in_front", text_before, placed_layout, crc, last_bytes)
+        yield _frame_hypothesis("bytes_behind", text_after, placed_layout, crc, first_received_bytes)
     if extra_bytes == -1:
         yield from _missing_first_byte_hypotheses(
             placed_layout, crc, received_bytes, first_bytes, TEXTS["byte_missing"]
@@ -125,16 +127,19 @@ def _missing_first_byte_hypotheses(
 def _frame_hypothesis(
     kind: str, description: str, placed_layout: PlacedLayout, crc: Crc | None, frame: bytes
 ) -> Hypothesis:
-    """Return the hypothesis that the frame was ``frame``, whose last byte is the CRC, if any."""
+    """Return the hypothesis that the encoder sent ``frame``, whose last byte is the CRC if there is one.
+
+    ``kind`` and ``description`` name the mistake that changed the frame.
+    """
     frame_number = number_from_bytes(placed_layout.layout, frame)
     hypothesis = frame_hypothesis(kind, description, placed_layout, crc, frame_number)
     return hypothesis if crc is None else _with_crc_over_bytes(hypothesis, frame)
 
 
 def _with_crc_over_bytes(hypothesis: Hypothesis, frame: bytes) -> Hypothesis:
-    """Return the hypothesis with the CRC over the bytes as sent, independent of the byte order of the number.
+    """Return the hypothesis with the CRC computed over the bytes as they are sent, whatever the byte order of numbers.
 
-    The last byte is the CRC, and it covers all other bytes.
+    The last byte of the frame is the CRC, and it covers all other bytes.
     """
     return replace(
         hypothesis,
@@ -145,14 +150,15 @@ def _with_crc_over_bytes(hypothesis: Hypothesis, frame: bytes) -> Hypothesis:
 
 
 def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str, Sequence[int]]) -> Iterator[int]:
-    """Yield the possible first bytes of a frame, one for each value of the selector, or a single one without it.
+    """Yield the values that the first byte of a frame can have: one for each valid value of the selector.
 
-    Nothing is yielded if the first byte also has fields other than the selector, constants, parity and fields with one
-    usual value, since such a byte is not known.
+    The selector is the field that identifies the frame. Without a selector in this byte, there is a single value.
+    Nothing is yielded if the byte also contains fields that can vary. ``usual_values`` are the values that a field
+    usually has, by its name, such as the address of the encoder.
     """
     layout = placed_layout.layout
     bytes_after_first = bytes(placed_layout.bits // 8 - 1)
-    # The bits of the frame's number in the first byte.
+    # Mask of the first byte in the frame as a number.
     first_byte_mask = number_from_bytes(layout, b"\xff" + bytes_after_first)
     fields_in_first_byte = [field for field in placed_layout.fields if (first_byte_mask >> field.low) & field.mask]
     frame_without_selector = 0
@@ -176,7 +182,7 @@ def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str
         frame_number = frame_without_selector
         for field in selector_fields:
             frame_number |= selector_value << field.low
-        # The parity covers the other bits, so it is set last.
+        # Parity bits are set last, because they depend on the other bits.
         for field in parity_fields:
             assert isinstance(field.field.kind, Parity)
             frame_number |= parity_bit(placed_layout, field.field.kind, frame_number) << field.low

@@ -25,11 +25,11 @@ OtherCrc = tuple[str, str, Crc]
 
 
 def hypothesis_without_mistake(placed_layout: PlacedLayout, crc: Crc, frame: int) -> Hypothesis:
-    """Return the hypothesis that the frame is as it should be, to which the caller adds the mistake.
+    """Return a hypothesis without a mistake: a frame with this layout and CRC. The caller adds the mistake.
 
     The received CRC is in the lowest bits of the frame.
     """
-    constant_bits, are_constants_right = check_constant_bits(placed_layout, frame)
+    constant_bits, are_constants_correct = check_constant_bits(placed_layout, frame)
     covered_data, covered_bits = crc_covered_bits(placed_layout, frame)
     return Hypothesis(
         kind="",
@@ -39,7 +39,7 @@ def hypothesis_without_mistake(placed_layout: PlacedLayout, crc: Crc, frame: int
         covered_bits=covered_bits,
         received_crc=frame & crc.mask,
         received_crc_bits=crc.width,
-        right_constant_bits=constant_bits if are_constants_right else 0,
+        right_constant_bits=constant_bits if are_constants_correct else 0,
         likelihood=likelihood(placed_layout, frame),
     )
 
@@ -47,9 +47,10 @@ def hypothesis_without_mistake(placed_layout: PlacedLayout, crc: Crc, frame: int
 def other_crc_hypotheses(
     placed_layout: PlacedLayout, crc: Crc, frame: int, *, has_start_bits: bool
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with another CRC over the frame, with the CRC's bits reversed, or with the CRC over other bits.
+    """Yield hypotheses in which the CRC of a frame has different parameters, reversed bits, or covers different bits.
 
-    If the CRC covers only a part of the frame, other bits are not tried. ``has_start_bits`` is true for BiSS.
+    If the CRC covers only a part of the frame, different bits are not tried. ``has_start_bits`` is true for BiSS, which
+    sends a start bit before the frame.
     """
     without_mistake = hypothesis_without_mistake(placed_layout, crc, frame)
     for kind, description, other_crc in other_crcs_over_bits(crc):
@@ -65,7 +66,7 @@ def other_crc_hypotheses(
 
 
 def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
-    """Yield a CRC over bits with its inversion changed, with each other start value, and with its polynomial reversed.
+    """Yield variants of a CRC over bits: with its inversion changed, other start values, or its polynomial reversed.
 
     Each CRC comes with the kind of mistake and its description, such as ``the start value of the CRC is 0x3f``.
     """
@@ -80,15 +81,16 @@ def other_crcs_over_bits(crc: Crc) -> Iterator[OtherCrc]:
 
 
 def _other_start_values(crc: Crc) -> list[int]:
-    """Return all zeros, all ones, and the start values of other known CRCs with the polynomial."""
+    """Return other start values that a CRC may have: 0, all ones, and those of known CRCs with the same polynomial."""
     known_starts = {known.init for known in KNOWN_CRCS if known.polynomial == crc.poly_with_top_bit}
     return sorted({0, crc.mask, *known_starts} - {crc.init})
 
 
 def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
-    """Yield a CRC over bytes with another inversion, another start value, or another polynomial of 8 bits.
+    """Yield variants of a CRC over bytes: with its inversion changed, other start values, or other 8-bit polynomials.
 
-    The XOR of the bytes has no other start values, which would be the same as another inversion.
+    Each CRC comes with the kind of mistake and its description. For the XOR of all bytes, a start value is the same as
+    an inversion, so other start values are omitted.
     """
     inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
     if crc.is_xor:
@@ -110,15 +112,15 @@ def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
 
 
 def _status_hypotheses(without_mistake: Hypothesis, placed_layout: PlacedLayout, frame: int) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the CRC does not cover error and warning, or these were inverted after it was computed.
+    """Yield hypotheses in which the CRC does not cover the error and warning bits, or these bits were inverted later.
 
-    Nothing is yielded if the frame has neither error nor warning.
+    A master may convert them to active high after checking the CRC. Nothing is yielded if the frame has neither bit.
     """
     frame_status_mask = status_mask(placed_layout)
     if not frame_status_mask:
         return
     crc_bits = without_mistake.received_crc_bits
-    # The covered data begin above the CRC, so the mask is shifted, too.
+    # The CRC is below the covered data, so the mask is shifted by its width.
     data_without_status, data_bits = _remove_bits(
         without_mistake.covered_data, without_mistake.covered_bits, mask=frame_status_mask >> crc_bits
     )
@@ -142,9 +144,9 @@ def _status_hypotheses(without_mistake: Hypothesis, placed_layout: PlacedLayout,
 
 
 def _has_active_low_status(placed_layout: PlacedLayout) -> bool:
-    """Return whether an error or warning bit is 1 while it is inactive, so that it can be converted to active high.
+    """Return whether an error or warning bit of the frame is 1 while it is inactive.
 
-    A bit that the order code lacks does not count.
+    Only such a bit can be converted to active high. An unused bit in its place is also 1.
     """
     status_names = [status_field.name for status_field in placed_layout.layout.status_fields]
     present_fields = [field for field in placed_layout.fields if field.name in status_names and field.width]
@@ -153,7 +155,7 @@ def _has_active_low_status(placed_layout: PlacedLayout) -> bool:
 
 
 def status_mask(placed_layout: PlacedLayout) -> int:
-    """Return the mask of error and warning at their places in the frame, or 0 if the frame has neither."""
+    """Return the mask of the error and warning bits in the frame, or 0 if the frame has neither."""
     status_names = [status_field.name for status_field in placed_layout.layout.status_fields]
     mask = 0
     for placed_field in placed_layout.fields:
@@ -163,9 +165,9 @@ def status_mask(placed_layout: PlacedLayout) -> int:
 
 
 def _remove_bits(data: int, data_bits: int, mask: int) -> tuple[int, int]:
-    """Return ``data`` without the bits of ``mask``, and the number of bits that remain: ``(0b11, 2)``.
+    """Remove the bits in ``mask`` from ``data``, and return the other bits, moved together, and how many they are.
 
-    The example is for 0b101 without the bits of 0b010. The other bits keep their order and move together.
+    For example, 0b101 without the bits in 0b010 is ``(0b11, 2)``.
     """
     remaining_data = remaining_bits = 0
     for bit in reversed(range(data_bits)):
@@ -180,16 +182,15 @@ def _remove_bits(data: int, data_bits: int, mask: int) -> tuple[int, int]:
 def _position_code_hypotheses(
     without_mistake: Hypothesis, placed_layout: PlacedLayout, frame: int
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the position is in Gray code but the CRC covers binary, or vice versa.
+    """Yield hypotheses in which the position was converted between Gray code and binary after the CRC was computed.
 
-    The CRC then covers the frame with the converted position. Nothing is yielded for a frame without a number.
+    The CRC then covers the frame with the other form of the position. Nothing is yielded for a frame without a number.
     """
     low, width = _place_of_position(placed_layout)
     if not width:
         return
     position_mask = (1 << width) - 1
     position = (frame >> low) & position_mask
-    # XOR with its own bits makes the position 0.
     frame_without_position = frame ^ (position << low)
     conversions = (
         (gray_to_binary(position), TEXTS["covers_binary"]),
@@ -202,9 +203,10 @@ def _position_code_hypotheses(
 
 
 def _place_of_position(placed_layout: PlacedLayout) -> tuple[int, int]:
-    """Return low bit and width of the number that a master would convert from Gray code to binary.
+    """Return the lowest bit and the width of the number that a master would convert from Gray code to binary.
 
-    This is the number in Gray code, a joined number, or else the widest number. The width is 0 if there is no number.
+    This is the number that is sent in Gray code. Without one, it is the number that several fields form, or else the
+    widest number. The width is 0 if the frame has no number.
     """
     joins = placed_layout.layout.joins
     if placed_layout.layout.gray_of:
@@ -219,28 +221,28 @@ def _place_of_position(placed_layout: PlacedLayout) -> tuple[int, int]:
 
 
 def _start_bit_hypotheses(without_mistake: Hypothesis) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the CRC also covers the bits that BiSS sends in front of the frame.
+    """Yield hypotheses in which the CRC also covers the bits that BiSS sends before the frame.
 
-    These are a start bit, a CDS bit, or both (``START_BITS``). They become the highest bits of the covered data.
+    These are a start bit, a CDS bit, or both. They become the highest bits of the covered data.
     """
-    for front_bits, description in START_BITS:
-        front_number = int(front_bits, 2)
+    for bits_before, description in START_BITS:
+        highest_bits = int(bits_before, 2) << without_mistake.covered_bits
         yield replace(
             without_mistake,
             kind="start_bits_in_crc",
             description=description,
-            covered_data=(front_number << without_mistake.covered_bits) | without_mistake.covered_data,
-            covered_bits=without_mistake.covered_bits + len(front_bits),
+            covered_data=highest_bits | without_mistake.covered_data,
+            covered_bits=without_mistake.covered_bits + len(bits_before),
         )
 
 
 def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Iterator[Hypothesis]:
-    """Yield hypotheses with data of the right length before a CRC of another length.
+    """Yield hypotheses in which the CRC has a different polynomial, possibly of a different width.
 
-    With two bits of data (d) and an expected CRC of four bits, a CRC of three bits (c) leads to ``ddccc``, or
-    ``ddccc0`` if the reader takes the expected length. A CRC of five bits leads to ``ddccccc``, or ``ddcccc`` in the
-    expected length. The zero is the stop bit. The master holds SLI at 0, so with one slave the bits after the stop bit
-    are 0, too. The typed frame must have one of these lengths, or lack only leading zeros.
+    The data before the CRC have the expected length. With two bits of data (d) and an expected CRC of four bits, a CRC
+    of three bits (c) leads to ``ddccc``, or to ``ddccc0`` if the expected number of bits was read. A CRC of five bits
+    leads to ``ddccccc`` or ``ddcccc``. The 0 is the stop bit, and later bits are also 0, because the master holds SLI
+    at 0. ``typed_frame``, the frame as the user typed it, must have one of these lengths, or lack only leading zeros.
     """
     data_bits = placed_layout.bits - crc.width
     for polynomial in POLYNOMIALS:
@@ -249,17 +251,17 @@ def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fra
         other_crc = _with_polynomial(crc, polynomial)
         complete_length = data_bits + other_crc.width
         expected_length = placed_layout.bits
-        # A CRC of the expected width leads to one length only, so it is tried once.
-        for length in dict.fromkeys((complete_length, expected_length)):
+        different_lengths = dict.fromkeys((complete_length, expected_length))
+        for length in different_lengths:
             may_lack_leading_zeros = not typed_frame.exact and length > typed_frame.bits
             if length == typed_frame.bits or may_lack_leading_zeros:
                 yield _polynomial_hypothesis(placed_layout, crc, other_crc, typed_frame.number, length)
 
 
 def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
-    """Return the CRC with another polynomial, which includes its top bit.
+    """Return the CRC with a different polynomial, which includes its top bit.
 
-    A start value other than 0 becomes all ones of the new width, and so does the inversion.
+    The start value is 0 or all ones, and the CRC is inverted or not, like the original CRC.
     """
     width = polynomial.bit_length() - 1
     mask = (1 << width) - 1
@@ -271,9 +273,10 @@ def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
 def _polynomial_hypothesis(
     placed_layout: PlacedLayout, crc: Crc, other_crc: Crc, number: int, length: int
 ) -> Hypothesis:
-    """Return the hypothesis that the ``length`` bits of ``number`` are the frame's data with the CRC ``other_crc``.
+    """Return the hypothesis that the ``length`` bits of ``number`` are the data of the frame and the CRC ``other_crc``.
 
-    The data have the same length as in the expected frame. Behind them is the CRC, or its first bits, then zeros.
+    The data have the same length as in the expected frame. They are followed by the CRC, or only by its first bits, or
+    by the CRC and zeros.
     """
     data_bits = placed_layout.bits - crc.width
     bits_after_data = length - data_bits
@@ -283,17 +286,17 @@ def _polynomial_hypothesis(
     received_crc_bits = min(other_crc.width, bits_after_data)
     zero_bits = bits_after_data - received_crc_bits
     zero_mask = (1 << zero_bits) - 1
-    are_zero_bits_right = number_after_data & zero_mask == 0
-    # The data at their places in the expected frame, where its constants are checked.
+    are_zero_bits_correct = number_after_data & zero_mask == 0
+    # The expected frame with these data, to check its constants.
     frame_with_crc_0 = data << crc.width
-    constant_bits, are_constants_right = check_constant_bits(placed_layout, frame_with_crc_0)
+    constant_bits, are_constants_correct = check_constant_bits(placed_layout, frame_with_crc_0)
     description = TEXTS["polynomial"].format(f"{other_crc.poly_with_top_bit:#x}", other_crc.width)
     if received_crc_bits < other_crc.width:
         description = TEXTS["bits_arrived"].format(description, received_crc_bits)
     elif zero_bits:
         description = TEXTS["then_zeros"].format(description)
-    # In a frame of the expected length, the mistake does not move the constants, so they prove nothing.
-    do_constants_prove = length != placed_layout.bits
+    # In a frame of the expected length, the mistake does not move the constants, so they do not prove it.
+    are_constants_evidence = length != placed_layout.bits
     return Hypothesis(
         kind="other_polynomial",
         description=description,
@@ -302,8 +305,8 @@ def _polynomial_hypothesis(
         covered_bits=data_bits,
         received_crc=number_after_data >> zero_bits,
         received_crc_bits=received_crc_bits,
-        determined_bits=zero_bits + (constant_bits if do_constants_prove else 0),
-        are_determined_right=are_zero_bits_right and (are_constants_right or not do_constants_prove),
-        right_constant_bits=zero_bits + (constant_bits if are_constants_right else 0),
+        determined_bits=zero_bits + (constant_bits if are_constants_evidence else 0),
+        are_determined_right=are_zero_bits_correct and (are_constants_correct or not are_constants_evidence),
+        right_constant_bits=zero_bits + (constant_bits if are_constants_correct else 0),
         likelihood=likelihood(placed_layout, frame_with_crc_0),
     )

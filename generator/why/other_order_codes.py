@@ -14,9 +14,9 @@ from ..say.plain_text import count_with_unit
 from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .texts import TEXTS
 
-#: A truncated frame of another order code is recognised by the rest of its CRC. At most this many bits may be missing.
+#: A truncated frame of another order code is recognized by the rest of its CRC. At most this many bits may be missing.
 MOST_CUT_BITS = 2
-#: Most register states to try, far more than today's encoders have.
+#: Maximum number of register states to try, far more than today's encoders have.
 MOST_STATES = 4096
 
 
@@ -30,9 +30,9 @@ class FrameShape(NamedTuple):
 def other_order_code_hypotheses(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with the frame of another order code, or with a frame that results from other register values.
+    """Yield hypotheses in which a different order code, or an encoder with different register values, sent the frame.
 
-    The frame is complete, read too long, or truncated.
+    Such a frame has other field widths. It may be complete, followed by extra bits, or truncated.
     """
     for crc in device.crcs_of(placed_layout.layout):
         yield from _hypotheses_with_crc(device, variant, placed_layout, crc, typed_frame)
@@ -41,9 +41,10 @@ def other_order_code_hypotheses(
 def _hypotheses_with_crc(
     device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses with frames of other order codes or register values that end with this CRC.
+    """Yield hypotheses in which an encoder with other field widths sent a frame that ends with this CRC.
 
-    The typed frame is complete, or shorter with extra bits, or longer without its last 1 or 2 bits.
+    The received bits are the complete frame, a shorter frame followed by extra bits, or a longer frame without its last
+    1 or 2 bits.
     """
     shapes_by_length = _shapes_by_length(device, variant, placed_layout, crc)
     yield from _complete_frame_hypotheses(variant, placed_layout, crc, typed_frame, shapes_by_length)
@@ -51,7 +52,6 @@ def _hypotheses_with_crc(
         extra_bits = placed_layout.bits - shape_bits
         if extra_bits > 0 and typed_frame.may_have(placed_layout.bits):
             yield _too_long_hypothesis(variant, shapes, crc, typed_frame.number, extra_bits)
-        # A longer frame that lacks a few bits.
         elif -MOST_CUT_BITS <= extra_bits < 0 and typed_frame.bits == placed_layout.bits:
             yield _too_short_hypothesis(variant, shapes, crc, typed_frame.number, lost_bits=-extra_bits)
 
@@ -63,10 +63,10 @@ def _too_long_hypothesis(
 
     ``shapes`` are the layouts with the length of the shorter frame.
     """
-    # The extra bits are the stop bit and zeros, since the master holds SLI at 0. A single bit may be anything.
+    # Two or more extra bits are the stop bit and zeros, since the master holds SLI at 0. A single extra bit can be 1.
     zero_bits = extra_bits if extra_bits > 1 else 0
     zero_mask = (1 << zero_bits) - 1
-    are_zero_bits_right = number & zero_mask == 0
+    are_zero_bits_correct = number & zero_mask == 0
     frame = number >> extra_bits
     shape = _possible_shape(shapes, frame)
     length_text = TEXTS["bits"].format(shape.placed_layout.bits)
@@ -78,7 +78,7 @@ def _too_long_hypothesis(
         crc,
         frame,
         determined_bits=zero_bits,
-        are_determined_right=are_zero_bits_right,
+        are_determined_right=are_zero_bits_correct,
         order_codes=shape.order_codes,
     )
     return _with_common_template(hypothesis, length_text, mistake_text)
@@ -91,7 +91,7 @@ def _too_short_hypothesis(
 
     ``shapes`` are the layouts with the length of the longer frame.
     """
-    # The lost bits are 0 here, and ``frame_hypothesis`` does not compare them.
+    # The lost bits are 0 here, and are not compared.
     frame = number << lost_bits
     shape = _possible_shape(shapes, frame)
     length_text = TEXTS["bits"].format(shape.placed_layout.bits)
@@ -115,12 +115,12 @@ def _complete_frame_hypotheses(
     typed_frame: TypedFrame,
     shapes_by_length: Mapping[int, Sequence[FrameShape]],
 ) -> Iterator[Hypothesis]:
-    """Yield a hypothesis with the complete frame of another order code or other register values, if possible.
+    """Yield the hypothesis that the received bits are the complete frame of an encoder with other field widths.
 
-    If leading zeros are not known, several lengths are possible. The shortest hypothesis represents all, with all order
-    codes.
+    If the user may have omitted leading zeros, several lengths are possible. A single hypothesis, with the shortest
+    length and the order codes of all lengths, represents them, because the CRC cannot distinguish them.
     """
-    # A text without leading zeros that fits into the expected frame is not explained by a longer frame.
+    # A number that fits in the expected frame does not need a longer frame as its explanation.
     has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
     if not has_known_length:
         return
@@ -130,8 +130,7 @@ def _complete_frame_hypotheses(
             possible_shapes.append(_possible_shape(shapes, typed_frame.number))
     if not possible_shapes:
         return
-    # If the text may have any number of leading zeros, the CRC cannot distinguish these lengths. The shapes come
-    # sorted by length.
+    # The shapes are sorted by length.
     shortest_layout = possible_shapes[0].placed_layout
     order_codes = _order_codes_of(possible_shapes)
     length_text = TEXTS["bits_or_more" if len(possible_shapes) > 1 else "bits"].format(shortest_layout.bits)
@@ -147,36 +146,45 @@ def _complete_frame_hypotheses(
 
 
 def _with_common_template(hypothesis: Hypothesis, length_text: str, mistake_text: str) -> Hypothesis:
-    """Return the hypothesis with a template without the order codes, which can differ between frames of one encoder."""
+    """Return the hypothesis with a text for several frames: without the order codes, which differ between frames."""
     if not hypothesis.order_codes:
         return hypothesis
     return replace(hypothesis, template=f"{length_text}, {TEXTS['of_other_code']}{mistake_text}")
 
 
 def _possible_shape(shapes: Sequence[FrameShape], frame: int) -> FrameShape:
-    """Return the likeliest shape for the frame, with the order codes of all possible shapes.
+    """Return the likeliest of several shapes of the same length for a frame, with the order codes of all possible ones.
 
-    The shapes all have the length of the frame. Shapes whose constant bits are right are possible, or all if there are
-    no such shapes. The possible shape with the fewest constant bits is the likeliest.
+    A shape is possible if all constant bits of the frame are correct. If this is true of none, all are possible. The
+    possible shape with the fewest constant bits is the likeliest.
     """
-    constants = [check_constant_bits(shape.placed_layout, frame) for shape in shapes]
-    right_shapes = [shape for shape, (_, are_right) in zip(shapes, constants, strict=True) if are_right]
-    possible_shapes = right_shapes or shapes
-    # The first item of a check is the number of constant bits.
-    likeliest = min(possible_shapes, key=lambda shape: check_constant_bits(shape.placed_layout, frame)[0])
+    matching_shapes: list[FrameShape] = []
+    for shape in shapes:
+        _, are_constants_correct = check_constant_bits(shape.placed_layout, frame)
+        if are_constants_correct:
+            matching_shapes.append(shape)
+
+    def count_constant_bits(shape: FrameShape) -> int:
+        constant_bits, _ = check_constant_bits(shape.placed_layout, frame)
+        return constant_bits
+
+    possible_shapes = matching_shapes or shapes
+    likeliest = min(possible_shapes, key=count_constant_bits)
     return FrameShape(likeliest.placed_layout, _order_codes_of(possible_shapes))
 
 
 def _order_codes_of(shapes: Sequence[FrameShape]) -> tuple[str, ...]:
+    """Return the order codes that send a frame with any of these shapes."""
     return tuple(order_code for shape in shapes for order_code in shape.order_codes)
 
 
 def _mistake_kind(order_codes: Sequence[str]) -> str:
+    """Return the kind of mistake: another order code, or other field widths if only registers set them."""
     return "other_order_code" if order_codes else "other_widths"
 
 
 def _sender_text(variant: Variant, order_codes: Sequence[str]) -> str:
-    """Return which encoders send a frame: ``the frame of X-12 or X-14``, ``the frame of X-12 and 5 more``.
+    """Return a text for the encoders that send a frame: ``the frame of X-12 or X-14``, ``... of X-12 and 5 more``.
 
     Without order codes, it is the frame of ``variant`` with other register values.
     """
@@ -190,10 +198,11 @@ def _sender_text(variant: Variant, order_codes: Sequence[str]) -> str:
 def _shapes_by_length(
     device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc
 ) -> dict[int, list[FrameShape]]:
-    """Return the shapes with this CRC by length in bits, shortest first, without the length of the expected frame.
+    """Return the possible shapes of a frame with this CRC, grouped by length in bits, shortest first.
 
-    Shapes of one length differ in their constant bits, such as zeros above the position. If the expected frame has
-    another CRC, its length counts, too. A length that only registers can select has no order codes.
+    Shapes of the same length differ in their constant bits, such as zeros above the position. The length of the
+    expected frame is omitted, unless the expected frame has a different CRC. A length that only registers can set has
+    no order codes.
     """
     layout = placed_layout.layout
     shapes = _shapes_of_order_codes(device, variant, layout)
@@ -215,11 +224,11 @@ def _shapes_by_length(
 
 
 def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> list[FrameShape]:
-    """Return the layout for each order code of the interface, with the order codes that share it.
+    """Return the different shapes of a layout over all order codes of the interface, each with its order codes.
 
-    They share it if length, CRC and the places of constants are the same.
+    Order codes share a shape if the length, the CRC, and the places of the constants are the same.
     """
-    # A question that the manual leaves open has the same answer for all frames.
+    # The user's answers to questions that the manual leaves open apply to all order codes.
     answer_names = [parameter.name for parameter in device.parameters if parameter.alternative]
     answers = {name: variant.parameters[name] for name in answer_names}
     shape_by_key: dict[object, FrameShape] = {}
@@ -236,19 +245,23 @@ def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> 
 
 
 def states_of_widths(device: Device, layout: Layout) -> Sequence[Sequence[Mapping[str, int]]]:
-    """Return all states of each register field that decides the length of a layout, or nothing without such fields."""
+    """Return the possible states of each register field that affects the length of a layout.
+
+    A state gives the values of parameters by name. The result is empty if no register affects the length.
+    """
     registers = run_time_widths(device, layout)
-    return possible_states([parameter for parameter in device.run_time_parameters if parameter.read_from in registers])
+    parameters = [parameter for parameter in device.run_time_parameters if parameter.read_from in registers]
+    return possible_states(parameters)
 
 
 def _parameters_of_states(device: Device, variant: Variant, layout: Layout) -> Iterator[Mapping[str, int]]:
-    """Yield the parameters with each combination of values of the registers that decide the length of a layout.
+    """Yield the parameters of an order code for each combination of register values that affects a layout's length.
 
-    At most 4,096 combinations are tried. Without such registers, nothing is yielded.
+    At most 4,096 combinations are tried. Nothing is yielded if no register affects the length.
     """
     states_by_field = states_of_widths(device, layout)
     if not states_by_field:
         return
-    # A combination consists of a state for each field: values by parameter name.
-    for state in islice(product(*states_by_field), MOST_STATES):
-        yield with_changed(device, variant, ChainMap(*map(dict, state)))
+    # A combination has one state of each field: the values of parameters by name.
+    for combination in islice(product(*states_by_field), MOST_STATES):
+        yield with_changed(device, variant, ChainMap(*map(dict, combination)))

@@ -1,4 +1,4 @@
-"""Recordings of a line that contain a frame: raw buffers of BiSS, and words of SSI and SPI with other bits around them.
+"""Recordings of a line that contain a frame: raw BiSS buffers, and SSI and SPI words with extra bits around them.
 
 The descriptions are data for this package and for the script of the decode page, so that both find the same frames in
 the same order.
@@ -19,11 +19,11 @@ from .hypotheses import Hypothesis, TypedFrame, frame_hypothesis
 
 @dataclass(frozen=True, slots=True)
 class BitPattern:
-    """Bits around a frame, as a regular expression over the bits in the order received.
+    """Bits around a frame, as a regular expression for the bits in the order received.
 
     Each group is a part of the recording, and ``#`` in the pattern is the number of bits of the frame. The bits in the
-    groups ``proof`` can have only one value, so they are evidence. The group ``again`` must repeat the frame from its
-    first bit on.
+    groups listed in ``proof`` can have only one value, so they are evidence. The group ``again`` must repeat the frame,
+    starting with its first bit.
     """
 
     kind: str
@@ -50,7 +50,7 @@ class FrameOffset:
 
     @property
     def additional_bits(self) -> int:
-        """Number of bits by which the received bits are more than the frame."""
+        """Number of received bits in addition to those of the frame. It is negative if fewer bits were received."""
         return len(self.front) - len(self.missing) - self.lost + len(self.behind)
 
 
@@ -135,19 +135,19 @@ _BISS = LineMistakes(
         ),
         BitPattern(
             "bits_around",
-            "start bit and CDS are in front of the frame, and stop bit and time-out follow",
+            "start bit and CDS are in front of the frame, and stop bit and timeout follow",
             f"^(?P<start>1)(?P<CDS>[01]){_FRAME}(?P<stop>0){_TAIL}",
             proof=("start", "stop"),
         ),
         BitPattern(
             "bits_around",
-            "CDS is in front of the frame, and stop bit and time-out follow",
+            "CDS is in front of the frame, and stop bit and timeout follow",
             f"^(?P<CDS>[01]){_FRAME}(?P<stop>0){_TAIL}",
             proof=("stop",),
         ),
         BitPattern(
             "bits_around",
-            "stop bit and time-out follow the frame",
+            "stop bit and timeout follow the frame",
             f"^{_FRAME}(?P<stop>0){_TAIL}",
             proof=("stop",),
         ),
@@ -197,7 +197,7 @@ _TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks sti
 
 
 def _one_clock_offsets(cause: str) -> tuple[FrameOffset, ...]:
-    """Return the offsets by one clock, in which the number of received bits equals the number in the frame.
+    """Return the mistakes of reading a frame one clock early or late. The number of received bits is then correct.
 
     ``cause`` continues the text after "one clock late" or "one clock early". A missing first bit is tried as 0 and 1.
     """
@@ -231,7 +231,10 @@ LINES: Mapping[str, LineMistakes] = MappingProxyType(
 
 
 def line_name(interface: Interface) -> str:
-    """Return the name of the line in ``LINES``, such as ``ssi_msb_left``, or "" if it carries bytes."""
+    """Return the name of the line for an interface, such as ``ssi_msb_left``, or an empty string if it carries bytes.
+
+    For SSI, the name contains the alignment of the position in the word.
+    """
     match interface:
         case Ssi():
             return f"ssi_{interface.alignment.end}"
@@ -242,16 +245,16 @@ def line_name(interface: Interface) -> str:
 
 
 def recorded_bits(typed_frame: TypedFrame, frame_length: int) -> str:
-    """Return the bits as received, such as ``0110``, with those leading zeros that were typed.
+    """Return the received bits as text, such as ``0110``, including the leading zeros that the user typed.
 
-    A number that fits into the frame may only have been padded, so its zeros are not counted unless the length is
-    exact.
+    If the number fits in the frame and its length is not known, leading zeros are omitted, because the user may have
+    added them.
     """
-    fits_into_frame = typed_frame.number >> frame_length == 0
+    fits_in_frame = typed_frame.number >> frame_length == 0
     bit_count = typed_frame.bits
-    if not typed_frame.exact and not fits_into_frame:
+    if not typed_frame.exact and not fits_in_frame:
         bit_count = max(typed_frame.written, typed_frame.bits)
-    # The number 0 without known leading zeros has 0 bits, but one digit.
+    # The number 0 without leading zeros has 0 bits, but one digit.
     digit_count = max(bit_count, 1)
     return f"{typed_frame.number:0{digit_count}b}"
 
@@ -259,9 +262,10 @@ def recorded_bits(typed_frame: TypedFrame, frame_length: int) -> str:
 def recording_hypotheses(
     line: LineMistakes, placed_layout: PlacedLayout, crc: Crc | None, received_bits: str
 ) -> Iterator[Hypothesis]:
-    """Yield a hypothesis with the frame that each recording rule of the line finds in the received bits.
+    """Yield a hypothesis for each rule of the line that finds the frame in a recording.
 
-    The bits of the groups ``proof`` count as determined. A repeated frame must begin like the frame itself.
+    A rule is a pattern of the bits around the frame. Bits that can have only one value are evidence that the rule
+    applies. If the pattern contains the frame twice, the second one must begin like the first.
     """
     for recording in line.recordings:
         match = _compile_for_length(recording.pattern, placed_layout.bits).match(received_bits)
@@ -269,24 +273,25 @@ def recording_hypotheses(
             continue
         bits_by_part = {name: bits for name, bits in match.groupdict().items() if bits}
         frame_bits = bits_by_part["frame"]
-        # After the gap, an encoder that repeats its word sends the frame again, as far as the clock continues.
+        # Some encoders repeat the word while the clock continues.
         repeated_bits = bits_by_part.get("again", "")
+        bits_of_proof = sum(len(bits_by_part.get(name, "")) for name in recording.proof)
         hypothesis = frame_hypothesis(
             recording.kind,
             recording.text,
             placed_layout,
             crc,
             int(frame_bits, 2),
-            determined_bits=sum(len(bits_by_part.get(name, "")) for name in recording.proof),
+            determined_bits=bits_of_proof,
             are_determined_right=frame_bits.startswith(repeated_bits),
         )
         yield replace(hypothesis, recording_parts=tuple(bits_by_part.items()))
 
 
 def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str) -> Iterator[Hypothesis]:
-    """Yield a hypothesis with the frame at each bit of a recording, with the bits before and behind it.
+    """Yield a hypothesis for each place in a recording at which the frame can begin.
 
-    Among many places, a match by chance is more likely, so their number is part of each hypothesis.
+    The more places there are, the more likely one of them matches by chance, so each hypothesis contains their number.
     """
     frame_length = placed_layout.bits
     place_count = len(received_bits) - frame_length + 1
@@ -308,15 +313,16 @@ def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str)
 
 
 def missing_part(line: LineMistakes, frame_length: int, received_bits: str) -> str:
-    """Return what a recording without a complete frame lacks, or "" if no pattern of the line matches.
+    """Return a text about the part of the frame that a recording lacks, or an empty string.
 
-    The group ``frame`` has those bits of the frame that were received. A pattern with a complete frame does not count.
+    It is empty if no pattern of an incomplete recording matches, or if the recording contains the complete frame.
     """
     for incomplete in line.incomplete:
         match = _compile_for_length(incomplete.pattern, frame_length).match(received_bits)
         if match is None:
             continue
-        received_length = len(match.groupdict().get("frame", ""))
+        received_frame_bits = match.groupdict().get("frame", "")
+        received_length = len(received_frame_bits)
         if received_length < frame_length:
             return incomplete.text.format(received_length, frame_length, frame_length - received_length)
     return ""
@@ -324,5 +330,5 @@ def missing_part(line: LineMistakes, frame_length: int, received_bits: str) -> s
 
 @lru_cache(maxsize=1024)
 def _compile_for_length(pattern: str, frame_length: int) -> re.Pattern[str]:
-    """Return the regular expression with the length of the frame instead of ``#``."""
+    """Compile a pattern of a recording, in which ``#`` stands for the number of bits of the frame."""
     return re.compile(pattern.replace("#", f"{frame_length}"))

@@ -1,6 +1,6 @@
-"""Judge several frames together.
+"""Judge several frames with errors together.
 
-The mistake that was made explains all frames, and a coincidence explains only some.
+The mistake that was really made explains all frames. A mistake that matches by chance explains only some of them.
 """
 
 from __future__ import annotations
@@ -24,16 +24,17 @@ class CommonMistake:
 
 
 def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
-    """Return the mistakes that explain the most frames, most likely first.
+    """Return the mistakes that explain the largest number of frames, most likely first.
 
-    A mistake is the same in several frames if its kind and its text without details are equal
-    (``Explanation.mistake``).
+    ``diagnoses`` has the possible explanations of each frame. Two frames have the same mistake if its kind and its
+    text, without the details of the frame, are equal.
     """
     explanations_by_mistake: dict[tuple[str, str, bool], list[Explanation]] = {}
     for diagnosis in diagnoses:
         for explanation in _likeliest_explanations(diagnosis):
             explanations_by_mistake.setdefault(explanation.mistake, []).append(explanation)
-    most_frames = max(map(len, explanations_by_mistake.values()), default=0)
+    numbers_of_frames = [len(explanations) for explanations in explanations_by_mistake.values()]
+    most_frames = max(numbers_of_frames, default=0)
     common_mistakes: list[CommonMistake] = []
     for explanations in explanations_by_mistake.values():
         if len(explanations) == most_frames:
@@ -49,30 +50,28 @@ def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
 
 
 def _likeliest_explanations(diagnosis: Diagnosis) -> Iterable[Explanation]:
-    """Return one explanation for each mistake, the likeliest, since a mistake may explain a frame in several ways.
-
-    Explanations of a diagnosis are sorted, the likeliest first.
-    """
+    """Return the likeliest explanation of a frame for each mistake, which may explain the frame in several ways."""
     likeliest_by_mistake: dict[tuple[str, str, bool], Explanation] = {}
+    # Both tuples are sorted by likelihood. ``unmerged`` also has explanations that lead to the same frame.
     all_explanations = diagnosis.unmerged or diagnosis.explanations
-    # In reverse order, a likelier one replaces the ones before it.
-    for explanation in reversed(all_explanations):
-        likeliest_by_mistake[explanation.mistake] = explanation
+    least_likely_first = reversed(all_explanations)
+    for explanation in least_likely_first:
+        likeliest_by_mistake[explanation.mistake] = explanation  # replaces a less likely one
     return likeliest_by_mistake.values()
 
 
 def _common_score(explanations: Sequence[Explanation]) -> float:
-    """Return the logarithm to base 2 of the likelihood that a mistake explains all frames.
+    """Return the binary logarithm of the likelihood that one mistake explains all frames.
 
-    The score of each frame contains the frequency of the mistake. The mistake is made once, so its frequency counts
-    once.
+    The score of each explanation contains the frequency of the mistake. Since the mistake was made only once, its
+    frequency is counted only once.
     """
     evidence = sum(log2(explanation.score / explanation.frequency) for explanation in explanations)
     return log2(explanations[0].frequency) + evidence
 
 
 def _common_text(explanations: Sequence[Explanation]) -> str:
-    """Return the text of the explanations, without the details in which the frames differ."""
+    """Return the text of a mistake in several frames, without the details in which the frames differ."""
     distinct_texts = {explanation.text for explanation in explanations}
     if len(distinct_texts) == 1:
         return explanations[0].text

@@ -72,7 +72,7 @@ def test_an_error_that_nothing_explains_has_a_sentence(capsys: Capture) -> None:
 
 def test_a_word_with_fewer_hex_digits_than_bits(capsys: Capture) -> None:
     """community.simplefoc.com/t/4441: a program reads 16 of the 24 bits of an MT6701."""
-    words = "The text has 2 of the 3 bytes of the frame. Missing: 1 byte, read as zeros in front."
+    words = "The text has 2 of the 3 bytes of the frame. Missing: 1 byte, treated as leading zeros."
     assert words in printed(capsys, "MT6701", "0x287e")
     assert "error and warning were converted" not in printed(capsys, "MT6701", "0x287e")
     # With leading zeros, it is complete.

@@ -17,7 +17,8 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Fault, Field, Kind, Layout
 from codewheel.plan import values
-from codewheel.plan.codec import bits_of, layout_plan_of
+from codewheel.plan.codec import layout_plan_of
+from codewheel.plan.frame_checks import bits_of
 from codewheel.plan.limits import _field_refusals
 from codewheel.plan.operations import FieldBits
 from codewheel.targets import Library, Target
@@ -178,7 +179,7 @@ def test_an_unknown_check_is_refused(output: str, monkeypatch: pytest.MonkeyPatc
     def unknown_checks(layout: Layout) -> Iterator[UnknownCheck]:
         yield from (UnknownCheck(field, bits_of(layout, field)) for field in layout.data_fields)
 
-    monkeypatch.setattr("codewheel.plan.codec._checks_of_values", unknown_checks)
+    monkeypatch.setattr("codewheel.plan.frame_checks._checks_of_values", unknown_checks)
     with pytest.raises(AssertionError, match="no case for UnknownCheck"):
         render(output)
 

@@ -66,7 +66,7 @@ def test_decode_prints_a_frame_of_88_bits(capsys: pytest.CaptureFixture[str]) ->
 def test_a_master_has_no_rules_for_a_frame_in_bytes(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["master", "WB", *[argument for path in SPECS for argument in ("--specs", str(path))]]) != 0
     printed = " ".join(capsys.readouterr().out.split())
-    assert "'word' is carried as bytes, and the rules for masters cover frames of bits" in printed
+    assert "'word' is sent as bytes, but the rules for masters cover frames of bits" in printed
 
 
 def test_a_page_counts_only_the_bits_on_the_line(tmp_path: Path) -> None:

@@ -23,9 +23,10 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.masters.places import SettingPlace, write_order
+from codewheel.masters.places import SettingPlace
 from codewheel.masters.record import EncoderFacts
 from codewheel.masters.sheet import Master, Setting, SettingsSheet, sheet
+from codewheel.masters.writing import write_order
 
 SheetOf = Callable[[str, str], SettingsSheet]
 RecordOf = Callable[[str], EncoderFacts]

@@ -31,6 +31,7 @@ from codewheel.plan.operations import (
     ReservedBits,
     ValueOfField,
 )
+from codewheel.plan.procedures import plan_procedure
 from codewheel.plan.steps import (
     AsMember,
     FixedNumber,
@@ -40,7 +41,6 @@ from codewheel.plan.steps import (
     ProcedurePlan,
     VerifyWrite,
     WriteRegister,
-    run_of,
 )
 from codewheel.plan.values import UnsignedNumber, count_factors, position_ranges
 
@@ -90,7 +90,7 @@ TWO_BYTES = [BitSlice(0, 0, 0xFF, 8), BitSlice(1, 0, 0xFF, 0)]
 
 @pytest.fixture(scope="module")
 def run(small: Device) -> ProcedurePlan:
-    return run_of(small, small.procedure("set_preset"))
+    return plan_procedure(small, small.procedure("set_preset"))
 
 
 def test_operations_of_a_procedure(run: ProcedurePlan) -> None:
@@ -138,7 +138,7 @@ def test_calls_of_a_procedure(run: ProcedurePlan) -> None:
 
 def test_which_procedure_changes_frames(small: Device, run: ProcedurePlan) -> None:
     """The width of the zeros is in three bits of 'level'. The speed is another bit of it."""
-    set_level = run_of(small, small.procedure("set_level"))
+    set_level = plan_procedure(small, small.procedure("set_level"))
     assert (run.changes_frames, set_level.changes_frames) == (False, True)
     (write,) = set_level.operations
     assert summary(write) == ("WriteRegister", "level", "zeros", [BitSlice(0, 1, 7, 0)])

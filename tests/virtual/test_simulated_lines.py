@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from codewheel.virtual import VirtualEncoder
 from codewheel.virtual.clocked_lines import SsiLine
-from codewheel.virtual.request_lines import SpiLine
+from codewheel.virtual.spi_line import SpiLine
 
 
 def ssi_word(encoder: VirtualEncoder, bits: int) -> str:

@@ -141,7 +141,7 @@ def test_a_sine_with_an_amplitude() -> None:
     with pytest.raises(ValueError, match=r"^'sine:1Hz:9deg' is an angle, but this encoder has no turns; "):
         motion("sine:1Hz:9deg", 1001)
     for text in ("sine:1Hz:501", "sine:1Hz:-1", "sine:1Hz:46deg"):
-        with pytest.raises(ValueError, match=f"^'{text}' leaves the positions of this encoder; .* is 500 counts$"):
+        with pytest.raises(ValueError, match=f"^'{text}' exceeds the range of this encoder; .* is 500 counts$"):
             motion(text, 1001, 0, 4000)
 
 

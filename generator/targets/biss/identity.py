@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ...model import Biss, Crc, Device, Field, Layout, PlacedLayout, Register, Variant, answer_combinations
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...plan.codec import only_value
+from ...plan.frame_checks import only_value
 
 FIRST, LAST = 0x78, 0x7F
 PROFILE = 0x42

@@ -8,6 +8,7 @@ from itertools import count
 from ...model import BitSlice, Procedure, Register, assert_never
 from ...model.record import dataclass
 from ...plan.limits import TooWide
+from ...plan.procedures import plan_procedure
 from ...plan.steps import (
     ArgumentRefusal,
     AsMember,
@@ -25,7 +26,6 @@ from ...plan.steps import (
     WaitTime,
     WriteRegister,
     field_refusals,
-    run_of,
 )
 from .. import TargetError
 from .about import about_argument, about_procedure, about_run, note_of_read, note_of_step
@@ -137,7 +137,7 @@ class ProcedureCode:
     ) -> None:
         self.context = context
         self.registers = registers
-        self.run = run = run_of(context.device, procedure)
+        self.run = run = plan_procedure(context.device, procedure)
         self.function = f"{context.prefix}_{procedure.name}"
         self.steps = f"{self.function}_steps"
         self.count_macro = f"{self.steps}_count".upper()

@@ -28,7 +28,8 @@ from ...model import (
     Timing,
     assert_never,
 )
-from ...plan.steps import VerifyWrite, run_of
+from ...plan.procedures import plan_procedure
+from ...plan.steps import VerifyWrite
 from ...say import register as say_register
 from ...say.commands import describe_step, read_back
 from ...say.errata import changed, errata
@@ -69,7 +70,7 @@ def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, 
 def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]:
     """Yield number, instruction, reason, source. A step that exists only in generated code is not numbered."""
     number_of_step = 0
-    for operation in run_of(device, procedure).operations:
+    for operation in plan_procedure(device, procedure).operations:
         if isinstance(operation, VerifyWrite):
             field = operation.field.name if operation.field is not None else ""
             instruction = MARKDOWN.sentence(read_back(device, operation.register, field))

@@ -6,9 +6,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
-from ...masters.places import ObjectWrite, SettingPlace, write_order
+from ...masters.places import SettingPlace
 from ...masters.sheet import Setting, SettingsSheet
 from ...masters.text import condition_text
+from ...masters.writing import ObjectWrite, write_order
 from ...model.lookup import first_or_raise
 from ...model.record import dataclass
 

@@ -9,6 +9,7 @@ from itertools import chain, pairwise
 from ...model import Argument, Field, Procedure, Register
 from ...model.record import dataclass
 from ...plan.limits import NotOneOf, TooWide
+from ...plan.procedures import plan_procedure
 from ...plan.steps import (
     ArgumentRefusal,
     AsMember,
@@ -20,7 +21,6 @@ from ...plan.steps import (
     Undecodable,
     VerifyWrite,
     WriteRegister,
-    run_of,
 )
 from ...plan.values import DecimalDigits, UnsignedNumber, meaning_of
 from . import docstrings
@@ -51,7 +51,7 @@ class ProcedureFunction:
         self.context = context
         self.layout_classes = layout_classes
         self.procedure = procedure
-        self.run = run_of(context.device, procedure)
+        self.run = plan_procedure(context.device, procedure)
         self.name = context.procedures[procedure.name]
         self.interface, self.encoder = interface_name(procedure.interface), encoder_name(procedure.interface)
         self.scope = context.scope

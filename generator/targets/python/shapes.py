@@ -10,8 +10,8 @@ from typing import Any
 
 from ...model import Fault, Scale, Verdict
 from ...model.expressions import Expression
-from ...plan.codec import allowed_values
 from ...plan.description import Answered, Column, Name, describe
+from ...plan.frame_checks import allowed_values
 from ...plan.operations import FrameCrc
 from ...plan.values import is_named, meaning_of, position_ranges
 from ...plan.verdicts import CodeCondition, ReportsAndVerdict

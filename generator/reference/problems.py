@@ -1,0 +1,110 @@
+"""Errors in a decoded frame: wrong constants and parity bits, unknown values, and numbers outside their range."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import Choice, Constant, Decimal, Device, Fault, Field, Parity, PlacedField, PlacedLayout
+from ..model.position_range import PositionRange
+from ..model.record import dataclass
+from ..say import report
+from .bits import parity_bit
+from .values import signed_or_plain
+
+
+@dataclass(frozen=True, slots=True)
+class FrameProblem:
+    """An error in a frame, with the field in error."""
+
+    fault: Fault
+    field: str
+    message: str
+
+
+def problems_with_other_fields(
+    placed: PlacedLayout, placed_field: PlacedField, sent_value: int, frame: int
+) -> Iterator[FrameProblem]:
+    """Yield an error if the field is a wrong parity bit, or the selector of a different layout.
+
+    ``sent_value`` are its bits as they are sent in ``frame``. A parity bit also covers the other bits as they are sent,
+    before a conversion from Gray code.
+    """
+    name = placed_field.name
+    kind = placed_field.field.kind
+    if isinstance(kind, Parity):
+        correct_bit = parity_bit(placed, kind, frame)
+        if sent_value != correct_bit:
+            covered_names = ", ".join(field.name for field in placed.find_fields(kind.of))
+            message = report.parity(name, f"{sent_value}", covered_names, f"{correct_bit}")
+            yield FrameProblem(Fault.CONSTANT, name, message)
+    elif name == placed.layout.selector and sent_value not in placed.layout.selects:
+        yield FrameProblem(Fault.RANGE, name, report.of_other_frame(name, f"{sent_value:X}"))
+
+
+def problems_of_position(device: Device, placed: PlacedLayout, binary_number: int) -> Iterator[FrameProblem]:
+    """Yield an error if the position in the frame is outside the range of this encoder.
+
+    ``binary_number`` is the frame with its Gray code converted to binary. A position with separately sent digits, such
+    as BCD, is not checked here.
+    """
+    position_range = device.range_in(placed.layout)
+    if position_range is None or position_range.field.number.digit_code:
+        return
+    position_field = placed.find_field(position_range.field.name)
+    if position_field is None:
+        return
+    raw = (binary_number >> position_field.low) & position_field.mask
+    message = range_message(position_range, position_field, raw, placed)
+    if message:
+        yield FrameProblem(Fault.RANGE, position_field.name, message)
+
+
+def problems_of_digits(device: Device, placed: PlacedLayout, frame: int, binary_number: int) -> Iterator[FrameProblem]:
+    """Yield an error for each number with separately sent digits that has an invalid digit or is too high.
+
+    ``frame`` is the frame as it is sent. In ``binary_number``, the same frame with converted numbers, all bits of a
+    number with an invalid digit are 1, which is also too high.
+    """
+    position_range = device.range_in(placed.layout)
+    for placed_field in placed.fields:
+        name = placed_field.name
+        code = placed_field.field.number.code_of_digits
+        if code is None:
+            continue
+        highest = code.highest(placed_field.width)
+        if position_range is not None and position_range.field.name == name:
+            highest = position_range.highest.value(placed.parameters)
+        sent_bits = (frame >> placed_field.low) & placed_field.mask
+        number = (binary_number >> placed_field.low) & placed_field.mask
+        if number > highest:
+            yield FrameProblem(Fault.RANGE, name, report.not_in_code(name, f"{sent_bits:#x}", f"{highest}", code.name))
+
+
+def range_message(position_range: PositionRange, placed_field: PlacedField, raw: int, placed: PlacedLayout) -> str:
+    """Return an error message if a position is outside the range of this encoder, or an empty string if it is inside.
+
+    ``raw`` is the number formed by the bits of the position.
+    """
+    lowest = position_range.lowest.value(placed.parameters)
+    highest = position_range.highest.value(placed.parameters)
+    position = signed_or_plain(placed_field.field.number, raw, placed_field.width)
+    if lowest <= position <= highest:
+        return ""
+    if placed_field.field.number.signed:
+        return report.outside(f"{placed_field.name} {position}", f"{lowest}", f"{highest}")
+    return report.too_high(placed_field.name, f"{position}", f"{highest}")
+
+
+def problems_of_value(field: Field, raw: int) -> Iterator[FrameProblem]:
+    """Yield an error if a field cannot have the value ``raw``, regardless of the other fields."""
+    name = field.name
+    match field.kind:
+        case Choice(named_values):
+            if all(named_value.value != raw for named_value in named_values):
+                yield FrameProblem(Fault.RANGE, name, report.no_value(name, f"{raw:#x}"))
+        case Constant(constant):
+            if raw != constant:
+                yield FrameProblem(Fault.CONSTANT, name, report.constant(name, f"{raw:#x}", f"{constant:#x}"))
+        case Decimal() as decimal:
+            if raw >= decimal.limit:
+                yield FrameProblem(Fault.RANGE, name, report.digits(name, f"{raw}", f"{decimal.digits}"))
