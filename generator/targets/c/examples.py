@@ -41,12 +41,13 @@ from .chosen import Chosen, ExampleFrame, NoFrame
 from .codec import StructCodec
 from .comments import ascii_text
 from .device import DeviceView
-from .enumerations import AlternativeCode, FrameReports
+from .enumerations import AlternativeCode
 from .interfaces import ReplyRequest
 from .names import c_name
 from .positions import Positions
 from .procedures import ProcedureCode, StepRow
 from .registers import RegisterFunctions
+from .reports import FrameReports
 from .structs import LayoutStruct
 from .variants import CodeRow
 
@@ -267,9 +268,9 @@ class ExampleCode:
         for placed_field in self.frame.layout.place(parameters).fields:
             if isinstance(meaning_of(placed_field.field), UnsignedNumber):
                 numbers[placed_field.name] = (self.frame.wire >> placed_field.low) & placed_field.mask
-        for whole in self.struct.plan.joined_numbers:
-            if all(field.name in numbers for field in whole.fields):
-                numbers[whole.join.name] = whole.joined(numbers, parameters)
+        for joined_number in self.struct.plan.joined_numbers:
+            if all(field.name in numbers for field in joined_number.fields):
+                numbers[joined_number.join.name] = joined_number.joined(numbers, parameters)
         return self.view.interface.request_for_reply(self.frame.layout, numbers)
 
     @property

@@ -42,7 +42,7 @@ from .comments import (
     mark_for_doxygen,
 )
 from .crc_functions import FoldOperation
-from .decode import ConstantByte, FlagsIn, UnusedAre, UnusedIn
+from .decode import AllUnusedBits, ConstantByte, FlagByte, UnusedBitsOfByte
 from .device import DeviceView, HeaderPart, views_of
 from .errata_page import ERRATA_TEMPLATE, ErrataPage, errata_files
 from .examples import ExampleCode
@@ -82,7 +82,7 @@ from .single import SingleHeader, single_header, single_path, single_views
 #: Operations of the plan and further operations of this target.
 TESTS = tests_for(
     *(Expression, Check, Refusal, JoinedNumber, steps.PlannedStep, steps.ArgumentRefusal),
-    *(ConstantByte, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
+    *(ConstantByte, FlagByte, UnusedBitsOfByte, AllUnusedBits, FoldOperation, FilledRows, Positions, Work),
 )
 
 

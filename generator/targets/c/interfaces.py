@@ -29,7 +29,7 @@ from ...say.order_code import control_field, describe_data_id, describe_exchange
 from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
-from .bits import of_bytes
+from .bits import type_and_bits_in
 from .code_facts import (
     ClockLimitFunction,
     TimeoutFunction,
@@ -64,7 +64,7 @@ class FrameTeller:
     @property
     def value(self) -> CExpression:
         """The selecting field, extracted from the bytes, such as ``bytes[0] & 0x1FU``."""
-        _, bits = of_bytes(self.dispatch.bits.bit_slices)
+        _, bits = type_and_bits_in(self.dispatch.bits.bit_slices)
         return bits
 
     def values(self, branch: SelectedFrame) -> list[str]:
@@ -327,7 +327,7 @@ class InterfaceCode:
             yield self._define_macro(name, time_ns, about="see above" if is_above else statement)
 
     @property
-    def exchanged(self) -> str:
+    def position_request(self) -> str:
         """Macro of the first request for the position over SPI, or an empty string."""
         spi_exchanges = self.interface.exchanges if isinstance(self.interface, Spi) else ()
         for spi_exchange in spi_exchanges:

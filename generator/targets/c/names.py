@@ -348,7 +348,7 @@ class ParameterSpelling:
     answers: Mapping[str, str]
     passing: StructPassing = BY_VALUE
 
-    def atom(self, parameter: str) -> CExpression:
+    def express_parameter(self, parameter: str) -> CExpression:
         """Return a parameter: a function of an answer, a member of the variant, or a function of the variant."""
         if parameter in self.answers:
             return CCall(f"{self.prefix}_{parameter}", (CName(self.answers[parameter]),))
@@ -378,7 +378,7 @@ class ParameterSpelling:
         match expression:
             case Expression(-1, (Term(1, (Factor(exponent, True),)),)):
                 # 2 to the power of the parameter, minus 1.
-                return CCall("cw_mask", (self.atom(exponent),))
+                return CCall("cw_mask", (self.express_parameter(exponent),))
         # Terms with positive multiples come first, so that no intermediate result is negative.
         added = [self._express_term(term) for term in expression.terms if term.multiple > 0]
         subtracted = [self._express_term(term) for term in expression.terms if term.multiple < 0]
@@ -406,7 +406,7 @@ class ParameterSpelling:
                 # The power is one more than its mask.
                 constant += term.multiple
                 (exponent,) = term.factors
-                product: CExpression = CCall("cw_mask", (self.atom(exponent.parameter),))
+                product: CExpression = CCall("cw_mask", (self.express_parameter(exponent.parameter),))
             else:
                 product = self._express_term(term)
             signs_and_products.append((sign, CCast("int64_t", product)))
@@ -448,5 +448,5 @@ class ParameterSpelling:
         return any(map(self._has_64_bits, expression.terms))
 
     def _express_factor(self, factor: Factor) -> CExpression:
-        name = self.atom(factor.parameter)
+        name = self.express_parameter(factor.parameter)
         return COperation("<<", (CCast("uint64_t", CNumber(1)), name)) if factor.power else name

@@ -258,8 +258,8 @@ def package_files(
         "guide": choose_guide(examples),
         "families": list(dict.fromkeys(view.device.name for view in views)),
         "views": views,
-        "with_tables": _makers_with_crc(views, lambda crc: not crc.by_bits and bool(crc.table)),
-        "with_bitwise": _makers_with_crc(views, lambda crc: crc.by_bits),
+        "with_tables": _makers_with_crc(views, lambda crc: not crc.can_be_bitwise and bool(crc.table)),
+        "with_bitwise": _makers_with_crc(views, lambda crc: crc.can_be_bitwise),
         "longest": _longest_procedure(views),
         "headers": [*_headers_of_families(views), *(f"{FOLDER}/{name}" for name in runtime)],
         "runtime": list(runtime),
@@ -364,7 +364,7 @@ class Guide:
     def number(self) -> str:
         """The position or else the first number of the frame, by its name in the spec. Without any, ``no_data``."""
         plan = self.example.struct.plan
-        number_names = [whole.join.name for whole in plan.joined_numbers]
+        number_names = [joined_number.join.name for joined_number in plan.joined_numbers]
         number_names += [part.field.name for part in plan.parts]
         for name in number_names:
             if c_name(name) == self.example.counts:

@@ -145,19 +145,19 @@ class ProcedureCode:
             parameter.argument.name: c_name(parameter.argument.name, _NAMES_OF_LOCALS) for parameter in run.arguments
         }
         #: Both by argument and register.
-        self._filled = dict(self._structs_to_fill())
-        self._wholes = dict(self._whole_numbers())
+        self._filled = dict(self._yield_filled_registers())
+        self._whole_registers = dict(self._yield_whole_registers())
         #: Registers with parameters on which the limits of later steps depend.
-        self._teaching = {
+        self._registers_setting_limits = {
             step.register.name for step in run.operations if isinstance(step, WriteRegister) and step.determines_limits
         }
         self.arguments = [self._build_argument(parameter) for parameter in run.arguments]
         self.rows = list(self._yield_rows())
         self.count = sum(map(_number_of_rows, run.operations))
-        self.reads = list(self._read_members())
+        self.reads = list(self._yield_read_members())
         self.about = about_procedure(context.device, procedure)
         #: The comment on the function that carries it out.
-        self.whole_about = [*self.about, *about_run(context.device, run, read_state), *self._document_parameters()]
+        self.run_about = [*self.about, *about_run(context.device, run, read_state), *self._document_parameters()]
 
     @property
     def filled(self) -> list[FilledRegister]:
@@ -173,30 +173,30 @@ class ProcedureCode:
         return sum(member.length for member in self.reads)
 
     @property
-    def wholes(self) -> list[WholeRegister]:
-        return list(self._wholes.values())
+    def whole_registers(self) -> list[WholeRegister]:
+        return list(self._whole_registers.values())
 
-    def whole(self, argument: ArgumentCode, register: Register) -> WholeRegister:
-        return self._wholes[argument.checked.argument.name, register.name]
+    def whole_register(self, argument: ArgumentCode, register: Register) -> WholeRegister:
+        return self._whole_registers[argument.checked.argument.name, register.name]
 
     @property
     def variant(self) -> str:
         """The variant that functions receive, which is a copy if limits depend on values written earlier."""
-        return self.context.passing.argument("written") if self._teaching else "variant"
+        return self.context.passing.argument("written") if self._registers_setting_limits else "variant"
 
-    def taker(self, written: FilledRegister | WholeRegister) -> str:
+    def update_function(self, written: FilledRegister | WholeRegister) -> str:
         """Return the function that updates the copy from written bytes, or an empty string if no limit needs it."""
         name = written.code.register.name
-        return f"{self.context.prefix}_take_{name}" if name in self._teaching else ""
+        return f"{self.context.prefix}_take_{name}" if name in self._registers_setting_limits else ""
 
-    def is_late(self, refusal: ArgumentRefusal) -> bool:
+    def is_checked_after_update(self, refusal: ArgumentRefusal) -> bool:
         """Return True if an argument is checked only after the copy was updated, which can change its limits."""
-        return bool(self._teaching) and _has_variable_limits(refusal)
+        return bool(self._registers_setting_limits) and _has_variable_limits(refusal)
 
     @property
     def needs_variant(self) -> bool:
         """True if the function needs the order code to fill registers or to check arguments."""
-        if self._filled or self._teaching:
+        if self._filled or self._registers_setting_limits:
             return True
         for argument in self.arguments:
             for refusal in argument.refusals:
@@ -257,7 +257,7 @@ class ProcedureCode:
             case _:
                 assert_never(write.value)
 
-    def _structs_to_fill(self) -> Iterator[tuple[tuple[str, str], FilledRegister]]:
+    def _yield_filled_registers(self) -> Iterator[tuple[tuple[str, str], FilledRegister]]:
         """Yield the structs that take arguments, with their key ``(argument, register)``.
 
         A register has a struct if the argument is a field or join of it, and the register is not one plain byte.
@@ -281,7 +281,7 @@ class ProcedureCode:
                 )
                 yield (argument, register), filled_register
 
-    def _whole_numbers(self) -> Iterator[tuple[tuple[str, str], WholeRegister]]:
+    def _yield_whole_registers(self) -> Iterator[tuple[tuple[str, str], WholeRegister]]:
         """Yield the registers whose whole number is an argument, with their key ``(argument, register)``.
 
         Only those are needed whose decoder can reject the number, or on which the limit of a later step depends.
@@ -294,13 +294,13 @@ class ProcedureCode:
                 register = write.register.name
                 is_checked = register in checked_registers or write.determines_limits
                 if isinstance(write.value, AsNumber) and is_checked:
-                    whole = WholeRegister(
+                    whole_register = WholeRegister(
                         code=self.registers[register],
                         local=c_name(f"{argument}_{register}_held", self._names),
                         bytes=c_name(f"{argument}_{register}_sent", self._names),
                         values=tuple(self._byte_value(write, bit_slice) for bit_slice in write.bit_slices),
                     )
-                    yield (argument, register), whole
+                    yield (argument, register), whole_register
 
     # -- steps
 
@@ -405,7 +405,7 @@ class ProcedureCode:
         is_whole_byte = isinstance(value, AsNumber) and len(step.bit_slices) == 1
         return bits if is_whole_byte else CCast("uint8_t", bits)
 
-    def _read_members(self) -> Iterator[ReadMember]:
+    def _yield_read_members(self) -> Iterator[ReadMember]:
         """Yield a member for each register or field that is read. Repeated names are numbered.
 
         The name includes the field if not all bytes of the register are read.

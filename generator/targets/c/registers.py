@@ -25,7 +25,7 @@ from ...plan.operations import IsOneOf
 from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, UnsignedNumber, meaning_of
 from ...say.names_and_places import full_title, name_in_words, title_of
 from .. import TargetError
-from .about import about_access, about_alarm, about_member, about_register, table
+from .about import about_access, about_alarm, about_member, about_register, field_table
 from .codec import StructCodec
 from .comments import Paragraph
 from .context import CFunction, CMacro, HeaderContext, number_function
@@ -48,9 +48,9 @@ class RegisterFunctions:
         self.outside = outside
         self.stem = layout.name.upper()
         self.struct = layout.name if has_struct else ""
-        self._layout = layout
+        self._struct = layout
         #: The only field of a plain byte.
-        self._field = register.layout.fields[0]
+        self._byte_field = register.layout.fields[0]
         #: The named values of the byte, empty if it can have any value.
         self.values: tuple[int, ...] = ()
         for check in layout.plan.checks:
@@ -71,7 +71,7 @@ class RegisterFunctions:
 
     def _type_of_byte(self) -> str:
         """Return the type of a plain byte: the type of its named values, if it has any."""
-        choice = self._layout.choice(self._field)
+        choice = self._struct.choice(self._byte_field)
         return choice.type if choice is not None else "uint8_t"
 
     def _build_comment(self, *, writes: bool) -> tuple[Paragraph, ...]:
@@ -79,17 +79,17 @@ class RegisterFunctions:
 
         If the register holds a part of the variant, the comment on writing tells users to read that part again.
         """
-        context = self._layout.context
+        context = self._struct.context
         changes_variant = writes and self.register.name in state_registers(context.device)
         read_state = f"{context.prefix}_read_state" if changes_variant else ""
-        return tuple(about_access(context.device, self.register, writes, read_state))
+        return tuple(about_access(context.device, self.register, writes=writes, read_state=read_state))
 
     def _set_bank(self, selector: Register) -> None:
         """Set the address and the byte that select the bank of the register."""
         if selector.length > 1:
             problem = f"'{selector.name}' selects banks with {selector.length} bytes"
             raise TargetError(f"{problem}; the C target writes one")
-        self.bank_address = f"{self._layout.context.PREFIX}_REG_{selector.name}_ADDRESS".upper()
+        self.bank_address = f"{self._struct.context.PREFIX}_REG_{selector.name}_ADDRESS".upper()
         # One byte, as checked above.
         (self.bank,) = number_to_bytes(selector.layout, self.register.bank or 0, 8)
 
@@ -98,7 +98,7 @@ class RegisterFunctions:
 
         ``is_raw`` is True if the variable ``name`` holds the byte as read, rather than a value of the enumeration.
         """
-        return self._layout.is_none_of(self._field, CName(name), self.values, is_raw)
+        return self._struct.is_none_of(self._byte_field, CName(name), self.values, is_raw)
 
     @property
     def write_depends(self) -> bool:
@@ -206,7 +206,7 @@ class RegisterCode:
         self.access = RegisterFunctions(self.struct, has_struct=self.codec is not None, outside=refused)
         #: Its own limits, and the limits of each of its meanings.
         self.limits = tuple(self._find_limits(meaning) for meaning in (None, *register.meanings))
-        self.explained = tuple(self._yield_explaining_bits())
+        self.explaining_bits = tuple(self._yield_explaining_bits())
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with its path in the spec."""
@@ -227,7 +227,7 @@ class RegisterCode:
         if self.register.wait_at_least_ms is not None:
             yield f"{self.stem}_WAIT_AT_LEAST_MS"
         yield from self._names_of_places()
-        yield from (explanation.name for explanation in self.explained)
+        yield from (explanation.name for explanation in self.explaining_bits)
         if self.codec is None:
             yield from (scale.name for scale in self.struct.scales)
         for bounds in self.limits:
@@ -240,11 +240,11 @@ class RegisterCode:
 
     def _names_of_places(self) -> Iterator[str]:
         """Yield the macros and the functions for the places of fields."""
-        for field in self.masked:
+        for field in self.masked_fields:
             if self.has_shift(field):
                 yield f"{self.name}_{field.name}_SHIFT".upper()
             yield f"{self.name}_{field.name}_MASK".upper()
-        for field in self.moving:
+        for field in self.moving_fields:
             yield f"{self.name}_{field.name}_shift"
             yield f"{self.name}_{field.name}_mask"
 
@@ -275,14 +275,14 @@ class RegisterCode:
         paragraphs = about_register(self.device, self.register)
         if self.is_plain:
             paragraphs.append(about_member(self.struct, self.layout.fields[0]))
-        elif len(self.masked) < len(self.layout.fields):
-            paragraphs += table(self.struct)
+        elif len(self.masked_fields) < len(self.layout.fields):
+            paragraphs += field_table(self.struct)
         return paragraphs
 
     # -- places of its fields
 
     @cached_property
-    def _with_masks(self) -> tuple[Field, ...]:
+    def _fields_with_masks(self) -> tuple[Field, ...]:
         """The fields that have masks: those that are neither constant nor a text.
 
         There are none in a register of one plain byte or of more than 8 bytes, or if its only field has no named
@@ -301,14 +301,14 @@ class RegisterCode:
         return not isinstance(meaning_of(field), ActiveFlag)
 
     @property
-    def masked(self) -> tuple[Field, ...]:
+    def masked_fields(self) -> tuple[Field, ...]:
         """The fields with masks that are at the same place for every order code."""
-        return tuple(field for field in self._with_masks if field.is_fixed)
+        return tuple(field for field in self._fields_with_masks if field.is_fixed)
 
     @property
-    def moving(self) -> tuple[Field, ...]:
+    def moving_fields(self) -> tuple[Field, ...]:
         """The fields with masks whose place depends on the order code."""
-        return tuple(field for field in self._with_masks if field not in self.masked)
+        return tuple(field for field in self._fields_with_masks if field not in self.masked_fields)
 
     def _yield_explaining_bits(self) -> Iterator[ExplainingBits]:
         """Yield the bits of other registers that give the reason why a field of ``register`` is set.

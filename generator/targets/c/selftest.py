@@ -282,7 +282,7 @@ class SelfTest:
             answer_names = [answer.name for answer in question.alternative.answers]
             chosen_name = example.alternatives.get(question.alternative.name, answer_names[0])
             # The enumeration has a constant for each answer, in the same order.
-            constant = question.enumeration.entries[answer_names.index(chosen_name)]
+            constant = question.enumeration.constants[answer_names.index(chosen_name)]
             arguments += f"{constant.name}, "
         return arguments
 
@@ -361,7 +361,7 @@ class SelfTest:
 
 def _member_names(codec: StructCodec) -> Iterator[str]:
     """Yield the names of the members of a struct, as in the spec."""
-    yield from (whole.join.name for whole in codec.plan.joined_numbers)
+    yield from (joined_number.join.name for joined_number in codec.plan.joined_numbers)
     for part in codec.plan.parts:
         yield from (part.field.name, *(run.name for run in part.field.runs))
 

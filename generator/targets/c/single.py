@@ -121,7 +121,7 @@ class SingleCode:
         usage = self.view.usage
         if usage is not None and usage.request_for_reply is not None:
             return usage.request_for_reply.codec
-        exchanged = self.view.interface.exchanged.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
+        exchanged = self.view.interface.position_request.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
         requests = (codec for codec in self.view.interface.codecs if codec.struct.layout.name == exchanged)
         return next(requests, None)
 
@@ -194,7 +194,7 @@ class SingleCode:
 
     def _roots_of_requests(self) -> Iterator[str]:
         """Yield the names that a program uses to request positions over RS-485 or SPI."""
-        usage, exchanged = self.view.usage, self.view.interface.exchanged
+        usage, exchanged = self.view.usage, self.view.interface.position_request
         if usage is not None and usage.request:
             yield usage.request
         if usage is not None and (usage.request or usage.request_for_reply is not None):

@@ -160,8 +160,8 @@ class LayoutStruct:
 
     def member_type(self, name: str) -> str:
         """Return the type of the member of a field or join, by its name in the spec."""
-        whole = next((candidate for candidate in self.plan.joined_numbers if candidate.join.name == name), None)
-        return unsigned(whole.widest) if whole is not None else self.type_of(self.layout.field(name))
+        joined_number = next((candidate for candidate in self.plan.joined_numbers if candidate.join.name == name), None)
+        return unsigned(joined_number.widest) if joined_number is not None else self.type_of(self.layout.field(name))
 
     def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
         """Return the initialiser of a struct without its braces, such as ``true, 0x1BU, 0U``.
@@ -173,17 +173,17 @@ class LayoutStruct:
         numbers: dict[str, int] = {}
         for part in self.plan.parts:
             numbers[part.field.name] = values.get(part.field.name, _default_value(part.field))
-        for whole in self.plan.joined_numbers:
-            if whole.join.name in values:
-                numbers.update(whole.parts(values[whole.join.name], parameters))
+        for joined_number in self.plan.joined_numbers:
+            if joined_number.join.name in values:
+                numbers.update(joined_number.parts(values[joined_number.join.name], parameters))
         # C sets all members after the first one to 0.
         if not any(numbers.values()):
             return "0U"
         initial_values: list[str] = []
         for part in self.plan.parts:
             initial_values += self._initial_values(part.field, numbers[part.field.name])
-        for whole in self.plan.joined_numbers:
-            initial_values.append(c_number(whole.joined(numbers, parameters), hexadecimal=True))
+        for joined_number in self.plan.joined_numbers:
+            initial_values.append(c_number(joined_number.joined(numbers, parameters), hexadecimal=True))
         if self.unused:
             initial_values.append("0U")
         return ", ".join(initial_values)

@@ -17,7 +17,7 @@ from ...say.order_code import initial, timeouts_with_codes
 from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
-from .bits import of_bytes
+from .bits import type_and_bits_in
 from .context import CFunction, CMacro, HeaderContext, number_function
 from .names import (
     CCast,
@@ -70,7 +70,7 @@ class HeldValue:
         If 0 represents another number, a local with the bits as read comes first. A code has a local that ends in
         ``_code``.
         """
-        type_, bits = of_bytes(self.held_parameter.bits.bit_slices)
+        type_, bits = type_and_bits_in(self.held_parameter.bits.bit_slices)
         match self.held_parameter.meaning:
             case ZeroMeans(number):
                 raw_local = CName(f"{self.local}_raw")
