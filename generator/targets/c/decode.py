@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
-from ...model import BitSlice, Field, assert_never
+from ...model import Field, assert_never
 from ...model.record import dataclass
 from ...plan.codec import ShiftedBits, characters, is_plain_flag
 from ...plan.operations import AlwaysIs, Check, FieldBits, FieldToDecode, JoinedNumber, ParityIs, ZerosAbove
@@ -17,8 +17,7 @@ from ...plan.values import (
     UnsignedNumber,
     ZeroMeans,
 )
-from ...say.names_and_places import name_in_words
-from .bits import digits
+from .bits import ConstantByte, constant_bytes, digits
 from .names import (
     CCall,
     CCast,
@@ -36,19 +35,6 @@ from .structs import LayoutStruct
 
 #: Names of arguments and locals in the generated functions. The locals of fields must have different names.
 _NAMES_OF_LOCALS = frozenset("variant word received plain bytes length out in crc index v wide value flags".split())
-
-
-@dataclass(frozen=True, slots=True)
-class ConstantByte:
-    """A byte of a frame with constant bits. ``mask`` selects these bits, and ``value`` is what they must be.
-
-    ``reasons`` are the names of the constant fields in it, for the comment.
-    """
-
-    byte: int
-    mask: int
-    value: int
-    reasons: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,7 +176,7 @@ class CDecoder:
             yield from (check for check in checks if isinstance(check, AlwaysIs))
         else:
             yield from (check for check in checks if isinstance(check, ZerosAbove) and check.may_reach)
-            yield from _constant_bytes(checks)
+            yield from constant_bytes(checks)
 
     def is_of_other_frame(self, parity: ParityIs) -> CExpression:
         """Return the condition that the field that tells frames apart (the selector) or its parity bit is another.
@@ -212,7 +198,7 @@ class CDecoder:
         expected_value = 0
         # The constants of the byte were checked before. Comparing them again can complete the mask to 0xFF, so that
         # the byte needs no mask. There is at most one constant for each byte.
-        for constant in _constant_bytes(self.plan.checks):
+        for constant in constant_bytes(self.plan.checks):
             if constant.byte == byte:
                 mask = constant.mask
                 expected_value = constant.value
@@ -406,36 +392,6 @@ class CDecoder:
     def number_of_join(self, joined_number: JoinedNumber) -> CExpression:
         """Return the number that several fields form (a join), from the word or from the locals of the fields."""
         return self.reader.number_of_join(joined_number, self.local)
-
-
-def _constant_bytes(checks: Iterable[Check]) -> list[ConstantByte]:
-    """Return the bytes with constant bits, in order, each with the mask and the value of all its constants."""
-    constant_bytes: dict[int, ConstantByte] = {}
-    for check in checks:
-        name = name_in_words(check.field.name)
-        match check:
-            case ZerosAbove(beyond=slices_beyond):
-                for bit_slice in slices_beyond:
-                    byte = bit_slice.byte
-                    constant_bytes[byte] = ConstantByte(byte, mask=0xFF, value=0, reasons=(f"above {name}",))
-            case AlwaysIs(bits=bits, value=constant):
-                for bit_slice in bits.bit_slices:
-                    byte = bit_slice.byte
-                    earlier = constant_bytes.get(byte, ConstantByte(byte, mask=0, value=0, reasons=()))
-                    constant_bytes[byte] = _with_constant(earlier, bit_slice, constant, name)
-    return [constant_bytes[byte] for byte in sorted(constant_bytes)]
-
-
-def _with_constant(earlier: ConstantByte, bit_slice: BitSlice, constant: int, name: str) -> ConstantByte:
-    """Return a constant byte with the bits of one more constant field: ``bit_slice`` of the number ``constant``."""
-    # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
-    value_in_byte = ((constant >> bit_slice.low_in_number) & bit_slice.mask) << bit_slice.low_in_byte
-    return ConstantByte(
-        earlier.byte,
-        mask=earlier.mask | (bit_slice.mask << bit_slice.low_in_byte),
-        value=earlier.value | value_in_byte,
-        reasons=tuple(dict.fromkeys((*earlier.reasons, name))),
-    )
 
 
 def _mask_for_code(parity: ParityIs, parameters: Mapping[str, int]) -> int:
