@@ -200,7 +200,8 @@ def about_member(struct: LayoutStruct, member: Field) -> str:
     facts = HEADER_STYLE.paragraph(statement for statement in statements if statement not in statements_on_enumeration)
     description = facts or f"{title_of(member)}."
     is_text = isinstance(meaning_of(member), Latin1Text)
-    return f"{description} No terminator." if is_text else description
+    terminator = "No terminator." if is_text else ""
+    return f"{description} {terminator}".rstrip()
 
 
 def about_unused(struct: LayoutStruct) -> str:

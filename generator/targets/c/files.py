@@ -46,6 +46,7 @@ from .decode import AllUnusedBits, FlagByte, UnusedBitsOfByte
 from .device import DeviceView, HeaderPart, views_of
 from .errata_page import ERRATA_TEMPLATE, ErrataPage, errata_files
 from .examples import ExampleCode
+from .name_clashes import clashes, describe_path
 from .names import (
     BY_ADDRESS,
     BY_VALUE,
@@ -53,8 +54,6 @@ from .names import (
     StructPassing,
     c_name,
     c_number,
-    clashes,
-    describe_path,
     mask_constant,
     string,
     unsigned,
