@@ -1,4 +1,4 @@
-"""Facts in C that depend on the order code: clock, time-out, times and clocks by cable length, as macros by code."""
+"""Facts in C that depend on the order code: clock, timeout, times and clocks by cable length, as macros by code."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class CodeFacts:
         """The facts that depend on the order code, for the comment on the macros, such as ``clock and times``."""
         subjects = {
             "clock": isinstance(self._interface, Clocked) and bool(self._interface.clocks_by_code),
-            "time-out": isinstance(self._interface, Biss) and bool(self._interface.timeouts_by_code),
+            "timeout": isinstance(self._interface, Biss) and bool(self._interface.timeouts_by_code),
             "clock limit by cable length": bool(self.clock_limits),
             "times": bool(self._times),
         }

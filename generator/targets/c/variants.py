@@ -414,7 +414,7 @@ def _register_access(device: Device, interface: Interface, frames: Sequence[Fram
     yield "For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before the last "
     yield f"clock of the same frame. It comes {delay_text}. The bit of "
     yield "cw_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
-    yield "sends it. MA carries the inverse of the bit for the whole time-out"
+    yield "sends it. MA carries the inverse of the bit for the whole timeout"
     if interface.timeouts:
         yield f" ({timeouts_with_codes(interface.timeouts)})"
     yield "."

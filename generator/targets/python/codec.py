@@ -211,7 +211,7 @@ class LayoutClass:
         return field.equals if isinstance(field.equals, int) else None
 
     def _request_default(self, field: Field) -> int | None:
-        """Return the default of a number or flag in a request, or None if it has none or the frame is no request."""
+        """Return the default of a number or flag in a request, or None if it has none or the frame is not a request."""
         is_request = self.register is None and self.layout.sender == "master"
         return field.default if is_request else None
 
