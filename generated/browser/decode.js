@@ -364,7 +364,7 @@
   /** Return the placed field with the CRC. */
   const findCrcField = (placedLayout) => placedLayout.fields.find((placedField) => placedField.field.crc);
 
-  /** Return the received CRC and the computed one, or null if the layout lacks a CRC. */
+  /** Return the received CRC and the computed one, or null if the layout has no CRC. */
   function checkCrc(placedLayout, number) {
     const { crc } = placedLayout;
     if (!crc) return null;
@@ -428,7 +428,7 @@
     }
   }
 
-  /** Return the names of the fields that a parity bit covers, without those of 0 bits, which the order code lacks. */
+  /** Return the names of the fields that a parity bit covers, without those that the order code does not have. */
   const listCoveredFields = (check, coveredPlaces) => (
     check.of_names.filter((_, index) => coveredPlaces[index].width > 0).join(", "));
 
@@ -453,7 +453,7 @@
     ];
   }
 
-  /** Return whether frames of the order code have bits that say whether the position is usable, if others have. */
+  /** Return whether the frame has bits that say whether the position is usable, if this depends on the order code. */
   function hasJudgingBits({ layout, parameters }) {
     return layout.judging_bits === undefined || evaluateExpression(layout.judging_bits, parameters) > 0;
   }
@@ -1504,7 +1504,7 @@
     };
   }
 
-  /** Colour of a field in the drawing of a frame, by kind. Other fields have the colour of data. */
+  /** Color of a field in the drawing of a frame, by kind. Other fields have the color of data. */
   const LINE_COLOURS = { flag: "flag", zero: "fixed", constant: "fixed", crc: "check", parity: "check" };
 
   /** Build the record of a field, as in the table. */
@@ -2020,7 +2020,7 @@
     return { root, follow };
   }
 
-  /** Error about a text that is unreadable as a frame, with how to write it: in words, and as ``spellings`` to pick. */
+  /** The error for a text that is not a frame. It says how to write the frame, in words and as ``spellings`` to pick. */
   class FrameText extends Error {
     constructor(message, spellings = []) {
       super(message);
@@ -2111,7 +2111,7 @@
     return areWords && bits % 4 === 0 && bits > 8 ? bits : 0;
   }
 
-  /** Return the text of a frame, cleared of brackets, quotes and other marks of the program that it was copied from. */
+  /** Return the text of a frame without brackets, quotes and other marks of the program that it was copied from. */
   function checked(text) {
     if (text.length > TABLE.limits.text) throw new FrameText(messageFor("frame_too_long"));
     const plainText = PASTED_SPELLINGS.reduce(
@@ -2348,7 +2348,7 @@
     return fittingLayouts.length === 1 ? fittingLayouts[0] : firstLayout;
   }
 
-  /** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */
+  /** Return the placed layouts of the other frames that a text can be, if no field tells the frames apart. */
   function otherFrames(orderCode, sender, text, decoded, registerContents, answers) {
     if (!decoded.placedLayout || findSelector(orderCode.interface, sender)) return [];
     const hasOtherLength = decoded.problems.some((problem) => problem.fault === "length");
@@ -2403,7 +2403,7 @@
       messageFor("no_frame", selector.selector, hexDigits(selectorValue), allowedValues.join(", ")));
   }
 
-  /** Return the result of a frame whose layout is open, with its problem. */
+  /** Return the result for a frame whose layout cannot be determined, with its problem. */
   const makeFailedFrame = (faultKind, field, message) => ({
     ...createEmptyResult(null, 0n), problems: [{ fault: faultKind, field, message }],
   });
@@ -2558,7 +2558,7 @@
     receivedBytes ? layoutsOf(interface_, sender).some((layout) => layout.order && layout.crc)
       : Boolean(placedLayout?.crc));
 
-  /** Return the part that a recording without a complete frame lacks, or the bytes that a shorter text lacks, or "". */
+  /** Return the part that is missing from a recording, or the bytes that are missing from a shorter text, or "". */
   function missingPart(decoded) {
     const { placedLayout, typedFrame, receivedBytes, problems } = decoded;
     if (!placedLayout || !(typedFrame || receivedBytes) || deadLine(decoded)) return "";
@@ -2576,7 +2576,7 @@
     return findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame));
   }
 
-  /** Return whether the digits of a frame with a wrong CRC lack whole bytes, so that these were read as 0. */
+  /** Return whether whole bytes are missing from the digits of a frame with a wrong CRC, so that they were read as 0. */
   const hasMissingDigits = ({ placedLayout, typedFrame, problems }) => !typedFrame.exact && typedFrame.written > 0
     && countBytes(typedFrame.written) < countBytes(placedLayout.bits)
     && problems.some(({ fault }) => fault === "crc");
@@ -2592,7 +2592,7 @@
     return fillTemplate(TABLE.texts.bytes_missing, receivedCount, frameCount, missingText);
   }
 
-  /** Return the part that these received bits lack, by the patterns of the line. */
+  /** Return the part that is missing from these received bits, according to the patterns of the line. */
   function findMissingPart(placedLayout, receivedText) {
     for (const [template, pattern] of lineRulesOf(placedLayout)?.incomplete ?? []) {
       const match = matchRecording(pattern, placedLayout, receivedText);
@@ -2761,7 +2761,7 @@
     return [number, placedLayout.bits, ...fieldPlaces].join(" ");
   }
 
-  /** Return whether a hypothesis is likelier than another: consistent in contrast to it, or else with a higher score. */
+  /** Return whether a hypothesis is likelier than another: only it is consistent, or it has the higher score. */
   function isLikelier(hypothesis, other) {
     if (hypothesis.isConsistent !== other.isConsistent) return hypothesis.isConsistent;
     return computeScore(hypothesis) > computeScore(other);
@@ -3681,7 +3681,7 @@
   if (typeof document === "undefined") return;
 
   const CLASS = "codewheel-decode";
-  /** Class for the colour and shape of a verdict. All others are plain. */
+  /** Class for the color and shape of a verdict. All others are plain. */
   const VERDICT_CLASSES = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
 
   /** An element with attributes and children, without empty children. */
@@ -3832,7 +3832,7 @@
     return createPart("div", VERDICT_CLASSES[decoded.verdict] ?? "plain", line);
   }
 
-  /** Whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake. */
+  /** Return whether a wrong frame is a valid frame of another kind, whose check bits match, so that it has no mistake. */
   function isAnotherFrame(decoded, otherLayouts) {
     const [otherLayout] = otherLayouts;
     return decoded.problems.length > 0 && otherLayouts.length === 1
@@ -3848,7 +3848,7 @@
     return [createElement("p", {}, `${capitalize(otherText)}. Choose it above.`)];
   }
 
-  /** Other readings of a position that nothing in the frame can contradict, folded, and the request that it also is. */
+  /** Create the folded list of other readings of a position, which nothing in the frame contradicts. */
   function createDoubts(decoded, measure) {
     const readings = otherPositions(decoded, measure).map(([text, position]) => `${position} ${text}`).join(", ");
     const requestName = ownRequest(decoded);
@@ -3892,7 +3892,7 @@
     ];
   }
 
-  /** Return the text about a disturbed bit, or "" if the frame stays wrong with any single bit inverted. */
+  /** Return the text about a corrupted bit, or "" if the frame stays wrong whichever single bit is inverted. */
   function describeNoise(decoded) {
     const disturbedBits = findDisturbedBits(decoded);
     if (!disturbedBits.length) return "";
@@ -3902,13 +3902,13 @@
     return messageFor(hasCrc ? "disturbed" : "disturbed_without_crc", bitText);
   }
 
-  /** Return the words before the explanations, which are another cause if noise is a cause (``hasNoise``). */
+  /** Return the words before the explanations. If noise is also a cause (``hasNoise``), they are another cause. */
   function introduceExplanations(decoded, hasNoise) {
     if (!canCrcContradict(decoded)) return `${messageFor("uncertain")}:`;
     return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
   }
 
-  /** Return whether a frame has an error in transmission: a wrong CRC or length or, without a CRC, a wrong constant. */
+  /** Return whether a frame has a transmission error: a wrong CRC or length, or without a CRC, a wrong constant. */
   const isCorrupted = ({ problems, crc }) => problems.some(
     ({ fault }) => ["crc", "length", "constant"].includes(fault)) && !(crc && crc.received === crc.computed);
 
@@ -3981,7 +3981,7 @@
     return createPart("div", "codes", codes.map((code) => createButton(code, () => pick(code))));
   }
 
-  /** Compare two guesses: first those that lack less than a byte of leading zeros, and of these the ones with a CRC. */
+  /** Compare two guesses: those that miss less than a byte of leading zeros come first, and then those with a CRC. */
   function compareGuesses(first, second) {
     const missingBits = ({ decoded }) => Math.max(decoded.placedLayout.bits - (decoded.typedFrame?.written ?? Infinity), 0);
     const [firstRank, secondRank] = [first, second].map(
@@ -4055,7 +4055,7 @@
 
   /**
    * Draw a row with a button for each cell, in the order sent, and a line with the ``subject`` of the chosen one. A cell
-   * has the bits ``high`` to ``low`` of a field, its colour, the ``shownText`` in it, and its ``description`` for the
+   * has the bits ``high`` to ``low`` of a field, its color, the ``shownText`` in it, and its ``description`` for the
    * line.
    */
   function drawFieldRow(placedLayout, cells, subject) {
@@ -4092,14 +4092,14 @@
     return createPart("div", "frame-drawing", row, pointedLine);
   }
 
-  /** Return the verdict on a row in words, with the class for its colour and shape. */
+  /** Return the verdict on a row in words, with the class for its color and shape. */
   function describeVerdict({ decoded, error }) {
     if (error) return ["not a frame", "bad"];
     if (decoded.problems.length) return [`${decoded.problems[0].fault.replace("crc", "CRC")} error`, "bad"];
     return [(decoded.verdict ?? "no verdict").replace(/_/g, " "), VERDICT_CLASSES[decoded.verdict] ?? "plain"];
   }
 
-  /** Create the mark of a verdict: its text with the colour and shape of ``verdictClass``. */
+  /** Create the mark of a verdict: its text with the color and shape of ``verdictClass``. */
   const createBadge = (text, verdictClass) => (
     createElement("span", { class: `${CLASS}-badge ${CLASS}-badge-${verdictClass}` }, text));
 
@@ -4442,7 +4442,7 @@
       return splitIntoWords(lines, state.orderCode, sender, state.registerContents, state.answers);
     }
 
-    /** Return {line, decoded} with the decoded frame of a line, or {line, error} with the reason why it is unreadable. */
+    /** Return {line, decoded} with the decoded frame of a line, or {line, error} if the line is not a frame. */
     function decodeLine(line) {
       try {
         return { line, decoded: decodeText(line.text) };
@@ -4533,7 +4533,7 @@
       ];
     }
 
-    /** Put the inputs into the address of the page, so that a link to it carries them. */
+    /** Store the inputs in the URL of the page, so that a link to the page contains them. */
     function updateAddress() {
       frameLink.href = (root.dataset.page ?? "") + buildAddress(codeInput.value, frameInput.value, state);
       frameLink.hidden = !frameInput.value.trim();
@@ -4542,7 +4542,7 @@
       try {
         history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
       } catch (error) {
-        // Browsers reject many changes in a short time, as someone types. The link has the inputs nevertheless.
+        // Browsers reject many changes in a short time, for example during typing. The link still has the inputs.
         if (error.name !== "SecurityError") throw error;
       }
     }
@@ -4633,7 +4633,7 @@
 
   /**
    * Prepare the picture of a frame on the page. Return {follow}, which replaces it by the drawing in a result, or by an
-   * empty drawing, or return null if the section lacks a picture.
+   * empty drawing, or return null if the section has no picture.
    */
   function createFramePicture(section) {
     const printedPicture = section.querySelector("picture");
@@ -4698,7 +4698,7 @@
     return mergeByName(Object.fromEntries(parameters.getAll("choose").map((pair) => pair.split("=")).filter(isAnswer)));
   }
 
-  /** Create a question that the manual leaves open, with its answers. If it lacks a default, it starts unanswered. */
+  /** Create a question that the manual leaves open, with its answers. Without a default, it starts unanswered. */
   function createQuestion(state, alternative, showResult) {
     const answerLabels = alternative.answers.map(([name, meaning]) => {
       const groupName = `${CLASS}-${idCounter}-${alternative.name}`;

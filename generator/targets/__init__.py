@@ -43,11 +43,11 @@ class Library:
     only_paths: frozenset[str] = frozenset()
 
     def part(self, family: PartOf, device: Device, options: Options) -> Any:
-        """Return the result of ``family``, the target's function, for one device."""
+        """Return the data of one device from the cache, or else from ``family``, the function of the target."""
         return self.stored_part(device, lambda: family(device, self, options))
 
     def files_of(self, family: FilesOf, device: Device, options: Options) -> dict[str, str]:
-        """Return the files of one device, which ``family`` of the target yields, as texts by path."""
+        """Return the files of one device by path, from the cache or else from ``family``, the target's function."""
 
         def render() -> dict[str, str]:
             files = family(device, self, options)
@@ -63,6 +63,7 @@ class Library:
         return [(manufacturer, self._devices_of(manufacturer)) for manufacturer in manufacturers(self.devices)]
 
     def _devices_of(self, manufacturer: Manufacturer) -> tuple[Device, ...]:
+        """Return the devices of one manufacturer."""
         return tuple(device for device in self.devices if device.manufacturer.name == manufacturer.name)
 
 

@@ -1,4 +1,4 @@
-"""Colours of pages and pictures, from ``runtime/browser/palette.css``, for light and dark screens."""
+"""The colors of pages and pictures, from ``runtime/browser/palette.css``, for light and dark screens."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from .registry import our_runtime
 
 _COLOUR_PROPERTY = re.compile(r"--codewheel-([a-z-]+): (#[0-9a-f]{6});")
 _DARK_MEDIA_QUERY = "@media (prefers-color-scheme: dark)"
-#: Start of the names of wire colours.
+#: Prefix of the names of wire colors.
 WIRE = "wire-"
 
 
 @dataclass(frozen=True)
 class Palette:
-    """Colours by name, such as ``bits-flag``. A colour that is the same on both screens is in ``light`` only."""
+    """Colors by name, such as ``bits-flag``. A color that is the same on both screens is only in ``light``."""
 
     light: Mapping[str, str]
     dark: Mapping[str, str]
 
     def on_dark(self, name: str) -> str:
-        """Return a colour on a dark screen."""
+        """Return a color on a dark screen."""
         return self.dark.get(name, self.light[name])
 
     @property
     def wires(self) -> dict[str, str]:
-        """Return the colours of wires by the English word."""
+        """The colors of wires by the English word, such as ``brown``."""
         return {name.removeprefix(WIRE): colour for name, colour in self.light.items() if name.startswith(WIRE)}
 
 
@@ -40,5 +40,6 @@ def palette_css() -> str:
 
 @cache
 def palette() -> Palette:
+    """Return the colors from the style sheet."""
     light, _, dark = palette_css().partition(_DARK_MEDIA_QUERY)
     return Palette(dict(_COLOUR_PROPERTY.findall(light)), dict(_COLOUR_PROPERTY.findall(dark)))

@@ -84,18 +84,18 @@ def problems_of(target: Target, library: Library) -> list[TargetProblem]:
 
 
 def _fault_of_problem(problem: object, library: Library) -> str:
-    """Return the reason that ``problem`` does not concern a device in the library, or an empty string if it does."""
+    """Return what is wrong with a problem that a target reports, or an empty string if it is a valid problem."""
     if not isinstance(problem, TargetProblem):
         return f"this is {_type_name(problem)}"
     if problem.device.name not in {device.name for device in library.devices}:
         return f"the device '{problem.device.name}' is not in its library"
     texts = (problem.rule, problem.message, *problem.place, *problem.other)
-    wrong_parts = [part for part in texts if not isinstance(part, (str, int))]
-    return f"a part of it is {_type_name(wrong_parts[0])}" if wrong_parts else ""
+    parts_of_wrong_type = [part for part in texts if not isinstance(part, (str, int))]
+    return f"a part of it is {_type_name(parts_of_wrong_type[0])}" if parts_of_wrong_type else ""
 
 
 def _fault_of_files(files: object) -> str:
-    """Return the reason that ``files`` is not a mapping of paths to text, or an empty string if it is."""
+    """Return what is wrong with the files of a target, or an empty string if they are text by path."""
     if not isinstance(files, Mapping):
         return f"this is {_type_name(files)}"
     for path, text in files.items():
@@ -111,6 +111,7 @@ def _fault_of_files(files: object) -> str:
 
 
 def _type_name(value: object) -> str:
+    """Return the name of the type of a value for a message, or ``nothing`` for None."""
     return "nothing" if value is None else type(value).__name__
 
 
@@ -125,11 +126,16 @@ def _entry_points_by_name() -> dict[str, list[EntryPoint]]:
 
 
 def _package_of(entry_point: EntryPoint) -> str:
+    """Return the package that registers an entry point, or its value if the package is not known."""
     return entry_point.dist.name if entry_point.dist is not None else entry_point.value
 
 
 def _load_checked(name: str, load: Callable[[], object]) -> Target:
-    """Return the target that ``load`` returns, unless it is not a target of this name."""
+    """Return the target that ``load`` returns.
+
+    Raises:
+        TargetError: It cannot be loaded, is not a ``Target``, or has another name.
+    """
     try:
         target = load()
     except ModuleNotFoundError as error:
@@ -147,7 +153,12 @@ def _load_checked(name: str, load: Callable[[], object]) -> Target:
 
 
 def _run_target(name: str, work: Callable[[], _Result]) -> _Result:
-    """Return the result of ``work``. An unexpected error from it names the target."""
+    """Return the result of ``work``.
+
+    Raises:
+        TargetError: The target raised it, or it failed with another error, which the message contains.
+        TemplateFault: A user's template has an error.
+    """
     try:
         return work()
     except (TargetError, TemplateFault):

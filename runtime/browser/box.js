@@ -1,4 +1,4 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
+// License 0BSD: use, modify and distribute this file without any condition.
 // The box, its inputs and their effects.
 
 /** Counts the ids of inputs, lists and questions, so that each is unique on the page. */
@@ -102,7 +102,7 @@ function box(root) {
     return splitIntoWords(lines, state.orderCode, sender, state.registerContents, state.answers);
   }
 
-  /** Return {line, decoded} with the decoded frame of a line, or {line, error} with the reason why it is unreadable. */
+  /** Return {line, decoded} with the decoded frame of a line, or {line, error} if the line is not a frame. */
   function decodeLine(line) {
     try {
       return { line, decoded: decodeText(line.text) };
@@ -193,7 +193,7 @@ function box(root) {
     ];
   }
 
-  /** Put the inputs into the address of the page, so that a link to it carries them. */
+  /** Store the inputs in the URL of the page, so that a link to the page contains them. */
   function updateAddress() {
     frameLink.href = (root.dataset.page ?? "") + buildAddress(codeInput.value, frameInput.value, state);
     frameLink.hidden = !frameInput.value.trim();
@@ -202,7 +202,7 @@ function box(root) {
     try {
       history.replaceState(null, "", isEmpty ? location.pathname + location.search : frameLink.getAttribute("href"));
     } catch (error) {
-      // Browsers reject many changes in a short time, as someone types. The link has the inputs nevertheless.
+      // Browsers reject many changes in a short time, for example during typing. The link still has the inputs.
       if (error.name !== "SecurityError") throw error;
     }
   }
@@ -293,7 +293,7 @@ const hasPosition = (placedLayout, measure) =>
 
 /**
  * Prepare the picture of a frame on the page. Return {follow}, which replaces it by the drawing in a result, or by an
- * empty drawing, or return null if the section lacks a picture.
+ * empty drawing, or return null if the section has no picture.
  */
 function createFramePicture(section) {
   const printedPicture = section.querySelector("picture");
@@ -358,7 +358,7 @@ function answersInAddress(parameters, family) {
   return mergeByName(Object.fromEntries(parameters.getAll("choose").map((pair) => pair.split("=")).filter(isAnswer)));
 }
 
-/** Create a question that the manual leaves open, with its answers. If it lacks a default, it starts unanswered. */
+/** Create a question that the manual leaves open, with its answers. Without a default, it starts unanswered. */
 function createQuestion(state, alternative, showResult) {
   const answerLabels = alternative.answers.map(([name, meaning]) => {
     const groupName = `${CLASS}-${idCounter}-${alternative.name}`;

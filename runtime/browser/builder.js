@@ -1,4 +1,4 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
+// License 0BSD: use, modify and distribute this file without any condition.
 // The form that builds the line of an encoder by clicking.
 
 /** A line to begin with, by interface. */

@@ -1,4 +1,4 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
+// License 0BSD: use, modify and distribute this file without any condition.
 // Wrong frames that would be right for another order code, or with other widths in the registers of the encoder.
 
 /**

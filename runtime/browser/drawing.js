@@ -1,4 +1,4 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
+// License 0BSD: use, modify and distribute this file without any condition.
 // Drawing of a frame as a row of its fields, with the bits of a frame or without.
 
 /** Say how to see the subject of the line below the drawing: the value or the meaning of a field. */
@@ -48,7 +48,7 @@ const findFirstAtItsPlace = (field, fields) =>
 
 /**
  * Draw a row with a button for each cell, in the order sent, and a line with the ``subject`` of the chosen one. A cell
- * has the bits ``high`` to ``low`` of a field, its colour, the ``shownText`` in it, and its ``description`` for the
+ * has the bits ``high`` to ``low`` of a field, its color, the ``shownText`` in it, and its ``description`` for the
  * line.
  */
 function drawFieldRow(placedLayout, cells, subject) {

@@ -1,4 +1,4 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
+// License 0BSD: use, modify and distribute this file without any condition.
 // Decoding and encoding of frames and registers by the table.
 
 /**
@@ -214,7 +214,7 @@ function joinFields(join, number, binary) {
 /** Return the placed field with the CRC. */
 const findCrcField = (placedLayout) => placedLayout.fields.find((placedField) => placedField.field.crc);
 
-/** Return the received CRC and the computed one, or null if the layout lacks a CRC. */
+/** Return the received CRC and the computed one, or null if the layout has no CRC. */
 function checkCrc(placedLayout, number) {
   const { crc } = placedLayout;
   if (!crc) return null;
@@ -278,7 +278,7 @@ function describeProblem({ check, limit, lowest, coveredPlaces }, checkedNumber,
   }
 }
 
-/** Return the names of the fields that a parity bit covers, without those of 0 bits, which the order code lacks. */
+/** Return the names of the fields that a parity bit covers, without those that the order code does not have. */
 const listCoveredFields = (check, coveredPlaces) => (
   check.of_names.filter((_, index) => coveredPlaces[index].width > 0).join(", "));
 
@@ -303,7 +303,7 @@ function judgeFrame(decoded) {
   ];
 }
 
-/** Return whether frames of the order code have bits that say whether the position is usable, if others have. */
+/** Return whether the frame has bits that say whether the position is usable, if this depends on the order code. */
 function hasJudgingBits({ layout, parameters }) {
   return layout.judging_bits === undefined || evaluateExpression(layout.judging_bits, parameters) > 0;
 }

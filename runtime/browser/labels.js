@@ -1,4 +1,4 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
+// License 0BSD: use, modify and distribute this file without any condition.
 // Order codes as people write them, with the same help as on the command line.
 
 /** A text that is not an order code; the message names the wrong part. ``isClose`` is as in the Python code. */

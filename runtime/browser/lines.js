@@ -1,4 +1,4 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
+// License 0BSD: use, modify and distribute this file without any condition.
 // An encoder described in one line, with the same words and messages as on the command line.
 
 /** Interfaces that a line can begin with. */
@@ -555,7 +555,7 @@ function findParityCoverage(field, sentFields) {
   };
 }
 
-/** Colour of a field in the drawing of a frame, by kind. Other fields have the colour of data. */
+/** Color of a field in the drawing of a frame, by kind. Other fields have the color of data. */
 const LINE_COLOURS = { flag: "flag", zero: "fixed", constant: "fixed", crc: "check", parity: "check" };
 
 /** Build the record of a field, as in the table. */

@@ -1,14 +1,14 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
+// License 0BSD: use, modify and distribute this file without any condition.
 // The table of many frames, and its export as CSV.
 
-/** Return the verdict on a row in words, with the class for its colour and shape. */
+/** Return the verdict on a row in words, with the class for its color and shape. */
 function describeVerdict({ decoded, error }) {
   if (error) return ["not a frame", "bad"];
   if (decoded.problems.length) return [`${decoded.problems[0].fault.replace("crc", "CRC")} error`, "bad"];
   return [(decoded.verdict ?? "no verdict").replace(/_/g, " "), VERDICT_CLASSES[decoded.verdict] ?? "plain"];
 }
 
-/** Create the mark of a verdict: its text with the colour and shape of ``verdictClass``. */
+/** Create the mark of a verdict: its text with the color and shape of ``verdictClass``. */
 const createBadge = (text, verdictClass) => (
   createElement("span", { class: `${CLASS}-badge ${CLASS}-badge-${verdictClass}` }, text));
 

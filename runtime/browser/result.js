@@ -1,8 +1,8 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
+// License 0BSD: use, modify and distribute this file without any condition.
 // Display of a decoded frame or register. Text of specs is only ever inserted as text.
 
 const CLASS = "codewheel-decode";
-/** Class for the colour and shape of a verdict. All others are plain. */
+/** Class for the color and shape of a verdict. All others are plain. */
 const VERDICT_CLASSES = { usable: "good", usable_with_warning: "warning", not_usable: "bad" };
 
 /** An element with attributes and children, without empty children. */
@@ -153,7 +153,7 @@ function createHeadline(decoded) {
   return createPart("div", VERDICT_CLASSES[decoded.verdict] ?? "plain", line);
 }
 
-/** Whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake. */
+/** Return whether a wrong frame is a valid frame of another kind, whose check bits match, so that it has no mistake. */
 function isAnotherFrame(decoded, otherLayouts) {
   const [otherLayout] = otherLayouts;
   return decoded.problems.length > 0 && otherLayouts.length === 1
@@ -169,7 +169,7 @@ function nameOtherFrames(decoded, otherLayouts) {
   return [createElement("p", {}, `${capitalize(otherText)}. Choose it above.`)];
 }
 
-/** Other readings of a position that nothing in the frame can contradict, folded, and the request that it also is. */
+/** Create the folded list of other readings of a position, which nothing in the frame contradicts. */
 function createDoubts(decoded, measure) {
   const readings = otherPositions(decoded, measure).map(([text, position]) => `${position} ${text}`).join(", ");
   const requestName = ownRequest(decoded);
@@ -213,7 +213,7 @@ function createExplanations(decoded, hasOtherFrames) {
   ];
 }
 
-/** Return the text about a disturbed bit, or "" if the frame stays wrong with any single bit inverted. */
+/** Return the text about a corrupted bit, or "" if the frame stays wrong whichever single bit is inverted. */
 function describeNoise(decoded) {
   const disturbedBits = findDisturbedBits(decoded);
   if (!disturbedBits.length) return "";
@@ -223,13 +223,13 @@ function describeNoise(decoded) {
   return messageFor(hasCrc ? "disturbed" : "disturbed_without_crc", bitText);
 }
 
-/** Return the words before the explanations, which are another cause if noise is a cause (``hasNoise``). */
+/** Return the words before the explanations. If noise is also a cause (``hasNoise``), they are another cause. */
 function introduceExplanations(decoded, hasNoise) {
   if (!canCrcContradict(decoded)) return `${messageFor("uncertain")}:`;
   return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
 }
 
-/** Return whether a frame has an error in transmission: a wrong CRC or length or, without a CRC, a wrong constant. */
+/** Return whether a frame has a transmission error: a wrong CRC or length, or without a CRC, a wrong constant. */
 const isCorrupted = ({ problems, crc }) => problems.some(
   ({ fault }) => ["crc", "length", "constant"].includes(fault)) && !(crc && crc.received === crc.computed);
 
@@ -302,7 +302,7 @@ function createCodeButtons(codes, pick) {
   return createPart("div", "codes", codes.map((code) => createButton(code, () => pick(code))));
 }
 
-/** Compare two guesses: first those that lack less than a byte of leading zeros, and of these the ones with a CRC. */
+/** Compare two guesses: those that miss less than a byte of leading zeros come first, and then those with a CRC. */
 function compareGuesses(first, second) {
   const missingBits = ({ decoded }) => Math.max(decoded.placedLayout.bits - (decoded.typedFrame?.written ?? Infinity), 0);
   const [firstRank, secondRank] = [first, second].map(

@@ -1,5 +1,5 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
-// Style of the box. Its colours come from palette.css, which precedes it.
+// License 0BSD: use, modify and distribute this file without any condition.
+// Style of the box. Its colors come from palette.css, which precedes it.
 
 function sheet() {
   const made = new CSSStyleSheet();

@@ -1,7 +1,7 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
+// License 0BSD: use, modify and distribute this file without any condition.
 // Parsing of frames and labels, and inference of order codes from a frame.
 
-/** Error about a text that is unreadable as a frame, with how to write it: in words, and as ``spellings`` to pick. */
+/** The error for a text that is not a frame. It says how to write the frame, in words and as ``spellings`` to pick. */
 class FrameText extends Error {
   constructor(message, spellings = []) {
     super(message);
@@ -92,7 +92,7 @@ function bitsOfWords(orderCode, sender, registerContents, answers) {
   return areWords && bits % 4 === 0 && bits > 8 ? bits : 0;
 }
 
-/** Return the text of a frame, cleared of brackets, quotes and other marks of the program that it was copied from. */
+/** Return the text of a frame without brackets, quotes and other marks of the program that it was copied from. */
 function checked(text) {
   if (text.length > TABLE.limits.text) throw new FrameText(messageFor("frame_too_long"));
   const plainText = PASTED_SPELLINGS.reduce(
@@ -329,7 +329,7 @@ function findLayoutOfLength(placedLayouts, text) {
   return fittingLayouts.length === 1 ? fittingLayouts[0] : firstLayout;
 }
 
-/** Return the placed layouts of the other frames that a text can be, if the frame lacks a selector. */
+/** Return the placed layouts of the other frames that a text can be, if no field tells the frames apart. */
 function otherFrames(orderCode, sender, text, decoded, registerContents, answers) {
   if (!decoded.placedLayout || findSelector(orderCode.interface, sender)) return [];
   const hasOtherLength = decoded.problems.some((problem) => problem.fault === "length");
@@ -384,7 +384,7 @@ function identifyLayout(interface_, sender, bytes) {
     messageFor("no_frame", selector.selector, hexDigits(selectorValue), allowedValues.join(", ")));
 }
 
-/** Return the result of a frame whose layout is open, with its problem. */
+/** Return the result for a frame whose layout cannot be determined, with its problem. */
 const makeFailedFrame = (faultKind, field, message) => ({
   ...createEmptyResult(null, 0n), problems: [{ fault: faultKind, field, message }],
 });

@@ -1,4 +1,4 @@
-// Licence 0BSD: use, modify and distribute this file without any condition.
+// License 0BSD: use, modify and distribute this file without any condition.
 // The mistakes in the table that would explain a wrong frame, with the same order as on the command line.
 
 /** Return {receivedNumber, bitCount}: what was received as a number, first byte or bit highest, and its bits. */
@@ -108,7 +108,7 @@ const canCrcContradict = ({ placedLayout, receivedBytes, interface: interface_, 
   receivedBytes ? layoutsOf(interface_, sender).some((layout) => layout.order && layout.crc)
     : Boolean(placedLayout?.crc));
 
-/** Return the part that a recording without a complete frame lacks, or the bytes that a shorter text lacks, or "". */
+/** Return the part that is missing from a recording, or the bytes that are missing from a shorter text, or "". */
 function missingPart(decoded) {
   const { placedLayout, typedFrame, receivedBytes, problems } = decoded;
   if (!placedLayout || !(typedFrame || receivedBytes) || deadLine(decoded)) return "";
@@ -126,7 +126,7 @@ function missingPart(decoded) {
   return findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame));
 }
 
-/** Return whether the digits of a frame with a wrong CRC lack whole bytes, so that these were read as 0. */
+/** Return whether whole bytes are missing from the digits of a frame with a wrong CRC, so that they were read as 0. */
 const hasMissingDigits = ({ placedLayout, typedFrame, problems }) => !typedFrame.exact && typedFrame.written > 0
   && countBytes(typedFrame.written) < countBytes(placedLayout.bits)
   && problems.some(({ fault }) => fault === "crc");
@@ -142,7 +142,7 @@ function describeMissingBytes(placedLayout, receivedBits) {
   return fillTemplate(TABLE.texts.bytes_missing, receivedCount, frameCount, missingText);
 }
 
-/** Return the part that these received bits lack, by the patterns of the line. */
+/** Return the part that is missing from these received bits, according to the patterns of the line. */
 function findMissingPart(placedLayout, receivedText) {
   for (const [template, pattern] of lineRulesOf(placedLayout)?.incomplete ?? []) {
     const match = matchRecording(pattern, placedLayout, receivedText);
@@ -311,7 +311,7 @@ function describeResult({ placedLayout, number, text }) {
   return [number, placedLayout.bits, ...fieldPlaces].join(" ");
 }
 
-/** Return whether a hypothesis is likelier than another: consistent in contrast to it, or else with a higher score. */
+/** Return whether a hypothesis is likelier than another: only it is consistent, or it has the higher score. */
 function isLikelier(hypothesis, other) {
   if (hypothesis.isConsistent !== other.isConsistent) return hypothesis.isConsistent;
   return computeScore(hypothesis) > computeScore(other);

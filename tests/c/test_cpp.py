@@ -110,7 +110,7 @@ def _assertions_of_layout(table: Table, view: DeviceView, codec: StructCodec, ra
     numbers = [member.name for member in members(codec)]
     head = f"{codec.name.removeprefix(view.prefix)}_".removeprefix("_")
     space = f"{view.maker.name}::{view.stem}"
-    answers = "".join(f"{choice.enumeration.entries[0].name}, " for choice in codec.alternatives)
+    answers = "".join(f"{choice.enumeration.constants[0].name}, " for choice in codec.alternatives)
     for row in view.variants.rows:
         placed = table.layouts[name][1].place(row.variant.parameters)
         for number in random_.sample(list(valid_numbers(table.device, placed, random_)), 2):
@@ -120,7 +120,7 @@ def _assertions_of_layout(table: Table, view: DeviceView, codec: StructCodec, ra
                 listed = ", ".join(f"0x{byte:02X}" for byte in bytes.fromhex(wire))
                 frame = f"codewheel::buffer<{len(wire) // 2}>{{{{{listed}}}}}"
             elif codec.word_has_length:
-                taken = "".join(f", {choice.enumeration.entries[0].name}" for choice in codec.length_alternatives)
+                taken = "".join(f", {choice.enumeration.constants[0].name}" for choice in codec.length_alternatives)
                 frame = f"cw_word_of({frame}, {codec.name}_bits({row.macro}{taken}))"
             values = zip(numbers, table.row(name, placed, number).split(), strict=True)
             numeric = [(name, value) for name, value in values if not isinstance(kinds.get(name.rstrip("_")), Text)]

@@ -272,5 +272,5 @@ def _write(files: dict[str, str], folder: Path) -> None:
 
 
 def test_no_text_of_a_spec_ends_a_block_of_the_readme() -> None:
-    assert ReadmeExample("", "", "", "", tried=("10", "a `flag`")).fence == "```"
-    assert ReadmeExample("", "", "", "", tried=("10", "```\n<img>")).fence == "````"
+    assert ReadmeExample("", "", "", "", printed_lines=("10", "a `flag`")).fence == "```"
+    assert ReadmeExample("", "", "", "", printed_lines=("10", "```\n<img>")).fence == "````"

@@ -53,7 +53,7 @@ class Driver:
     @property
     def request(self) -> StructCodec | None:
         """The request for the position over SPI, or None if the encoder ignores what it receives."""
-        name = self.view.interface.exchanged.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
+        name = self.view.interface.position_request.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
         requests = (codec for codec in self.view.interface.codecs if codec.struct.layout.name == name)
         return next(requests, None)
 

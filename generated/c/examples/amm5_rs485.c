@@ -132,7 +132,7 @@ static bool ask(uint8_t request, size_t length)
 {
     uint8_t late;
     while (serial_receive(&late)) {
-        /* Discard bytes that arrived after the time-out. */
+        /* Discard bytes that arrived after the timeout. */
     }
     refused = CW_OK;
     since_us = now_us;
@@ -156,7 +156,7 @@ static void reply_came(void)
     refused = show_frame(line.bytes, line.length);
     asked = refused != CW_OK;
     if (asked) {
-        cw_rs485_resume(&line); /* look for a later start, or there is no time-out */
+        cw_rs485_resume(&line); /* look for a later start, or there is no timeout */
     }
 }
 

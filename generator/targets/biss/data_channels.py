@@ -1,4 +1,4 @@
-"""Data channels of a device in a BiSS file, and its comments and texts in ASCII.
+"""The data channels of a device in a BiSS file, and the comments and texts of the file in ASCII.
 
 Only the beginning of one idbiss file is public. Our file uses only the elements and attributes found there. Comments
 mark every further interpretation as inferred. Facts with no publicly known place in the format are in the full
@@ -43,7 +43,7 @@ def comment_text(text: object) -> Markup:
     A space separates double hyphens, and follows a hyphen at the end.
     """
     comment_line = ascii_only(text)
-    # Of three hyphens, one pass leaves two next to each other.
+    # One pass leaves two adjacent hyphens if there were three.
     while "--" in comment_line:
         comment_line = comment_line.replace("--", "- -")
     if comment_line.endswith("-"):
@@ -69,7 +69,7 @@ def comment(text: object, indent: str) -> Markup:
 # The files for the order codes of a family share most lines.
 @lru_cache(maxsize=1024)
 def _wrapped_lines(paragraph: str, width: int) -> Sequence[str]:
-    """Return the lines into which one line of a comment's text is wrapped. An indented line is an item of a list."""
+    """Return a line of a comment, wrapped into lines of this width. An indented line is an item of a list."""
     is_list_item = paragraph.startswith("  ")
     return textwrap.wrap(
         str(comment_text(paragraph)),
@@ -87,10 +87,10 @@ def ascii_text(text: object) -> Markup:
 
 @dataclass(frozen=True)
 class Node:
-    """``Device`` element: its identity, its name, and the known facts about the data of the device.
+    """A ``Device`` element of the file: the bits that identify the device, its name, and facts about its data.
 
-    ``notes`` and ``notes_of_data`` are comments before the name and before the data channel. ``length`` is 0 and
-    ``crc_polynomial`` is empty if the element does not have them.
+    ``notes`` and ``notes_of_data`` are comments before the name and before the data channel. ``devices`` are the
+    elements inside it. ``length`` is 0 and ``crc_polynomial`` is empty if the element does not contain them.
     """
 
     ids: tuple[IdBits, ...]
@@ -107,9 +107,9 @@ class Node:
 def channels_by_length(
     device: Device, layout: Layout, ids: tuple[IdBits, ...], lengths: Sequence[DataLength]
 ) -> tuple[Node, ...]:
-    """Return the element with the data length as a tuple, which is empty unless all ``lengths`` are equal in data bits.
+    """Return the element with the data length, in a tuple that is empty if order codes differ in the length.
 
-    ``ids`` are the bits that identify the encoder. ``lengths`` can have several entries with the same number of bits.
+    ``ids`` are the bits that identify the encoder. ``lengths`` are the lengths for its order codes.
     """
     if _number_of_lengths(lengths) != 1:
         return ()
@@ -129,7 +129,7 @@ def _number_of_lengths(lengths: Sequence[DataLength]) -> int:
 
 
 def _note_on_changing_length(device: Device, layout: Layout) -> str:
-    """Return a note on the registers that change the length of the data, or an empty string if none does."""
+    """Return a note on the registers that change the length of the data, or an empty string if no register does."""
     register_fields = [field_at(device, path) for path in run_time_widths(device, layout)]
     if not register_fields:
         return ""
@@ -152,10 +152,7 @@ def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[in
 
 
 def _data_label(device: Device, layout: Layout) -> str:
-    """Return the measured quantity as a description of the data channel, or else the name of the frame.
-
-    Unlike the label of a device, it does not start with a comma.
-    """
+    """Return the label of a data channel: the measured quantity, such as ``position``, or else the frame."""
     measurement = device.measurement_of(Biss.name)
     return measurement.of if measurement is not None else text_on_one_line(layout.name.replace("_", " "))
 
@@ -179,10 +176,11 @@ def master_settings(
     ids: Sequence[IdBits],
     one_encoder: bool,
 ) -> str:
-    """Return the other master settings as the lines of a comment.
+    """Return a comment with the further settings of a master: lengths, fields, CRC, times and errata.
 
-    ``crc`` is None if order codes differ in it. Each length then states its own CRC. ``ids`` are the bits of registers
-    that identify the encoder. ``one_encoder`` is true if the file is for a single order code.
+    ``crc`` is the CRC of the single cycle data. It is None if order codes differ in it, and each length then states its
+    own CRC. ``ids`` are the bits of registers that identify the encoder. ``one_encoder`` is True if the file is for a
+    single order code.
     """
     heading = "Further settings of the master:" if one_encoder else _first_settings_line(device, layout, lengths)
     lines = [heading, *_lengths_by_profile(device, lengths)]
@@ -203,7 +201,7 @@ def master_settings(
 
 
 def _length_line(length: DataLength) -> str:
-    """Return a length, such as ``X-24: position 24 = 24 bits, with status bits 26, with CRC 32``."""
+    """Return a data length as text, such as ``X-24: position 24 = 24 bits, with status bits 26, with CRC 32``."""
     widths = " + ".join(f"{name} {width}" for name, width in length.parts.items())
     return (
         f"{_codes_and_answers_text(length)}: {widths} = {length.data_bits} bits, "
@@ -219,13 +217,16 @@ def _own_crc_text(device: Device, length: DataLength) -> str:
 
 
 def _codes_and_answers_text(length: DataLength) -> str:
-    """Return the order codes with a length, and the answers on which it depends: ``X-24, X-25 with wide``."""
+    """Return the order codes with a length, and the answers to open questions that it applies to.
+
+    An example is ``X-24, X-25 with wide``.
+    """
     order_codes = ", ".join(length.codes)
     return f"{order_codes} with {' and '.join(length.answers)}" if length.answers else order_codes
 
 
 def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list[str]:
-    """Return the errata about the frame and about the registers with the identity. Further lines are indented more."""
+    """Return the errata about the frame and about the identifying registers, as indented lines."""
     register_paths = [f"registers.{id_bits.register}" for id_bits in ids]
     paths = (f"interfaces.biss.{layout.name}", *dict.fromkeys(register_paths))
     indented_lines = []
@@ -283,11 +284,12 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
 
 
 def _crc_text(device: Device, crc: Crc) -> str:
+    """Return a CRC as text: its width and its parameters."""
     return f"{count_with_unit(crc.width, 'bit')}, {crc_parameters(device, crc)}"
 
 
 def _other_channels(device: Device, layout: Layout) -> list[str]:
-    """Return a line about each other data channel with a CRC. The format has no known place for them."""
+    """Return a line about each further data channel with a CRC, for which the file format has no known element."""
     lines = []
     for channel_layout in device.interface(Biss.name).layouts:
         crcs = device.crcs_of(channel_layout)
@@ -350,7 +352,7 @@ def _number_code(device: Device, layout: Layout) -> str:
 
 
 def _selected_code(device: Device, layout: Layout) -> str:
-    """Return the code of a number that the order code or registers select.
+    """Return the code of a number, Gray or binary, if the order code or a register selects it.
 
     Examples are ``position Gray`` and ``position in Gray code or binary, selected by FORMAT, factory default binary``.
     """
@@ -369,4 +371,5 @@ def _selected_code(device: Device, layout: Layout) -> str:
 
 
 def _factory_code(variant: Variant, layout: Layout) -> str:
+    """Return the code of the numbers that an order code has as its factory default."""
     return "Gray" if variant.parameters[layout.gray_when] else "binary"

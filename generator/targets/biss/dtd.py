@@ -19,7 +19,10 @@ class DtdError(ValueError):
 
 
 class _OneFile(etree.Resolver):
-    """Resolver that supplies one text for the DOCTYPE of our file, and refuses other files and the network."""
+    """A resolver that supplies the DTD for the DOCTYPE of our file, and rejects other files and the network.
+
+    ``refused`` is the address of the first rejected file, or empty. ``answered`` is True after the DTD was supplied.
+    """
 
     def __init__(self, path: str, text: bytes) -> None:
         super().__init__()
@@ -31,16 +34,15 @@ class _OneFile(etree.Resolver):
     def resolve(self, *request: Any, **_: Any) -> Any:
         """Return the DTD for the first request, which comes from our DOCTYPE, and an empty text for any other request.
 
-        The address of the first of the others is noted in ``refused``.
-
-        A request consists of address, public ID and context. The published type stubs do not declare the context.
+        lxml calls this method with the address, the public ID and the context. The published type stubs do not declare
+        the context.
         """
         address, public_id, context = request
         supply: Any = self.resolve_string
         if not self.answered:
             self.answered = True
             return supply(self.text, context, base_url=self.path)
-        # The first refused file is the one in the message.
+        # The message names the first rejected file.
         self.refused = self.refused or address or public_id or "another file"
         return supply(b"", context)
 
@@ -63,10 +65,10 @@ def read_dtd(path: Path) -> bytes:
 
 
 def validation_errors(document: str, name: str, dtd: bytes, dtd_name: str) -> list[str]:
-    """Return the validation errors of ``document`` against ``dtd``, each as ``file:line: message``.
+    """Return the errors in ``document`` according to ``dtd``, each as ``file:line: message``.
 
-    Entities are not expanded into the document, which is ASCII text. The line is missing if the parser stops without
-    an error at a place.
+    The document is ASCII text. Entities in it are not expanded. If the parser stops without logging an error, the only
+    message has no line.
 
     Raises:
         DtdError: The DTD itself is invalid or refers to other files.

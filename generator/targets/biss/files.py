@@ -43,15 +43,14 @@ class Identifier(TypedDict):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """Return ``biss/idbissXXXX.xml`` for manufacturers with a BiSS ID, ``biss/<maker>-<device>.xml``, and the schema.
+    """Return the files for BiSS masters by path, or no files without devices.
 
-    There is no idbiss file without an encoder that a master can identify. A README and the licence are added. Without
-    devices, there are no files.
+    They are ``biss/idbissXXXX.xml`` for each manufacturer with a BiSS ID and an encoder that a master can identify,
+    ``biss/<maker>-<device>/idbiss-<order code>.xml`` for each order code that a master can identify,
+    ``biss/<maker>-<device>.xml`` with the full description of each family, its schema, a README and the license.
 
-    Also return ``biss/<maker>-<device>/idbiss-<order code>.xml`` for each order code that a master can identify.
-
-    With the option ``order-codes=each``, also return ``biss/<maker>-<device>/<order code>.xml``, with numbers instead
-    of expressions.
+    With the option ``order-codes=each``, ``biss/<maker>-<device>/<order code>.xml`` describes each order code, with
+    numbers instead of expressions.
     """
     files: dict[str, str] = {}
     identifiers = []
@@ -77,7 +76,7 @@ def identifier_name(biss_id: int) -> str:
 
 
 def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of each file of a family, and a function for its text."""
+    """Yield the path of each file of a family, and a function that returns its text."""
     maker = device.manufacturer
     yield f"biss/{maker.name}-{device.name}.xml", lambda: to_xml(device_dump(device))
     if maker.biss_id is not None:
@@ -87,20 +86,21 @@ def _files_of_family(device: Device, library: Library, options: Options) -> Iter
 
 
 def _files_of_order_codes(folder: str, device: Device) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield a description of each listed order code, with numbers instead of expressions."""
+    """Yield the path of the description of each order code, and a function that returns its text."""
     names = names_of_codes(variant.code for variant in device.variants)
     for name, variant in zip(names, device.variants, strict=True):
         yield f"{folder}/{name}.xml", partial(_order_code_xml, device, variant)
 
 
 def _order_code_xml(device: Device, variant: Variant) -> str:
+    """Return the description of an order code, with numbers instead of expressions."""
     return to_xml(variant_dump(device, LabelMatch(variant, (), "", special=False)))
 
 
 def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
-    """Return the elements of the encoders that a master can identify, and a sentence about encoders without an ID.
+    """Return the elements of the families that a master can identify, and a sentence about those without a device ID.
 
-    The sentence is empty if all have an ID. Families without single cycle data are left out of both.
+    The sentence is empty if all families have an ID. Families without single cycle data are left out.
     """
     # A master cannot distinguish a special model or another edition from its family.
     families = [device for device in devices if device.find_interface(Biss) is not None and not device.base]
@@ -120,10 +120,11 @@ def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
 
 
 def _single_encoder_files(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of a file for each order code, and a function for its text.
+    """Yield the path of an idbiss file for each order code, and a function that returns its text.
 
-    If the manual leaves the places or widths of fields open, an order code has a file for each combination of answers.
-    There are no files if a master cannot identify the family, or if it has no single cycle data.
+    If the manual leaves questions about the places or widths of fields open, an order code has a file for each
+    combination of answers. There are no files if a master cannot identify the family, or if it has no single cycle
+    data.
     """
     ids = device_bits(device)
     layout = single_cycle_data(device)
@@ -143,15 +144,16 @@ def _single_encoder_files(biss_id: int, device: Device, library: Library) -> Ite
 
 
 def _encoder_xml(
-    biss_id: int, device: Device, variant: Variant, decided: Mapping[str, Answer], library: Library
+    biss_id: int, device: Device, variant: Variant, answer_by_question: Mapping[str, Answer], library: Library
 ) -> str:
-    """Return the file of an order code with these answers to its open questions."""
+    """Return the idbiss file of an order code with these answers to its open questions."""
     maker = device.manufacturer
-    node = _device_element(_one_encoder(device, variant, decided), device_bits(device), one_encoder=True)
+    encoder = _narrow_to_encoder(device, variant, answer_by_question)
+    node = _device_element(encoder, device_bits(device), one_encoder=True)
     nodes = [node] if node is not None else []
     about = [f"{maker.title}: {variant.code}.", _ONE_ENCODER_NOTE]
     questions = {question.name: question for question in device.alternatives}
-    about += [_about_answer(questions[name], answer) for name, answer in decided.items()]
+    about += [_about_answer(questions[name], answer) for name, answer in answer_by_question.items()]
     return _render_identifier(maker, biss_id, about, nodes, library)
 
 
@@ -160,20 +162,17 @@ def _encoder_name(variant: Variant, answers: Iterable[Answer]) -> str:
     return "-".join((variant.code, *(answer.name for answer in answers)))
 
 
-def _one_encoder(device: Device, variant: Variant, decided: Mapping[str, Answer]) -> Device:
-    """Return the device with one order code, and with one answer to each of the decided questions.
-
-    ``decided`` contains the answer to each question, by the name of the question.
-    """
-    alternatives = list(device.alternatives)
-    for index, alternative in enumerate(alternatives):
-        if alternative.name in decided:
-            alternatives[index] = replace(alternative, answers=(decided[alternative.name],))
-    return replace(device, variants=(variant,), alternatives=tuple(alternatives))
+def _narrow_to_encoder(device: Device, variant: Variant, answer_by_question: Mapping[str, Answer]) -> Device:
+    """Return the device with only one order code, and only one answer to each question in ``answer_by_question``."""
+    questions: list[Alternative] = []
+    for question in device.alternatives:
+        answer = answer_by_question.get(question.name)
+        questions.append(replace(question, answers=(answer,)) if answer is not None else question)
+    return replace(device, variants=(variant,), alternatives=tuple(questions))
 
 
 def _about_answer(question: Alternative, answer: Answer) -> str:
-    """Return the sentences on an open question and the answer that a file is for."""
+    """Return the sentences on a question that the manual leaves open, and on the answer that a file is for."""
     return (
         f"The manual leaves {question.name} open ({question.meaning}). This file is for {answer.name}: "
         f"{answer.meaning}. There is a file for each answer."
@@ -183,10 +182,10 @@ def _about_answer(question: Alternative, answer: Answer) -> str:
 def _render_identifier(
     maker: Manufacturer, biss_id: int, about: Sequence[str], nodes: Sequence[Node], library: Library, left_out: str = ""
 ) -> str:
-    """Return the file that describes these encoders from one manufacturer.
+    """Return the idbiss file with these encoders from one manufacturer.
 
     Its first comment is the warning, and ``about`` begins the second one. ``left_out`` is a comment about encoders that
-    are not listed, or empty.
+    the file does not contain, or empty.
     """
     root = Node((manufacturer_bits(biss_id),), label=maker.title, notes=(_MANUFACTURER_NOTE,), devices=tuple(nodes))
     values: Identifier = {
@@ -202,7 +201,7 @@ def _render_identifier(
 
 
 def _warning_comment(biss_id: int) -> str:
-    """Return the first comment of a file, which a person reads before installing it."""
+    """Return the first comment of a file, which people should read before they install it."""
     return (
         f"No BiSS master is known to accept this file. A manufacturer may supply its own {identifier_name(biss_id)}. "
         "If you have it, install it in the master, and never replace it with this file."
@@ -233,11 +232,11 @@ _ONE_ENCODER_NOTE = (
 )
 
 
-def _device_element(device: Device, ids: tuple[IdBits, ...], one_encoder: bool = False) -> Node | None:
+def _device_element(device: Device, ids: tuple[IdBits, ...], *, one_encoder: bool = False) -> Node | None:
     """Return the element of a family, or of one encoder, or None without single cycle data.
 
-    ``ids`` are the bits that identify it. Inside it is the element with the data length, unless order codes differ in
-    the length. A family whose registers change the length has no such element either.
+    ``ids`` are the bits that identify it. The element contains another one with the data length, unless order codes
+    differ in the length, or registers of the family change it.
     """
     layout = single_cycle_data(device)
     if layout is None:

@@ -1,9 +1,9 @@
-"""Data with which a BiSS master identifies a device.
+"""The data by which a BiSS master identifies a device: the fixed bits of its 64-bit identity, and its profile ID.
 
-They are the fixed bits of its 64-bit identity, its profile ID, and the lengths of its single cycle data.
+The device ID (registers 78h to 7Dh) and the manufacturer ID (7Eh and 7Fh) form one number of 64 bits, high byte first,
+in the register order of the BiSS C protocol description: bit 63 is the highest of 78h, bit 0 the lowest of 7Fh.
 
-Device ID (registers 78h to 7Dh) and manufacturer ID (7Eh and 7Fh) form one number of 64 bits, high byte first, in the
-register order of the BiSS C protocol description: bit 63 is the highest of 78h, bit 0 the lowest of 7Fh.
+The module also computes the lengths of the single cycle data, the frame that a master receives in every cycle.
 """
 
 from __future__ import annotations
@@ -23,9 +23,10 @@ _MANUFACTURER_BITS = 16
 
 @dataclass(frozen=True, slots=True)
 class IdBits:
-    """Bits ``high`` to ``low`` of an identity and their content.
+    """Bits ``high`` to ``low`` of the identity of a device, and their content ``number``.
 
-    ``what`` is the name of the identity with its registers, and ``text`` is the content as characters.
+    ``what`` is the name of these bits with their registers, ``text`` is the content as characters if it is a text, and
+    ``register`` is the register in the spec.
     """
 
     high: int
@@ -42,6 +43,7 @@ class IdBits:
 
     @property
     def hexadecimal(self) -> str:
+        """The content as a hexadecimal number, such as ``4C6Bh``."""
         # A hexadecimal digit for each 4 bits, rounded up.
         digits = (self._width + 3) // 4
         return f"{self.number:0{digits}X}h"
@@ -53,9 +55,10 @@ class IdBits:
 
 @dataclass(frozen=True, slots=True)
 class DataLength:
-    """Lengths of the single cycle data of some order codes.
+    """The length of the single cycle data of some order codes.
 
-    ``parts`` are the widths of the data fields in transmission order, and ``answers`` the choices on which they depend.
+    ``parts`` are the widths of the data fields in transmission order. ``answers`` are the answers to open questions
+    that the length applies to.
     """
 
     codes: tuple[str, ...]
@@ -67,10 +70,12 @@ class DataLength:
 
     @property
     def with_status(self) -> int:
+        """The number of data and status bits."""
         return self.data_bits + self.status_bits
 
     @property
     def total(self) -> int:
+        """The number of bits with the CRC."""
         return self.with_status + (self.crc.width if self.crc is not None else 0)
 
 
@@ -90,14 +95,14 @@ def manufacturer_bits(biss_id: int) -> IdBits:
 
 def device_bits(device: Device) -> tuple[IdBits, ...]:
     """Return the fixed bits of the device ID, highest first."""
-    identifying = filter(_holds_identity, device.registers)
-    bits_of_registers = (bits for register in identifying for bits in _register_bits(register))
-    device_id = (bits for bits in bits_of_registers if bits.low >= _MANUFACTURER_BITS)
-    return tuple(sorted(device_id, key=lambda bits: -bits.low))
+    device_id: list[IdBits] = []
+    for register in filter(_holds_identity, device.registers):
+        device_id += [bits for bits in _register_bits(register) if bits.low >= _MANUFACTURER_BITS]
+    return tuple(sorted(device_id, key=lambda bits: bits.low, reverse=True))
 
 
 def _holds_identity(register: Register) -> bool:
-    """Return True for a BiSS register in 78h to 7Fh whose bytes are in the order of the 64-bit identity."""
+    """Return True for a BiSS register at 78h to 7Fh whose bytes are in the order of the 64-bit identity."""
     is_in_identity = register.address >= FIRST and register.last_address <= LAST
     has_high_byte_first = register.length == 1 or register.byte_order == "high_byte_first"
     return register.interface == Biss.name and is_in_identity and has_high_byte_first
@@ -137,7 +142,7 @@ def _address_of_bit(bit: int) -> int:
 
 
 def _fixed_value(layout: Layout, field: Field) -> int | None:
-    """Return the value that the field has in every device of the family, or None if there is no such value."""
+    """Return the value of a field that is the same in every device of the family, or None if there is none."""
     only = only_value(layout, field)
     if only is not None:
         return only
@@ -158,7 +163,7 @@ def single_cycle_data(device: Device) -> Layout | None:
 
 
 def only_crc(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> Crc | None:
-    """Return the CRC of the single cycle data, or None if order codes differ in it, or if none has a CRC."""
+    """Return the CRC of the single cycle data, or None if order codes differ in it or none has a CRC."""
     if layout.always_has_crc:
         return device.crcs_of(layout)[0]
     crcs = {length.crc for length in lengths}
@@ -168,8 +173,8 @@ def only_crc(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> C
 def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
     """Return the lengths of the single cycle data, each with the order codes that have it, in order of length.
 
-    Order codes whose fields all have the same widths share a length. Two lengths can have the same total. Each is
-    listed once for each answer to the choices that the manual leaves open.
+    Order codes with the same widths for all fields share a length. Lengths with different widths can have the same
+    total. If the manual leaves questions open, there are separate lengths for each combination of answers.
     """
     lengths: list[DataLength] = []
     for answers, parameters_of_answers in answer_combinations(device.alternatives_of(layout)):
@@ -187,9 +192,9 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
 
 
 def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
-    """Return the profile IDs in registers 42h and 43h with their order codes, such as ``{0x0C18: ("X-24", "X-25")}``.
+    """Return the order codes with each profile ID (registers 42h and 43h): ``{0x0C18: ("X-24", "X-25")}``.
 
-    If the spec does not give all bits, all order codes have the default of the register. The result is empty
+    If the spec does not give all bits, all order codes have the factory default of the register. The result is empty
     without a default, and without such a register with its high byte first.
     """
     registers = device.registers_over(Biss.name)
@@ -227,10 +232,7 @@ def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
 def _data_length(
     device: Device, placed_layout: PlacedLayout, order_codes: tuple[str, ...], answers: tuple[str, ...]
 ) -> DataLength:
-    """Return the data and status bits of a placed frame, and its CRC.
-
-    The CRC field counts as neither data nor status bits.
-    """
+    """Return the length of a frame whose fields have their places: its data bits, its status bits and its CRC."""
     status_names = [field.name for field in placed_layout.layout.status_fields]
     fields_before_crc = [field for field in placed_layout.fields if field != placed_layout.crc_field]
     data_widths = {field.name: field.width for field in fields_before_crc if field.name not in status_names}

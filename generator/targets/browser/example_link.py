@@ -1,4 +1,4 @@
-"""The order code and the frame in the link of the README."""
+"""The order code and the frame in the link from the README to the page."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from ...model import Device, number_to_bytes
 
 
 class LinkedFrame(NamedTuple):
-    """A valid frame as the page reads it, with its order code. The frame is empty if no encoder has a sample."""
+    """A valid frame as text, with its order code. The frame is empty if no encoder has a sample of a frame."""
 
     order_code: str
     frame: str
 
 
 def linked_frame(devices: Iterable[Device]) -> LinkedFrame:
-    """Return the sample of the first encoder that sends one or, without any, the first order code without a frame."""
+    """Return the first sample of a frame from an encoder, or the first order code without a frame if there is none."""
     families = list(devices)
     order_codes = [variant.code for device in families for variant in device.variants]
     first_code = order_codes[0] if order_codes else ""
@@ -24,7 +24,7 @@ def linked_frame(devices: Iterable[Device]) -> LinkedFrame:
 
 
 def _sample_frames(devices: Iterable[Device]) -> Iterator[LinkedFrame]:
-    """Yield the samples of frames that encoders send, with all leading zeros, which the frames of a channel need."""
+    """Yield the samples of frames that encoders send, with all leading zeros, which data channels need."""
     for device in devices:
         for sample in device.samples:
             layout = device.layout(sample.layout)
@@ -34,6 +34,7 @@ def _sample_frames(devices: Iterable[Device]) -> Iterator[LinkedFrame]:
             if layout.in_bytes:
                 text = number_to_bytes(layout, sample.frame, bits).hex().upper()
             else:
-                digits = -(-bits // 4)
+                # A hexadecimal digit for each 4 bits, rounded up.
+                digits = (bits + 3) // 4
                 text = f"0x{sample.frame:0{digits}X}"
             yield LinkedFrame(sample.order_code, text)

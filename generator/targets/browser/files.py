@@ -1,4 +1,4 @@
-"""Browser target: a page and a script that decode frames and registers, with the data of each family.
+"""The browser target: a page and a script that decode frames and registers, with the data of each family.
 
 Regular expressions come from ``order_codes.labels``, in the notation of JavaScript.
 
@@ -86,10 +86,10 @@ from .messages import MESSAGES, PASTED
 
 
 def label_grammar(device: Device) -> Data:
-    """Return the notations of the order codes of a family.
+    """Return the spellings of the order codes of a family.
 
-    ``written`` are the spellings, the listed spelling first. ``wrong`` contains a regular expression for each of the
-    ``parts``, which accepts any text for this part.
+    ``written`` are the spellings on labels. The one of the manual's list comes first. ``wrong`` contains a regular
+    expression for each of the ``parts`` that accepts any text for this part, to find a wrong part of a label.
     """
     order_code = device.order_code
     listed_spelling = as_listed(order_code)
@@ -105,15 +105,18 @@ def label_grammar(device: Device) -> Data:
 
 
 def _part_data(part: CodePart) -> Data:
-    """Return a part of the order code: its values, and the values of other parts with which it may be open."""
+    """Return a part of the order code with its values.
+
+    ``only_with`` contains the values of other parts with which the part can have unlisted values.
+    """
     values = [value.text for value in part.values]
     return without_empty(name=part.name, values=values, only_with=dict(part.open_only_with))
 
 
 def _spelling_data(device: Device, spelling: Spelling) -> Data:
-    """Return a spelling of labels: its regular expression, where it is used, and its own texts for values.
+    """Return a spelling of labels: its regular expression, the document that uses it, and its own texts for values.
 
-    The texts are in capitals and lead to the values, by part: ``{"output": {"BC": "biss"}}``.
+    For each part, ``values`` contains the value by its text in capitals: ``{"output": {"BC": "biss"}}``.
     """
     values_by_part: dict[str, dict[str, str]] = {}
     for part_value in spelling.values:
@@ -131,7 +134,7 @@ def _javascript_pattern(expression: str) -> str:
 
 
 def javascript_pattern(expression: str) -> str:
-    """Return a regular expression in the notation of JavaScript, whose groups with names begin with ``(?<``."""
+    """Return a regular expression in the notation of JavaScript, in which named groups begin with ``(?<``."""
     return expression.replace("(?P<", "(?<")
 
 
@@ -143,9 +146,12 @@ def family_data(device: Device) -> Data:
     """
     parameter_names = [parameter.name for parameter in device.parameters if parameter.equals is None]
     interface_names = [interface.name for interface in device.interfaces]
-    held = [parameter for register in held_parameters(device) for parameter in register.parameters]
-    # Building the interfaces fills it, so that ``interfaces`` comes before ``shared``.
+    parameters_in_registers: list[HeldParameter] = []
+    for holding_register in held_parameters(device):
+        parameters_in_registers += holding_register.parameters
     shared = SharedParts()
+    # This adds the parts of all frames and registers to ``shared``.
+    interfaces = [_interface_data(device, interface, shared) for interface in device.interfaces]
     return without_empty(
         name=device.name,
         title=device.title,
@@ -157,10 +163,10 @@ def family_data(device: Device) -> Data:
         mark=mark_in_lists(device),
         given=parameter_names,
         derived=[[name, expression_data(value)] for name, value in device.definitions.items()],
-        held=[_held_parameter_data(device, parameter) for parameter in held],
+        held=[_held_parameter_data(device, parameter) for parameter in parameters_in_registers],
         alternatives=[_alternative_data(alternative) for alternative in device.alternatives],
         crcs={crc.name: _crc_data(device, crc) for crc in device.crcs},
-        interfaces=[_interface_data(device, interface, shared) for interface in device.interfaces],
+        interfaces=interfaces,
         shared=shared.parts,
         labels=label_grammar(device),
         codes=[_order_code_row(variant, interface_names, parameter_names) for variant in device.variants],
@@ -174,7 +180,7 @@ def _order_code_row(variant: Variant, interface_names: Sequence[str], parameter_
 
 
 def _held_parameter_data(device: Device, register_parameter: HeldParameter) -> Data:
-    """Return a parameter held in a register: the register, its limits, and the values of its codes."""
+    """Return a parameter that is read from a register: its place, its limits, and the values that its codes mean."""
     parameter = register_parameter.parameter
     return without_empty(
         name=parameter.name,
@@ -197,14 +203,15 @@ def _alternative_data(alternative: Alternative) -> Data:
 
 
 def _answer_data(answer: Answer) -> list[Any]:
-    """Return the name and the meaning of an answer, and the parameters that it sets: ``["gray", "…", {"code": 1}]``."""
+    """Return an answer: its name, its meaning, and the parameters that it sets: ``["gray", "…", {"code": 1}]``."""
     return [answer.name, answer.meaning, {name: json_number(value) for name, value in answer.sets.items()}]
 
 
 def _crc_data(device: Device, crc: Crc) -> Data:
-    """Return the parameters of a CRC, and of similar CRCs that may be used by mistake.
+    """Return the parameters of a CRC, and those of similar CRCs that people use by mistake.
 
-    ``others`` are similar CRCs over bits, and ``byte_others`` similar CRCs over bytes, if such frames have the CRC.
+    ``others`` are the similar CRCs over bits, and ``byte_others`` those over bytes. Each is left out if no such frame
+    has the CRC.
     """
     carriers_of_crc = carriers(device, crc)
     similar_crcs = {
@@ -216,12 +223,12 @@ def _crc_data(device: Device, crc: Crc) -> Data:
 
 
 def _similar_crcs(crc: Crc, similar_crcs: Iterable[OtherCrc]) -> list[list[Any]]:
-    """Return the kind of mistake, the text, and the parameters of each CRC that differs."""
+    """Return the mistake, its text, and the parameters of each similar CRC that differs from ``crc``."""
     return [[kind, text, _crc_parameters(similar)] for kind, text, similar in similar_crcs if similar != crc]
 
 
 def _crc_parameters(crc: Crc) -> Data:
-    """Return the parameters of a CRC in the notation of catalogues of CRCs, except those that are 0."""
+    """Return the parameters of a CRC in the notation of CRC catalogs, except those that are 0."""
     return without_empty(
         width=crc.width,
         poly=json_number(crc.poly),
@@ -233,10 +240,10 @@ def _crc_parameters(crc: Crc) -> Data:
 
 
 def _interface_data(device: Device, interface: Interface, shared: SharedParts) -> Data:
-    """Return an interface with its frames and registers. Their parts are in ``shared``, and indexes refer to them.
+    """Return an interface with its frames and registers, whose parts are added to ``shared`` and replaced by indexes.
 
-    ``exact`` contains the senders whose frames differ in length: a number of bytes then stands for a frame of this
-    length, not for a longer frame without its leading zeros. ``told`` contains the selectors that distinguish frames.
+    ``exact`` contains the senders whose frames differ in length, so that a frame in bytes cannot be a longer frame
+    without its leading zeros. ``told`` contains the fields whose value distinguishes frames (the selectors).
     """
     reporting_by_frame = reportings(device)
     frames: list[Data] = []
@@ -257,9 +264,9 @@ def _interface_data(device: Device, interface: Interface, shared: SharedParts) -
 
 
 def _position_unit(device: Device, interface: Interface) -> Data:
-    """Return the unit of the position, empty if the manual gives none.
+    """Return the unit of the position over an interface, or an empty dict if the manual gives none.
 
-    If the position is a join, ``part`` is its last field, the angle within a turn.
+    If several fields form the position, ``part`` is the last one, which is the angle within a turn.
     """
     measurement = device.measurement_of(interface.name)
     if measurement is None:
@@ -277,9 +284,10 @@ def _position_unit(device: Device, interface: Interface) -> Data:
 
 
 def _dispatch_data(interface: Interface, dispatch: FrameDispatch) -> Data:
-    """Return the pieces of bytes that form the selector of a sender's frames, and the values that select each frame.
+    """Return the field by which the frames of a sender differ (the selector), and its values in each frame.
 
-    A frame is ``[index of the layout, value, …]``. ``fallback`` is the index of the frame for all other values, or -1.
+    ``pieces`` are the bits of bytes that form the field. A frame is ``[index of the layout, value, …]``. ``fallback``
+    is the index of the frame for all other values, or -1.
     """
     indexes = {layout.name: index for index, layout in enumerate(interface.layouts)}
     return without_empty(
@@ -374,11 +382,12 @@ def _line_data(line: LineMistakes) -> Data:
 
 
 def _family_data(device: Device, library: Library, options: Options) -> Data:
+    """Return all data of a family. ``Library.part`` requires the arguments ``library`` and ``options``."""
     return family_data(device)
 
 
 def sha256(part: str) -> str:
-    """Return the source expression for a Content-Security-Policy that allows this inline part of a page.
+    """Return the expression that allows this inline part of a page in a Content-Security-Policy.
 
     It is the hash of the part in Base64, such as ``sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=``.
     """

@@ -1,4 +1,4 @@
-"""Frame or register for the script as plain data: its description, and the texts about it."""
+"""Frames and registers as plain data for the script: their descriptions, and the texts about them."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ _SCRIPT_ESCAPES = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029
 
 
 def without_empty(**members: Any) -> Data:
-    """Return those members that are not None, 0, empty or False. A name such as ``is_`` loses its underscore."""
+    """Return the members that are not None, 0, empty or False. A name such as ``is_`` loses its underscore."""
     return {name.rstrip("_"): value for name, value in members.items() if value not in (None, 0, "", (), [], {})}
 
 
@@ -68,9 +68,10 @@ def json_number(value: int) -> int | str:
 
 
 def expression_data(expression: Expression) -> Any:
-    """Return a number, or a list of a number and terms, each of a multiple and factors.
+    """Return an expression of the spec as data: a number, or a list of a number and terms.
 
-    ``^name`` is two to the power ``name``: ``8 + 2 * turns - 2 ** bits`` becomes ``[8, [2, "turns"], [-1, "^bits"]]``.
+    A term is a list of a multiple and factors, and ``^name`` is two to the power ``name``. For example, ``8 + 2 * turns
+    - 2 ** bits`` becomes ``[8, [2, "turns"], [-1, "^bits"]]``.
     """
     if expression.is_constant:
         return json_number(expression.constant)
@@ -78,23 +79,25 @@ def expression_data(expression: Expression) -> Any:
 
 
 def _term_data(term: Term) -> list[int | str]:
+    """Return a term of an expression: its multiple and its factors, such as ``[2, "turns"]``."""
     return [json_number(term.multiple), *map(_factor_text, term.factors)]
 
 
 def _factor_text(factor: Factor) -> str:
+    """Return a factor: the name of a parameter, or for a power of two ``^`` and the name of its exponent."""
     return f"^{factor.parameter}" if factor.power else factor.parameter
 
 
 def optional_expression_data(value: Expression | None) -> Any:
-    """Return a number or an expression, or None if there is none."""
+    """Return an expression of the spec as data, or None for None."""
     return None if value is None else expression_data(value)
 
 
 def plain_data(value: Any) -> Any:
-    """Return any part of the plan's description as plain data that JSON can express.
+    """Return any part of the description of a frame as plain data that JSON can express.
 
-    A dataclass becomes a dictionary by the names of its members. Members that have their default, or are None, 0, empty
-    or False, are left out. So are those that ``==`` ignores. A tuple becomes a list, and so does a scale.
+    A dataclass becomes a dictionary by the names of its members. Members that are left out are those with their default
+    value, those that are None, 0, empty or False, and those that ``==`` ignores. Tuples and scales become lists.
     """
     match value:
         case Expression():
@@ -124,19 +127,22 @@ def script_json(value: object, indent: int | None = None) -> str:
 
 
 class SharedParts:
-    """Shared parts of layouts, since the frames of an interface have many parts in common."""
+    """The fields, checks and reports of frames and registers, each once, because many frames share them."""
 
     def __init__(self) -> None:
         self.parts: list[Data] = []
         self._indexes: dict[str, int] = {}
 
     def with_indexes(self, layout: Data) -> Data:
-        """Return the layout with indexes instead of its fields, checks and reports: ``{"fields": [0, 4], …}``."""
+        """Return a layout with indexes in place of its fields, checks and reports, such as ``{"fields": [0, 4], …}``.
+
+        Parts that are new are added to ``parts``.
+        """
         names = [name for name in ("fields", "checks", "tells") if name in layout]
         return layout | {name: list(map(self._index_of_part, layout[name])) for name in names}
 
     def _index_of_part(self, part: Data) -> int:
-        """Return the index of a part, which is added unless there is an equal one. Equal parts have the same JSON."""
+        """Return the index of a part in ``parts``, and add the part unless ``parts`` contains an equal one."""
         next_index = len(self.parts)
         index = self._indexes.setdefault(script_json(part), next_index)
         is_new = index == next_index
@@ -146,10 +152,11 @@ class SharedParts:
 
 
 def channel_data(device: Device, interface: Interface) -> Data:
-    """Return the frame with all data channels of an interface, empty if there is none. Indexes refer to its frames.
+    """Return the frame with all data channels of an interface, or an empty dict if frames have one channel.
 
-    ``order`` contains the frames of the channels, ``position`` is the index in it of the frame with the position, and
-    ``compared`` contains the index in it and the name of each compared field.
+    ``order`` contains the indexes of the channels among the frames of the interface. ``position`` is the index in
+    ``order`` of the channel with the position. ``compared`` are fields that must agree, each as the index of its
+    channel in ``order`` and its name.
     """
     frame = channel_frame(interface)
     if frame is None:
@@ -165,13 +172,13 @@ def channel_data(device: Device, interface: Interface) -> Data:
 
 
 def frame_data(device: Device, interface: str, layout: Layout, reporting: ReportsAndVerdict | None) -> Data:
-    """Return a frame with its verdict and reports (``tells``). ``reporting`` is None if it has neither.
+    """Return a frame with its verdict and its reports (``tells``). ``reporting`` is None if it has neither.
 
-    ``usual`` contains the values that fields usually have, which are evidence for the frame.
+    ``usual`` contains the values that fields usually have. They are evidence that bytes are this frame.
     """
     usual_values = usual_values_of(device, interface, layout)
-    codec = layout_plan_of(device, layout)
-    description = describe(codec, reporting)
+    layout_plan = layout_plan_of(device, layout)
+    description = describe(layout_plan, reporting)
     causes = reporting.causes if reporting is not None else ()
     reports = []
     for described_cause, cause in zip(description.report_causes, causes, strict=True):
@@ -179,7 +186,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
     # The reports have the order of the fields in the frame. Reports about several fields with a verdict come last.
     flags = (*layout.fields, *(sign.flag for sign in layout.signs))
     flag_names = [flag.name for flag in flags]
-    return _layout_data(device, codec, description) | without_empty(
+    return _layout_data(device, layout_plan, description) | without_empty(
         title=title_of(layout),
         source=cite(layout.source),
         sender=layout.sender,
@@ -192,9 +199,9 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
 
 
 def register_data(device: Device, register: Register) -> Data:
-    """Return a register with its alarms (``tells``), limits and default.
+    """Return a register with its alarms (``tells``), its limits and its default.
 
-    ``strange`` are digits whose values show that an older edition of the manual applies.
+    ``strange`` are values of digits that show that an older edition of the manual applies to the encoder.
     """
     meanings: tuple[RegisterMeaning | None, ...] = register.meanings or (None,)
     default = register.default_bytes()
@@ -204,8 +211,8 @@ def register_data(device: Device, register: Register) -> Data:
         alarm = alarm_of(device, field, register.name)
         if alarm is not None:
             alarm_reports.append(_alarm_report_data(field, alarm))
-    codec = layout_plan_of(device, register.layout)
-    return _layout_data(device, codec, describe(codec)) | without_empty(
+    layout_plan = layout_plan_of(device, register.layout)
+    return _layout_data(device, layout_plan, describe(layout_plan)) | without_empty(
         title=title_of(register),
         source=cite(register.source),
         place=register_at(register),
@@ -221,7 +228,7 @@ def register_data(device: Device, register: Register) -> Data:
 
 
 def _report_data(device: Device, described_cause: DescribedReportCause, cause: ReportCause) -> Data:
-    """Return a report of a frame with its texts."""
+    """Return a report of a frame, such as an error, with its texts."""
     data: Data = plain_data(described_cause)
     return data | _report_texts(cause.made_of, alarm_of(device, cause.made_of))
 
@@ -235,7 +242,8 @@ def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
 def _layout_data(device: Device, layout_plan: LayoutPlan, description: Description) -> Data:
     """Return the description of a frame or register with the texts about its parts.
 
-    ``asks`` are the open questions that a decoder needs answers to, and ``offers`` those that only affect the verdict.
+    ``asks`` are the open questions that must be answered to decode it, and ``offers`` those whose answers only change
+    the verdict.
     """
     described_members = {
         "bits": description.bits,
@@ -274,9 +282,9 @@ def _layout_data(device: Device, layout_plan: LayoutPlan, description: Descripti
 
 
 def _parameters_in_registers(device: Device, layout: Layout, layout_plan: LayoutPlan) -> list[str]:
-    """Return the names of those parameters that registers hold and that the layout needs.
+    """Return the names of the parameters in registers that change the form of a frame.
 
-    It needs them for its length, for the places and widths of fields, or for its Gray code.
+    They change its length, the places and widths of its fields, or whether it has Gray code.
     """
     names_in_layout = set(layout.bits.parameters)
     for field in layout.fields:
@@ -290,27 +298,28 @@ def _parameters_in_registers(device: Device, layout: Layout, layout_plan: Layout
 
 
 def _field_data(layout_plan: LayoutPlan, description: Description) -> Iterator[Data]:
-    """Yield the data of each field: its bits, the texts about it, and its encoding if it has a value of its own.
+    """Yield the data of each field: its bits, the texts about it, and how it is encoded if users do not provide it.
 
-    A constant, a parity and a CRC have a value of their own. Users provide the values of other fields.
+    Users do not provide constants, parity bits and CRCs.
     """
-    own_values = {term.field.name: term.value for term in layout_plan.terms}
+    encoded_values = {term.field.name: term.value for term in layout_plan.terms}
     for column, field in zip(description.columns, layout_plan.layout.fields, strict=True):
         when_active, when_inactive = flag_state_meanings(field)
-        only = codes_with_explanation(field)
+        # The condition on the order code under which the manual explains the field.
+        code_condition = codes_with_explanation(field)
         texts = without_empty(
             printed=field.printed_name,
             meaning=field.meaning,
             on=when_active,
             off=when_inactive,
-            only=only.parameter if only is not None else "",
+            only=code_condition.parameter if code_condition is not None else "",
             values=[_value_data(value) for value in field.values],
             runs=[_digits_data(run) for run in field.runs],
             unit=field.unit,
             equals=_documented_value(field),
             colour=box_colour(field),
         )
-        yield plain_data(column) | texts | _encoding_data(own_values.get(field.name))
+        yield plain_data(column) | texts | _encoding_data(encoded_values.get(field.name))
 
 
 def _value_data(value: Value) -> list[Any]:
@@ -319,7 +328,7 @@ def _value_data(value: Value) -> list[Any]:
 
 
 def _digits_data(digit_run: Digits) -> list[Any]:
-    """Return a run of digits: its name, its divisor, its modulus, and its meaning if it has one."""
+    """Return some decimal digits of a field: their name, divisor, modulus, and their meaning if they have one."""
     return _without_empty_end(
         digit_run.name, json_number(digit_run.divisor), json_number(digit_run.modulus), digit_run.meaning
     )
@@ -331,9 +340,10 @@ def _without_empty_end(*row: Any) -> list[Any]:
 
 
 def _documented_value(field: Field) -> Any:
-    """Return the documented value of a field: a string, or a number or expression in a list such as ``[27]``, or None.
+    """Return the value that the manual states for a field, or None if it states none.
 
-    A plain 0 would be left out as empty, unlike ``[0]``.
+    The value is a text, or a number or expression in a list such as ``[27]``. A plain 0 would be left out as empty,
+    unlike ``[0]``.
     """
     value = field.equals
     if value is None or isinstance(value, str):
@@ -343,9 +353,9 @@ def _documented_value(field: Field) -> Any:
 
 
 def _encoding_data(value: object) -> Data:
-    """Return the data for encoding a field that users do not provide, empty for a field that they do provide.
+    """Return how a field is encoded that users do not provide, or an empty dict for a field that they provide.
 
-    ``value`` is the value of the field's term. A CRC has no term.
+    ``value`` is the planned value of the field, or None for a CRC.
     """
     match value:
         case ConstantNumber(constant):
@@ -361,15 +371,15 @@ def _encoding_data(value: object) -> Data:
 
 
 def _check_data(check: DescribedCheck) -> Data:
-    """Return a check without its message. Unlike other members, a limit of 0 is not left out."""
+    """Return a check without its message. Its limit is included even if it is 0."""
     data: Data = plain_data(check)
     return data | {"limit": expression_data(check.limit)} if check.limit is not None else data
 
 
 def _check_message(layout: Layout, check: Check) -> Data:
-    """Return the message of a check that fails: ``says`` selects it. The other members fill it in.
+    """Return the message for a check that fails. ``says`` is the key of the message, and other members are filled in.
 
-    ``always`` is 1 if the bits have one valid value in every such frame, so that they distinguish it from other frames.
+    ``always`` is 1 if the bits have only one valid value in this frame, so that they distinguish it from other frames.
     """
     field_name = check.field.name
     always = False
@@ -413,7 +423,10 @@ def _report_texts(field: Field, alarm: Alarm | None) -> Data:
 
 
 def _limits_data(register_meaning: RegisterMeaning | None, limits: NumberLimits) -> Data:
-    """Return the limits of a register, or of one of its meanings. ``low`` and ``high`` are None without a limit."""
+    """Return the limits of a register, or of one of its meanings, which are uses with limits of their own.
+
+    ``low`` and ``high`` are None if the manual does not give the limit.
+    """
     data = without_empty(
         name=register_meaning.name if register_meaning is not None else "",
         meaning=register_meaning.meaning if register_meaning is not None else "",
@@ -425,7 +438,10 @@ def _limits_data(register_meaning: RegisterMeaning | None, limits: NumberLimits)
 
 
 def _edition_tests(device: Device, register: Register) -> Iterator[list[Any]]:
-    """Yield digits whose values show that an older edition applies: the digits, their bounds, and the message."""
+    """Yield digits of a register that tell the edition of the manual: the digits, their bounds, and a message.
+
+    The message applies if their value is within the bounds, which means an encoder of an older edition.
+    """
     for revision, test in tests_of(device, register.name):
         before = edition_before(device, revision)
         message = of_older_edition(test.run, "{0}", f"{test.min} to {test.max}", revision, register.name, before)

@@ -1,4 +1,4 @@
-"""Messages of the script, with placeholders for numbers and names, and spellings that it replaces."""
+"""The messages of the script, with placeholders for numbers and names, and spellings that it replaces."""
 
 from __future__ import annotations
 

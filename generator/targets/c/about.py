@@ -31,11 +31,8 @@ from ...plan.steps import (
 )
 from ...plan.values import Latin1Text, meaning_of
 from ...say import commands as say_commands
-from ...say import layout as say_crc
 from ...say import layout as say_layout
 from ...say import order_code as say_order_code
-from ...say import order_code as say_parameter
-from ...say import register as say_field
 from ...say import register as say_register
 from ...say import report as say_report
 from ...say.names_and_places import addresses_text, bit_range, field_place, full_title, register_field, title_of
@@ -57,51 +54,63 @@ _IN_CODE = ("Default", "Limits")
 _PLACE_COLUMN_WIDTH = 30
 
 
-def _paragraphs_with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
-    """Return the statements, with the name before the first statement. Without statements, it is the name alone."""
-    sentences = list(map(HEADER_STYLE.sentence, items))
+def _paragraphs_with_heading(heading: str, statements: Iterable[Statement]) -> list[Paragraph]:
+    """Return one paragraph for each statement, with the heading before the first one.
+
+    Without statements, the heading is the only paragraph.
+    """
+    sentences = list(map(HEADER_STYLE.sentence, statements))
     if not sentences:
-        return [f"{name}."]
-    return [f"{name}: {sentences[0]}", *sentences[1:]]
+        return [f"{heading}."]
+    first_sentence, *other_sentences = sentences
+    return [f"{heading}: {first_sentence}", *other_sentences]
 
 
 # -- order codes, parameters and facts
 
 
 def about_order_codes(device: Device) -> list[Paragraph]:
-    """Return the comment on the order codes, with the parts for which only the listed values are known.
+    """Return the comment on how order codes are built.
 
-    For these parts, the statements about other values are left out.
+    The header recognizes only the listed values of some parts. The comment names these parts, and omits what the manual
+    says about their other values.
     """
-    names_of_unknown_parts = unknown_parts(device)
-    statements_on_unknown_parts: list[Statement] = []
+    names_of_listed_parts = unknown_parts(device)
+    statements_on_other_values: list[Statement] = []
     for part in device.order_code.parts:
-        if part.name in names_of_unknown_parts:
-            statements_on_unknown_parts += say_order_code.open_values(part)
+        if part.name in names_of_listed_parts:
+            statements_on_other_values += say_order_code.open_values(part)
     paragraphs: list[Paragraph] = []
     for order_code_statement in say_order_code.order_code(device):
-        if order_code_statement not in statements_on_unknown_parts:
+        if order_code_statement not in statements_on_other_values:
             paragraphs.append(HEADER_STYLE.sentence(order_code_statement))
-    if names_of_unknown_parts:
-        paragraphs.append(f"Only the listed values are known here for: {', '.join(names_of_unknown_parts)}.")
+    if names_of_listed_parts:
+        paragraphs.append(f"Only the listed values are known here for: {', '.join(names_of_listed_parts)}.")
     return paragraphs
 
 
 def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
-    """Return the comment on a parameter. If its function computes it, the comment leaves out how it is computed."""
+    """Return the comment on a parameter, such as the number of position bits.
+
+    The formula of a computed parameter (``equals``) is omitted, because it is the body of the parameter's function.
+    For a parameter in a register, the comment names the function that updates it.
+    """
+    statements = list(say_order_code.describe_parameter(device, parameter))
+    if parameter.equals is not None:
+        statements_on_formula = list(say_order_code.parameter_origin(device, parameter))
+        statements = [statement for statement in statements if statement not in statements_on_formula]
     update = f" {prefix}_take_{parameter.register}() updates it." if parameter.read_from else ""
-    statements_in_code = list(say_parameter.parameter_origin(device, parameter)) if parameter.equals is not None else ()
-    statements = say_parameter.describe_parameter(device, parameter)
-    return HEADER_STYLE.paragraph(statement for statement in statements if statement not in statements_in_code) + update
+    return HEADER_STYLE.paragraph(statements) + update
 
 
 def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
+    """Return the comment on an alarm: its title, and the statements about it."""
     return _paragraphs_with_heading(title_of(alarm), say_report.describe_alarm(device, alarm))
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     """Return the comment on the function of a CRC: its argument, the facts of the CRC, and a special form."""
-    facts = list(map(HEADER_STYLE.sentence, say_crc.describe_crc(device, function.crc)))
+    facts = list(map(HEADER_STYLE.sentence, say_layout.describe_crc(device, function.crc)))
     if function.carrier is CoveredData.BITS:
         return ["Return the CRC of bits. Bit 0 is the last one sent.", *facts]
     paragraphs: list[Paragraph] = ["Return the CRC of bytes in the order sent.", *facts]
@@ -110,13 +119,17 @@ def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     return paragraphs
 
 
-def about_word_crc(device: Device, crc: Crc, folds: bool) -> list[Paragraph]:
-    """Return the comment on the function that computes a CRC over a whole word."""
+def about_word_crc(device: Device, crc: Crc, *, is_folded: bool) -> list[Paragraph]:
+    """Return the comment on the function that computes a CRC over a whole word.
+
+    If the function is straight-line code (``is_folded``), the last paragraph explains how the code follows from the
+    polynomial.
+    """
     use = "The result is 0 if a received word is valid. With 0 in place of the CRC, it is the CRC to send."
     return [
         f"Compute CRC {crc.name} over a whole word. {use}",
-        *map(HEADER_STYLE.sentence, say_crc.describe_crc(device, crc)),
-        _explain_derivation(crc) if folds else "",
+        *map(HEADER_STYLE.sentence, say_layout.describe_crc(device, crc)),
+        _explain_derivation(crc) if is_folded else "",
     ]
 
 
@@ -124,7 +137,7 @@ def about_bits_crc(device: Device, crc: Crc) -> list[Paragraph]:
     """Return the comment on the function that computes a CRC over the bits of a frame in bytes."""
     return [
         f"Return CRC {crc.name} of a frame, bit by bit.",
-        *map(HEADER_STYLE.sentence, say_crc.describe_crc(device, crc)),
+        *map(HEADER_STYLE.sentence, say_layout.describe_crc(device, crc)),
     ]
 
 
@@ -151,6 +164,7 @@ def _explain_derivation(crc: Crc) -> str:
 
 
 def _format_power(exponent: int) -> str:
+    """Return a power of x, such as ``x^3``, or ``x`` for the exponent 1."""
     return f"x^{exponent}" if exponent > 1 else "x"
 
 
@@ -158,37 +172,46 @@ def _format_power(exponent: int) -> str:
 
 
 def about_layout(device: Device, interface: Interface, struct: LayoutStruct) -> list[Paragraph]:
-    """Return the purpose of the frame, the positions of its bits, and finally its errata, which few readers need."""
+    """Return the comment on a frame: its purpose, the place of each field, and its errata, which few readers need.
+
+    Numbers that consist of several fields (joins) are described in the comments on their members.
+    """
     frame_layout = struct.layout
-    statements_on_joins = list(say_layout.describe_joins(frame_layout))  # The comments on their members contain them.
+    statements_elsewhere = list(say_layout.describe_joins(frame_layout))
     errata = list(say_layout.errata_of(device, interface, frame_layout))
-    head = say_layout.head(interface, frame_layout, CodeText(frame_layout.name), device.alternatives)
-    paragraphs: list[Paragraph] = [HEADER_STYLE.sentence(head)]
+    statements_elsewhere += errata
+    heading = say_layout.head(interface, frame_layout, CodeText(frame_layout.name), device.alternatives)
+    paragraphs: list[Paragraph] = [HEADER_STYLE.sentence(heading)]
     for layout_statement in say_layout.describe_layout(device, interface, frame_layout):
-        if layout_statement not in statements_on_joins and layout_statement not in errata:
+        if layout_statement not in statements_elsewhere:
             paragraphs.append(HEADER_STYLE.sentence(layout_statement))
-    return [*paragraphs, *table(struct), *map(HEADER_STYLE.sentence, errata)]
+    return [*paragraphs, *field_table(struct), *map(HEADER_STYLE.sentence, errata)]
 
 
 def about_member(struct: LayoutStruct, member: Field) -> str:
-    """Return the facts of a field that its enumeration does not show, or its title if there are none.
+    """Return the comment on a member of the struct: the facts about its field, or its title without any facts.
 
-    For a string, a remark on the missing terminator follows.
+    Facts in the comment on the field's enumeration are not repeated. For a text, the comment says that its array has no
+    terminating zero byte.
     """
-    choice = struct.enumeration(member)
-    shown_statements = choice.statements if choice is not None else ()
-    statements = say_field.describe_field(struct.device, member)
-    about = HEADER_STYLE.paragraph(statement for statement in statements if statement not in shown_statements)
-    # A string in C ends with a zero byte, the array of the struct does not.
-    ending = "No terminator." if isinstance(meaning_of(member), Latin1Text) else ""
-    return " ".join(filter(None, (about or f"{title_of(member)}.", ending)))
+    enumeration = struct.enumeration(member)
+    statements_on_enumeration = enumeration.statements if enumeration is not None else ()
+    statements = say_register.describe_field(struct.device, member)
+    facts = HEADER_STYLE.paragraph(statement for statement in statements if statement not in statements_on_enumeration)
+    description = facts or f"{title_of(member)}."
+    is_text = isinstance(meaning_of(member), Latin1Text)
+    terminator = "No terminator." if is_text else ""
+    return f"{description} {terminator}".rstrip()
 
 
 def about_unused(struct: LayoutStruct) -> str:
-    """Describe the member for all unused bits, with the bits of it that belong to each unused field."""
-    unused = struct.layout.unused
-    fields = list_parts([f"{bit_range(low + field.widest - 1, low)} {field.name}" for field, low in unused])
-    return f"Unused bits, each 1 if it differs from the manual: {HEADER_STYLE.phrase(statement(*fields))}."
+    """Return the comment on the member ``unused``: which of its bits belong to which unused field of the frame."""
+    bits_and_names: list[str] = []
+    for field, low in struct.layout.unused:
+        highest = low + field.widest - 1
+        bits_and_names.append(f"{bit_range(highest, low)} {field.name}")
+    listed_fields = HEADER_STYLE.phrase(statement(*list_parts(bits_and_names)))
+    return f"Unused bits, each 1 if it differs from the manual: {listed_fields}."
 
 
 def place_of_field(frame_layout: Layout, placed_field: Field) -> str:
@@ -196,29 +219,33 @@ def place_of_field(frame_layout: Layout, placed_field: Field) -> str:
     return HEADER_STYLE.phrase(statement(*field_place(frame_layout, placed_field)))
 
 
-def _facts_without_member(struct: LayoutStruct, field: Field) -> str:
-    """Return the facts of a field that no member shows, and its width unless its place shows it.
+def _describe_in_table(struct: LayoutStruct, field: Field) -> str:
+    """Return the text on a field in the table of a layout, empty if its place and its member already say everything.
 
-    The comment on a member contains the facts of its field. Constants and the selector have no member.
+    The text gives the width if the place of the field depends on the order code. Facts follow for fields without a
+    member in the struct, which are constants and the field that tells frames apart (the selector).
     """
-    is_member = field.carries_data and field is not struct.plan.selector
-    about = () if is_member else say_field.describe_field(struct.device, field)
+    has_member = field.carries_data and field is not struct.plan.selector
+    facts = () if has_member else say_register.describe_field(struct.device, field)
     if field.is_fixed:
-        return HEADER_STYLE.paragraph(about)
+        return HEADER_STYLE.paragraph(facts)
     width = field.width.constant if field.width.is_constant else HEADER_STYLE.number(field.width)
-    return HEADER_STYLE.paragraph((statement(count_with_unit(width, "bit")), *about))
+    return HEADER_STYLE.paragraph((statement(count_with_unit(width, "bit")), *facts))
 
 
 def _table_rows(struct: LayoutStruct) -> Iterator[tuple[str, str, str]]:
-    """Yield the place of each field, its name, and the facts that no member shows."""
-    for placed_field in struct.layout.fields:
-        if struct.plan.by_word or not placed_field.padding_of:
-            name = "-" if placed_field.fills_gap else placed_field.name
-            yield place_of_field(struct.layout, placed_field), name, _facts_without_member(struct, placed_field)
+    """Yield the place of each field, its name, and a text on it, which is often empty.
+
+    A frame that is decoded byte by byte has no row for the bits that pad a field.
+    """
+    for field in struct.layout.fields:
+        if struct.plan.by_word or not field.padding_of:
+            name = "-" if field.fills_gap else field.name
+            yield place_of_field(struct.layout, field), name, _describe_in_table(struct, field)
 
 
-def table(struct: LayoutStruct) -> Iterator[Paragraph]:
-    """Yield one line for each field: its place, its name, and the facts that no member shows.
+def field_table(struct: LayoutStruct) -> Iterator[Paragraph]:
+    """Yield one line of the comment on a layout for each field: its place, its name, and a text on it.
 
     An example is ``  bits 46:31  position  Absolute position.``
     """
@@ -242,18 +269,18 @@ def table(struct: LayoutStruct) -> Iterator[Paragraph]:
 
 
 def about_register(device: Device, register: Register) -> list[Paragraph]:
-    """Return the comment on a register, without its default and limits, which constants and functions have."""
-    head = say_register.head(device, register, full_title(register))
-    about = [
-        statement for statement in say_register.describe_register(device, register) if statement.label not in _IN_CODE
-    ]
-    return list(map(HEADER_STYLE.sentence, (head, *about)))
+    """Return the comment on a register. Its default and limits are omitted, since constants and functions give them."""
+    heading = say_register.head(device, register, full_title(register))
+    statements = say_register.describe_register(device, register)
+    other_statements = [statement for statement in statements if statement.label not in _IN_CODE]
+    return list(map(HEADER_STYLE.sentence, (heading, *other_statements)))
 
 
-def about_access(device: Device, register: Register, writes: bool, read_state: str) -> Iterator[Paragraph]:
-    """Yield the comment on a function that reads or writes a register.
+def about_access(device: Device, register: Register, *, writes: bool, read_state: str) -> Iterator[Paragraph]:
+    """Yield the comment on the function that writes a register, or with ``writes`` False, on the one that reads it.
 
-    ``read_state`` is the function that updates the variant, or empty if the register has no part of it.
+    If frames depend on the register, ``read_state`` is the name of the function that updates the variant after a write.
+    Otherwise it is empty.
     """
     has_wait = writes and register.wait_at_least_ms is not None
     wait = f", then wait {register.wait_at_least_ms} ms" if has_wait else ""
@@ -275,38 +302,45 @@ def about_access(device: Device, register: Register, writes: bool, read_state: s
 
 
 def about_procedure(device: Device, procedure: Procedure) -> list[Paragraph]:
-    head = HEADER_STYLE.sentence(statement(procedure.title, source=procedure.source))
-    return [head, *map(HEADER_STYLE.sentence, say_commands.describe_procedure(device, procedure))]
+    """Return the comment on a procedure: its title with its source, and the statements about it."""
+    heading = HEADER_STYLE.sentence(statement(procedure.title, source=procedure.source))
+    return [heading, *map(HEADER_STYLE.sentence, say_commands.describe_procedure(device, procedure))]
 
 
 def about_argument(device: Device, argument: Argument) -> str:
+    """Return the comment on an argument of a procedure."""
     return HEADER_STYLE.sentence(say_commands.describe_argument(device, argument))
 
 
 def about_run(device: Device, run: ProcedurePlan, read_state: str) -> Iterator[Paragraph]:
-    """Yield the purpose of the function that carries out a procedure, and the accesses that it needs."""
-    *calls, last = (CALLS[call] for call in run.calls)
-    needed = f"{', '.join(calls)} and {last}" if calls else last
+    """Yield the comment on the function that carries out a procedure.
+
+    It lists the functions that the user's transport must provide. If the procedure changes what frames look like, it
+    says to call ``read_state`` afterwards, which updates the variant. ``read_state`` is empty if there is no such
+    function.
+    """
+    *first_functions, last_function = (CALLS[call] for call in run.calls)
+    functions = f"{', '.join(first_functions)} and {last_function}" if first_functions else last_function
     interface = device.interface(run.procedure.interface)
-    yield f"{run.procedure.title}, over {interface.title}. The transport needs {needed}."
+    yield f"{run.procedure.title}, over {interface.title}. The transport needs {functions}."
     if read_state and run.changes_frames:
         yield f"The frames depend on the bytes written, so call {read_state}() afterwards to update the variant."
 
 
 def note_of_step(device: Device, operation: PlannedStep) -> str:
-    """Return the purpose of a step. Its row already has the address, the bytes and the times.
+    """Return the comment on a step of a procedure, whose row already shows the address, the bytes and the times.
 
-    For a wait and a write, it is the meaning of the step in the spec, or else the time, or the place and the value
-    written. A read and a poll have the title of their field or register before the meaning, and a request its data ID.
-    A request without either has an empty note.
+    For a wait or a write, the comment is the meaning of the step in the spec, or else the time, or the field and the
+    value written. For a read or a poll, the title of the field or register comes before the meaning. For a request, the
+    data ID comes before the meaning, and without both the comment is empty.
     """
     meaning = operation.step.meaning
     match operation:
         case WaitTime(step):
             return meaning or HEADER_STYLE.phrase(say_commands.describe_step(device, step))
         case SendRequest(step=step):
-            alone = "in succession, with no other request in between" if step.in_succession else ""
-            return "; ".join(filter(None, (step.data_id, alone, meaning)))
+            succession = "in succession, with no other request in between" if step.in_succession else ""
+            return "; ".join(filter(None, (step.data_id, succession, meaning)))
         case WriteRegister(step):
             purpose = meaning or f"{_register_place(device, operation)}: {step.value_name}"
             return f"{purpose}, also done if an earlier step fails" if operation.closes else purpose

@@ -1,17 +1,18 @@
-"""Expressions that extract the bits of fields, and the unused bits of a layout.
+"""C expressions that extract the bits of fields from a word or from bytes.
 
 In bytes, each bit stays at its place in its byte, so that only whole bytes are shifted.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
-from ...model import BitSlice, Digits, Field, first_or_raise
+from ...model import BitSlice, Digits, Field
 from ...model.record import dataclass
-from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
-from ...plan.operations import FieldBits, JoinedNumber, Reserved
+from ...plan.codec import LayoutPlan
+from ...plan.operations import AlwaysIs, Check, FieldBits, JoinedNumber, ZerosAbove
+from ...say.names_and_places import name_in_words
 from .names import (
     CCall,
     CCast,
@@ -29,36 +30,80 @@ from .names import (
 )
 
 
-def of_bytes(bit_slices: tuple[BitSlice, ...]) -> tuple[str, CExpression]:
-    """Return the type and the bits in these pieces of ``bytes``, as one number.
+def type_and_bits_in(bit_slices: tuple[BitSlice, ...]) -> tuple[str, CExpression]:
+    """Return the C type and the expression of the number that consists of these bits of the array ``bytes``.
 
-    For one slice, this is ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``. Without slices, when no order code has such
-    bits, the number is 0.
+    For one slice, this is ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``. Without slices, which means that no order code
+    has the field, the number is 0.
     """
     if not bit_slices:
         return unsigned(1), CNumber(0)
-    # The mask of a piece begins at bit 0, so that its length is the number of bits.
+    # The mask of a slice begins at bit 0, so that its length is the number of bits.
     width = sum(bit_slice.mask.bit_length() for bit_slice in bit_slices)
     type_ = unsigned(width)
     if len(bit_slices) == 1:
-        bits = _bits_of_piece(bit_slices[0])
+        bits = _bits_of_slice(bit_slices[0])
         is_whole_byte = isinstance(bits, CName)
         return type_, bits if is_whole_byte else CCast("uint8_t", bits)
     # Bytes are shifted in a type that is not promoted to a signed one.
-    shifted_type = "uint64_t" if width > 32 else "uint32_t"
-    shifted_pieces: list[CExpression] = []
+    work_type = "uint64_t" if width > 32 else "uint32_t"
+    shifted_slices: list[CExpression] = []
     for bit_slice in bit_slices:
-        shifted_pieces.append(shifted_left(CCast(shifted_type, _bits_of_piece(bit_slice)), bit_slice.low_in_number))
-    number = join_operands("|", tuple(shifted_pieces))
-    return type_, number if type_ == shifted_type else CCast(type_, number)
+        wide_bits = CCast(work_type, _bits_of_slice(bit_slice))
+        shifted_slices.append(shifted_left(wide_bits, bit_slice.low_in_number))
+    number = join_operands("|", tuple(shifted_slices))
+    return type_, number if type_ == work_type else CCast(type_, number)
 
 
-def _bits_of_piece(bit_slice: BitSlice) -> CExpression:
+def _bits_of_slice(bit_slice: BitSlice) -> CExpression:
     """Return the bits of a byte that belong to a field, shifted to bit 0, such as ``(bytes[2] >> 3) & 0x07U``."""
     shifted_byte = shifted_right(CName(f"bytes[{bit_slice.byte}]"), bit_slice.low_in_byte)
-    # Without bits above the piece, no mask is needed.
+    # Without bits above the slice, no mask is needed.
     reaches_top = bit_slice.low_in_byte + bit_slice.mask.bit_length() == 8
     return shifted_byte if reaches_top else masked(shifted_byte, bit_slice.mask)
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantByte:
+    """A byte of a frame with constant bits. ``mask`` selects these bits, and ``value`` is what they must be.
+
+    ``reasons`` are the names of the constant fields in it, for the comment.
+    """
+
+    byte: int
+    mask: int
+    value: int
+    reasons: tuple[str, ...]
+
+
+def constant_bytes(checks: Iterable[Check]) -> list[ConstantByte]:
+    """Return the bytes with constant bits, in order, each with the mask and the value of all its constants."""
+    byte_by_index: dict[int, ConstantByte] = {}
+    for check in checks:
+        name = name_in_words(check.field.name)
+        match check:
+            case ZerosAbove(beyond=slices_beyond):
+                for bit_slice in slices_beyond:
+                    byte = bit_slice.byte
+                    byte_by_index[byte] = ConstantByte(byte, mask=0xFF, value=0, reasons=(f"above {name}",))
+            case AlwaysIs(bits=bits, value=constant):
+                for bit_slice in bits.bit_slices:
+                    byte = bit_slice.byte
+                    earlier = byte_by_index.get(byte, ConstantByte(byte, mask=0, value=0, reasons=()))
+                    byte_by_index[byte] = _with_constant(earlier, bit_slice, constant, name)
+    return [byte_by_index[byte] for byte in sorted(byte_by_index)]
+
+
+def _with_constant(earlier: ConstantByte, bit_slice: BitSlice, constant: int, name: str) -> ConstantByte:
+    """Return a constant byte with the bits of one more constant field: ``bit_slice`` of the number ``constant``."""
+    # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
+    value_in_byte = ((constant >> bit_slice.low_in_number) & bit_slice.mask) << bit_slice.low_in_byte
+    return ConstantByte(
+        earlier.byte,
+        mask=earlier.mask | (bit_slice.mask << bit_slice.low_in_byte),
+        value=earlier.value | value_in_byte,
+        reasons=tuple(dict.fromkeys((*earlier.reasons, name))),
+    )
 
 
 @dataclass(frozen=True)
@@ -89,7 +134,7 @@ class BitReader:
     def value(self, bits: FieldBits) -> tuple[str, CExpression]:
         """Return the type and the bits of a field, such as ``uint16_t`` and ``(uint16_t)(word >> 6)``."""
         if not self.plan.by_word:
-            return of_bytes(bits.bit_slices)
+            return type_and_bits_in(bits.bit_slices)
         type_ = unsigned(bits.widest)
         if bits.are_fixed and bits.width.constant == 64:
             return type_, self.word
@@ -140,14 +185,21 @@ class BitReader:
         return CCast("uint32_t", self.word) if is_lower_half_enough and not has_32_bits else self.word
 
     def number_of_join(self, joined_number: JoinedNumber, name_of: Callable[[Field], CExpression]) -> CExpression:
-        """Return a join as one number: from the word if its fields are adjacent, otherwise from its fields by name."""
+        """Return a number that several fields form (a join), such as a position from turns and angle.
+
+        If the fields are adjacent, it is extracted from the word at once. Otherwise it is assembled from the fields,
+        for which ``name_of`` gives the C names.
+        """
         if joined_number.bits is None:
             return self.number_from_fields(joined_number, name_of)
         number = self.in_word(joined_number.bits)
         return number if joined_number.widest > 32 else CCast(unsigned(joined_number.widest), number)
 
     def number_from_fields(self, joined_number: JoinedNumber, name_of: Callable[[Field], CExpression]) -> CExpression:
-        """Return the fields of a join as one number of the join's type. The first field forms the highest bits."""
+        """Return the number that several fields form (a join), in its own type. The first field has the highest bits.
+
+        ``name_of`` gives the C name of each field.
+        """
         highest_field, *lower_fields = joined_number.fields
         type_ = unsigned(joined_number.widest)
         is_short = size_of(joined_number.widest) < 32
@@ -174,9 +226,10 @@ class BitReader:
         return self.parity([(self.bits_as_sent(field), field.widest) for field in fields], mask)
 
     def parity(self, numbers_and_widths: Sequence[tuple[CExpression, int]], mask: int) -> CExpression:
-        """Return the common parity of these numbers, 1 for an odd number of ones. Each comes with its largest width.
+        """Return the parity of several numbers together: 1 if they have an odd number of 1 bits, otherwise 0.
 
-        ``mask`` is the mask of the bits that count, or 0 if all of them count.
+        Each number comes with its largest width. ``mask`` selects the bits of the numbers that the parity covers, and 0
+        means all bits.
         """
         numbers = [number for number, _ in numbers_and_widths]
         widest = max(width for _, width in numbers_and_widths)
@@ -195,197 +248,10 @@ class BitReader:
 
 
 def digits(number: object, field: Field, digit_run: Digits) -> CExpression:
-    """Return a run of decimal digits extracted from a number, such as ``(number / 100U) % 10U``."""
+    """Return some decimal digits of a number (a digit run of its field), such as ``(number / 100U) % 10U``."""
     quotient: CExpression = CName(str(number))
     if digit_run.divisor > 1:
         quotient = COperation("/", (quotient, CNumber(digit_run.divisor)))
     # No digits are above the highest run, so that it needs no remainder.
     is_highest_run = digit_run is field.runs[0]
     return quotient if is_highest_run else COperation("%", (quotient, CNumber(digit_run.modulus)))
-
-
-_UNUSED_MEMBER = CName("in->unused")
-
-
-class UnusedMember:
-    """The member ``unused`` of a struct. The object is false if the layout has no unused bits."""
-
-    def __init__(self, reader: BitReader) -> None:
-        self.reader = reader
-        self.plan = reader.plan
-        self.width = self.plan.layout.unused_width
-        are_fixed = all(reserved.bits.are_fixed for reserved in self.plan.reserved)
-        #: Unused fields that are extracted one by one: all of them if the place of a field depends on the order code.
-        self.single = () if are_fixed else self.plan.reserved
-        #: Otherwise all unused bits, grouped by the distance between their places in the frame and in the member.
-        self.moved = moved_bits(self.plan) if are_fixed else ()
-
-    def __bool__(self) -> bool:
-        return bool(self.plan.reserved)
-
-    @property
-    def type(self) -> str:
-        return unsigned(self.width)
-
-    @property
-    def depends(self) -> bool:
-        """True if an encoder needs the variant for it."""
-        return bool(self.single)
-
-    # -- decoding
-
-    @property
-    def member(self) -> CExpression:
-        """The member: 1 in each bit that differs from the manual.
-
-        The bits come from the word, or from bytes if the fields are extracted one by one.
-        """
-        # Either ``moved`` or ``single`` is empty.
-        all_bits = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
-        # The values have no common bits. Bits of single fields are already inverted in ``_single_bits``.
-        documented = _express_documented_value(sum(moved.value for moved in self.moved))
-        return CCast(self.type, _with_inverted(join_operands("|", all_bits), documented))
-
-    def at_place(self, moved: ShiftedBits, byte: CExpression) -> CExpression:
-        """Return a byte shifted to the place of its bits in the member, such as ``(uint32_t)bytes[2] << 8``."""
-        # In bytes, ``shift`` is 0 or negative: the place in the member is never lower than in the byte.
-        return shifted_left(CCast(self.work_type, byte), -moved.shift) if moved.shift else byte
-
-    def member_from(self, bits: CExpression) -> CExpression:
-        """Return the member from bytes that ``at_place`` has shifted, with all other bits masked off."""
-        mask = sum(moved.mask for moved in self.moved)
-        documented = _express_documented_value(sum(moved.value for moved in self.moved))
-        differing_bits = _with_inverted(masked(bits, mask), documented)
-        return differing_bits if self.type == self.work_type else CCast(self.type, differing_bits)
-
-    @property
-    def work_type(self) -> str:
-        """The type in which a decoder assembles bytes."""
-        return unsigned(max(self.width, 32))
-
-    def _moved_bits(self, moved: ShiftedBits) -> CExpression:
-        """Return bits of the word, shifted to their places in the member."""
-        # The mask is in the position of the member. Bit 0 of the member is bit ``shift`` of the word.
-        word = self.reader.lower(moved.mask.bit_length() + moved.shift)
-        if moved.shift >= 0:
-            return masked(shifted_right(word, moved.shift), moved.mask)
-        return shifted_left(masked(word, moved.mask >> -moved.shift), -moved.shift)
-
-    def _single_bits(self, reserved: Reserved) -> CExpression:
-        """Return the bits of one unused field that differ from the manual, shifted to their place in the member."""
-        _, bits = self.reader.value(reserved.bits)
-        documented = self._express_documented(reserved)
-        if not reserved.place:
-            return _with_inverted(bits, documented)
-        differing_bits = _with_inverted(CCast(self.work_type, bits), documented)
-        if not reserved.bits.width.is_constant:
-            # The mask of a variable width has 64 bits.
-            differing_bits = CCast(self.work_type, differing_bits)
-        return shifted_left(differing_bits, reserved.place)
-
-    # -- encoding
-
-    @property
-    def refusal_condition(self) -> CExpression | None:
-        """The condition that the member has a bit other than the unused ones, or None if that is not possible.
-
-        It is not possible if the unused bits fill the type of the member, or if there are none.
-
-        If the width of fields depends on the order code, this is ``(in->unused & mask) != in->unused``.
-        """
-        fixed_mask = sum(reserved.mask for reserved in self.plan.reserved if reserved.bits.width.is_constant)
-        varying_fields = [reserved for reserved in self.single if not reserved.bits.width.is_constant]
-        if not varying_fields:
-            all_bits_of_type = (1 << size_of(self.width)) - 1
-            other_bits = fixed_mask ^ all_bits_of_type
-            can_have_other_bits = bool(fixed_mask and other_bits)
-            return COperation("!=", (masked(_UNUSED_MEMBER, other_bits), CNumber(0))) if can_have_other_bits else None
-        masks: list[CExpression] = []
-        for reserved in varying_fields:
-            mask_of_width = self.reader.scope.mask(reserved.bits.width)
-            masks.append(shifted_left(mask_of_width, reserved.place))
-        if fixed_mask:
-            masks.append(CNumber(fixed_mask, hexadecimal=True))
-        unused_bits_of_member = COperation("&", (_UNUSED_MEMBER, join_operands("|", tuple(masks))))
-        return COperation("!=", (unused_bits_of_member, _UNUSED_MEMBER))
-
-    @property
-    def in_word(self) -> Iterator[CExpression]:
-        """The terms of a word that come from it: the documented bits, with those inverted that are 1 in the member."""
-        # A single group of bits is the whole member, and needs no mask.
-        is_all = len(self.moved) + len(self.single) == 1
-        for moved in self.moved:
-            differing_bits = _UNUSED_MEMBER if is_all else masked(_UNUSED_MEMBER, moved.mask)
-            bits = _with_inverted(differing_bits, _express_documented_value(moved.value))
-            # Bit 0 of the member is bit ``shift`` of the word.
-            yield _shift_bits(CCast(self.reader.encoded_type, bits), -moved.shift)
-        for reserved in self.single:
-            if is_all:
-                bits = _with_inverted(_UNUSED_MEMBER, self._express_documented(reserved))
-            else:
-                bits = self._bits_to_send(reserved)
-            low = reserved.bits.low
-            distance = low.constant if low.is_constant else self.reader.scope.expression_of(low)
-            yield shifted_left(CCast(self.reader.encoded_type, bits), distance)
-
-    @property
-    def in_bytes(self) -> Iterator[tuple[int, CExpression]]:
-        """The bytes with bits that come from it, each with these bits at their places."""
-        for moved in self.moved:
-            assert moved.byte is not None
-            yield moved.byte, self._moved_bits_to_send(moved)
-        for reserved in self.single:
-            for bit_slice in reserved.bits.bit_slices:
-                bits = shifted_right(self._bits_to_send(reserved), bit_slice.low_in_number)
-                yield bit_slice.byte, _shift_bits(_masked_byte(bits, bit_slice.mask), -bit_slice.low_in_byte)
-
-    def _moved_bits_to_send(self, moved: ShiftedBits) -> CExpression:
-        """Return bits of the member, shifted to their places in the frame and combined with the documented bits."""
-        # In bytes, ``shift`` is 0 or negative: bit -shift of the member is bit 0 of the byte.
-        bit_in_member = -moved.shift
-        bits = _masked_byte(shifted_right(_UNUSED_MEMBER, bit_in_member), moved.mask >> bit_in_member)
-        # The member itself, if it was neither shifted nor masked.
-        is_wider_than_byte = bits is _UNUSED_MEMBER and self.width > 8
-        if is_wider_than_byte:
-            bits = CCast("uint8_t", bits)
-        return _with_inverted(bits, _express_documented_value(moved.value >> bit_in_member))
-
-    def bits_of(self, field: Field) -> CExpression:
-        """Return the bits to send for one unused field, shifted to bit 0."""
-        reserved_fields = (reserved for reserved in self.plan.reserved if reserved.field is field)
-        return self._bits_to_send(first_or_raise(reserved_fields, f"unused field '{field.name}'"))
-
-    def _bits_to_send(self, reserved: Reserved) -> CExpression:
-        """Return the documented bits of an unused field at bit 0, with those inverted that are 1 in the member."""
-        differing_bits = shifted_right(masked(_UNUSED_MEMBER, reserved.mask), reserved.place)
-        return _with_inverted(differing_bits, self._express_documented(reserved))
-
-    # -- both
-
-    def _express_documented(self, reserved: Reserved) -> CExpression | None:
-        """Return the value in the manual of a field that may be narrower with this order code, or None if it is 0."""
-        value = _express_documented_value(reserved.value)
-        width = reserved.bits.width
-        if value is None or width.is_constant:
-            return value
-        return COperation("&", (value, self.reader.scope.mask(width)))
-
-
-def _masked_byte(bits: CExpression, mask: int) -> CExpression:
-    """Return these bits of a number. A whole byte has no mask, because a later cast drops the higher bits."""
-    return bits if mask == 0xFF else masked(bits, mask)
-
-
-def _express_documented_value(value: int) -> CExpression | None:
-    """Return the value in the manual, or None if that is 0."""
-    return CNumber(value, hexadecimal=True) if value else None
-
-
-def _with_inverted(bits: CExpression, inverted: CExpression | None) -> CExpression:
-    """Return the bits, with those inverted that are 1 in ``inverted``."""
-    return COperation("^", (bits, inverted)) if inverted is not None else bits
-
-
-def _shift_bits(bits: CExpression, distance: int) -> CExpression:
-    """Return ``bits`` shifted to the right, or to the left if ``distance`` is negative."""
-    return shifted_left(bits, -distance) if distance < 0 else shifted_right(bits, distance)

@@ -11,9 +11,10 @@ from .names import CExpression, DeclaredName, c_name
 
 
 class ChannelCode:
-    """The values that the template prints for the frame of an interface that carries several data channels.
+    """The values that the template prints for a frame that consists of several data channels.
 
-    ``compared`` contains the member and the width of each compared field.
+    ``compared`` contains the fields that must have the same value in their channels, such as two positions: the member
+    of the struct, and the width of the field.
     """
 
     def __init__(self, context: HeaderContext, frame: ChannelFrame, codecs: Sequence[StructCodec]) -> None:
@@ -23,9 +24,9 @@ class ChannelCode:
         codec_by_layout = {codec.struct.layout.name: codec for codec in codecs}
         self.codecs = [codec_by_layout[layout.name] for layout in frame.layouts]
         self.compared: list[tuple[str, CExpression]] = []
-        for field in frame.compared:
-            member = f"{c_name(field.layout.name)}.{c_name(field.name)}"
-            self.compared.append((member, context.scope.expression_of(field.width)))
+        for channel_field in frame.compared:
+            member = f"{c_name(channel_field.layout.name)}.{c_name(channel_field.name)}"
+            self.compared.append((member, context.scope.expression_of(channel_field.width)))
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names of the struct, its functions and its macros."""
@@ -38,8 +39,9 @@ class ChannelCode:
 
     @property
     def about(self) -> list[str]:
-        names = " and ".join(layout.name for layout in self._frame.layouts)
-        return [f"The data channels of one frame, one directly after the other: {names}."]
+        """The comment on the struct, which names the channels in the order sent."""
+        channel_names = " and ".join(layout.name for layout in self._frame.layouts)
+        return [f"The data channels of one frame, one directly after the other: {channel_names}."]
 
     @property
     def about_comparison(self) -> list[str]:
@@ -55,6 +57,7 @@ class ChannelCode:
 
     @property
     def tolerance(self) -> int:
+        """The largest difference at which the compared fields still agree."""
         return self._frame.tolerance
 
     @property
@@ -65,7 +68,7 @@ class ChannelCode:
 
     @property
     def position_codec(self) -> StructCodec:
-        """The channel with the position."""
+        """The decoder and encoder of the channel with the position."""
         interface = self._context.interface.name
         layouts = (layout for layout in self._frame.layouts if self._context.device.sends_position(interface, layout))
         layout = first_or_raise(layouts, "channel with the position")
@@ -74,12 +77,12 @@ class ChannelCode:
 
     @property
     def judging_codecs(self) -> list[StructCodec]:
-        """The other channels with a verdict."""
-        others = (codec for codec in self.codecs if codec is not self.position_codec)
-        return [codec for codec in others if codec.reports is not None and codec.reports.verdict]
+        """The channels without the position whose flags decide whether the position is usable (its verdict)."""
+        other_codecs = (codec for codec in self.codecs if codec is not self.position_codec)
+        return [codec for codec in other_codecs if codec.reports is not None and codec.reports.verdict]
 
 
 def channel_code(context: HeaderContext, codecs: Sequence[StructCodec]) -> ChannelCode | None:
-    """Return the frame with all data channels of an interface, or None if there is none."""
+    """Return the C code for the frame with all data channels of an interface, or None if frames have one channel."""
     frame = channel_frame(context.interface)
     return ChannelCode(context, frame, codecs) if frame is not None else None

@@ -45,23 +45,26 @@ class NoFrame(Exception):
 
 
 def chosen_variant(device: Device, interface: Interface) -> Variant:
-    """Return the order code of an interface with the most examples that are used as printed, without an erratum."""
-    examples = (example for example in device.examples if _is_over_interface(device, interface, example))
-    # An example without an order code holds for every one, and counts for none.
-    number_of_examples = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
+    """Return the order code of an interface that has the most worked examples in the manual.
+
+    Examples with an erratum, whose printed bytes are not used, do not count. With equal numbers, the order code with
+    the finest resolution is chosen, which has the largest parameters.
+    """
+    examples = (example for example in device.examples if _is_shown_over(device, interface, example))
+    # An example without an order code applies to all of them, and counts for none.
+    examples_by_code = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
     variants = device.variants_over(interface.name) or device.variants
 
     def preference(variant: Variant) -> tuple[int, int]:
-        # With equal numbers of examples, take the finest resolution: the largest sum of the parameters.
-        return number_of_examples[variant.code], sum(variant.parameters.values())
+        return examples_by_code[variant.code], sum(variant.parameters.values())
 
     return max(variants, key=preference)
 
 
-def _is_over_interface(device: Device, interface: Interface, example: Example) -> bool:
-    """Return True if a program for this interface can show the example.
+def _is_shown_over(device: Device, interface: Interface, example: Example) -> bool:
+    """Return True if a program for this interface can show a worked example of the manual.
 
-    The example is then a readable register, a valid reply that depends on no open question, a procedure or a
+    It can show a register that can be read, a valid reply whose decoding needs no choice by the user, a procedure and a
     measurement.
     """
     if example_variant(device, example).interface != interface.name:
@@ -82,7 +85,7 @@ def _is_over_interface(device: Device, interface: Interface, example: Example) -
 
 
 class Chosen:
-    """The examples for the chosen order code of an interface.
+    """The worked examples of the manual for one order code of an interface, chosen by ``chosen_variant``.
 
     Raises:
         NoFrame: There is no frame to show.
@@ -93,7 +96,7 @@ class Chosen:
         self.interface = interface
         self.measurement = device.measurement_of(interface.name)
         self.variant = chosen_variant(device, interface)
-        examples = (example for example in device.examples if _is_over_interface(device, interface, example))
+        examples = (example for example in device.examples if _is_shown_over(device, interface, example))
         #: The examples for the chosen order code. An example without an order code applies to the first code of the
         #: family.
         self.examples = [example for example in examples if example_variant(device, example).code == self.variant.code]
@@ -101,9 +104,9 @@ class Chosen:
 
     @property
     def registers(self) -> Mapping[str, tuple[Register, RegisterExample]]:
-        """The registers with an example, by name, each with its first example.
+        """The registers that have a worked example, by name, each with the first of its examples.
 
-        Registers in banks cannot be simulated.
+        Registers in banks are left out, because the program cannot simulate them.
         """
         registers: dict[str, tuple[Register, RegisterExample]] = {}
         for example in self.examples:
@@ -115,10 +118,10 @@ class Chosen:
 
     @property
     def procedure(self) -> tuple[Procedure, ProcedureExample | None] | None:
-        """Worked procedure with the most writes and its example, or the first that clears an alarm by a request.
+        """The procedure for the program, with its worked example.
 
-        The latter has None in place of an example. The result is None if there is neither. A worked procedure that
-        polls does not count.
+        It is the worked procedure with the most writes. Procedures that poll are left out. Without one, it is the first
+        procedure that clears an alarm by a request, with None as its example. The result is None if there is neither.
         """
         examples = (example for example in self.examples if isinstance(example, ProcedureExample))
         procedures_and_examples: list[tuple[Procedure, ProcedureExample]] = []
@@ -129,25 +132,23 @@ class Chosen:
                 procedures_and_examples.append((procedure, example))
         if procedures_and_examples:
             return max(procedures_and_examples, key=_number_of_writes)
-        # Only the first one counts.
-        for procedure in self._clearing_procedures():
-            return procedure, None
-        return None
+        clearing_procedure = next(self._clearing_procedures(), None)
+        return (clearing_procedure, None) if clearing_procedure is not None else None
 
     def _clearing_procedures(self) -> Iterator[Procedure]:
         """Yield the procedures that clear an alarm by a request over this interface."""
         for alarm in self.device.alarms:
             for procedure in map(self.device.procedure, alarm.cleared_by):
-                sends = any(isinstance(step, SendStep) for step in procedure.steps)
-                if sends and procedure.interface == self.interface.name:
+                sends_request = any(isinstance(step, SendStep) for step in procedure.steps)
+                if sends_request and procedure.interface == self.interface.name:
                     yield procedure
 
     # -- the frame
 
     def _choose_frame(self) -> ExampleFrame:
-        """Return a worked frame, or a made-up frame if there is none.
+        """Return a frame from the worked examples, or a made-up frame if there is none.
 
-        A frame used as printed is preferred, and then a frame from the manual to one from another source.
+        A frame without an erratum comes first, and then a frame from the manual before one from another source.
 
         Raises:
             NoFrame: There is neither.
@@ -171,10 +172,12 @@ class Chosen:
             NoFrame: The device provides no sample of the frame.
         """
         layouts = [layout for layout in self.interface.layouts if layout.sender == "encoder"]
-        # Prefer one with the position, and then one that needs no choice by the user. Order codes have the first answer
-        # of each alternative.
-        layouts.sort(key=lambda layout: (not self.has_position(layout), bool(self.device.alternatives_of(layout))))
-        layout = layouts[0]
+
+        def rank(layout: Layout) -> tuple[bool, bool]:
+            # A frame with the position comes first, and then a frame that needs no choice by the user.
+            return not self.has_position(layout), bool(self.device.alternatives_of(layout))
+
+        layout = min(layouts, key=rank)
         sample = self.device.sample_of(layout)
         if sample is None:
             raise NoFrame
@@ -198,6 +201,7 @@ def _rate_unreliability(example: FrameExample) -> tuple[bool, bool]:
 
 
 def _number_of_writes(procedure_and_example: tuple[Procedure, ProcedureExample]) -> int:
+    """Return the number of writes in the worked example of a procedure."""
     _, example = procedure_and_example
     return len(example.writes)
 

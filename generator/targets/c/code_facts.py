@@ -1,4 +1,4 @@
-"""Facts in C that depend on the order code: clock, time-out, times and clocks by cable length, as macros by code."""
+"""Facts in C that depend on the order code: clock, timeout, times and clocks by cable length, as macros by code."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ from .variants import CodeRow
 
 
 def clock_limits(clock: Clock) -> Iterator[tuple[str, int, str]]:
-    """Yield the limits, and the fastest clock in use: the end of a macro's name, the clock in Hz, and a comment."""
+    """Yield the numbers that the manual gives for a clock: the end of a macro's name, the clock in Hz, and a comment.
+
+    They are the lowest and the highest clock, and the fastest clock in use. Numbers that it does not give are left out.
+    """
     names_clocks_and_notes = (
         ("CLOCK_MIN_HZ", clock.min_hz, "lowest clock in Hz"),
         ("CLOCK_MAX_HZ", clock.max_hz, "highest clock in Hz"),
@@ -27,9 +30,9 @@ def clock_limits(clock: Clock) -> Iterator[tuple[str, int, str]]:
 
 
 def timeout_limits(timeout: Timeout) -> Iterator[tuple[str, int]]:
-    """Yield the typical and the longest time-out in nanoseconds, each with the end of a macro's name.
+    """Yield the typical and the longest timeout: the end of a macro's name, and the timeout in nanoseconds.
 
-    If the time-out is not a number of clock periods, those printed for each clock follow.
+    If the manual does not give the timeout as a number of clock periods, the timeouts printed for each clock follow.
     """
     names_and_times = [("TYPICAL", timeout.typical_ns), ("AT_MOST", timeout.at_most_ns)]
     if timeout.half_clock_periods is None:
@@ -40,11 +43,15 @@ def timeout_limits(timeout: Timeout) -> Iterator[tuple[str, int]]:
 
 
 def timeout_product(timeout: Timeout | None) -> int:
-    """Return the time-out in nanoseconds times the clock in hertz, 0 if it does not depend on the clock."""
+    """Return the number that divided by the clock in hertz gives the timeout in nanoseconds.
+
+    The result is 0 if there is no timeout or if it does not follow the clock.
+    """
     if timeout is None or timeout.rule != "follows_clock":
         return 0
+    half_clock_periods = timeout.half_clock_periods or 0
     # Half a clock period in nanoseconds is 500,000,000 divided by the clock in hertz.
-    return 500_000_000 * (timeout.half_clock_periods or 0)
+    return 500_000_000 * half_clock_periods
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,22 +69,22 @@ class ClockLimitFunction:
 
 @dataclass(frozen=True, slots=True)
 class TimeoutFunction:
-    """Function that returns the time-out for a clock: ``product`` divided by the clock."""
+    """Function that returns the timeout in nanoseconds for a clock in hertz: ``product`` divided by the clock."""
 
     name: str
     product: int
 
 
 def function_names(clock_limits: Sequence[ClockLimitFunction], timeouts: Sequence[TimeoutFunction]) -> list[str]:
-    """Return the names of functions for clock limits and time-outs."""
+    """Return the names of functions for clock limits and timeouts."""
     return [*(limit.name for limit in clock_limits), *(timeout.name for timeout in timeouts)]
 
 
 class CodeFacts:
-    """Facts about the interface that depend on the order code, empty if none does.
+    """Macros and functions for the facts about the interface that differ between order codes, such as the clock.
 
-    Order codes with the same clocks by cable length, or the same rule for the time-out, share a function. A macro of
-    each order code is another name of it.
+    They are empty if all order codes have the same facts. Order codes with the same clocks by cable length, or the same
+    rule for the timeout, share a function. Each of them has a macro that names the function.
     """
 
     def __init__(self, context: HeaderContext, interface: Interface, code_rows: Sequence[CodeRow]) -> None:
@@ -89,11 +96,11 @@ class CodeFacts:
         self.macros = list(chain.from_iterable(map(self._macros_of, code_rows)))
 
     @property
-    def codes(self) -> str:
-        """The facts in words, for the comment on the macros."""
+    def facts_in_words(self) -> str:
+        """The facts that depend on the order code, for the comment on the macros, such as ``clock and times``."""
         subjects = {
             "clock": isinstance(self._interface, Clocked) and bool(self._interface.clocks_by_code),
-            "time-out": isinstance(self._interface, Biss) and bool(self._interface.timeouts_by_code),
+            "timeout": isinstance(self._interface, Biss) and bool(self._interface.timeouts_by_code),
             "clock limit by cable length": bool(self.clock_limits),
             "times": bool(self._times),
         }
@@ -120,37 +127,48 @@ class CodeFacts:
             yield from timing_macros(time, row.macro)
 
     def _timeout_macros(self, row: CodeRow, timeout: Timeout | None) -> Iterator[CMacro]:
-        """Yield the macros of the time-out of an order code, and its function if the time-out depends on the clock.
-
-        A new function is added to ``timeouts``. Order codes with the same rule share it.
-        """
+        """Yield the macros of the timeout of an order code. One names a function if the clock decides the timeout."""
         if timeout is None:
             return
         for name, time_ns in timeout_limits(timeout):
-            yield CMacro(f"{row.macro}_{name}", c_number(time_ns), "time-out in nanoseconds")
+            yield CMacro(f"{row.macro}_{name}", c_number(time_ns), "timeout in nanoseconds")
         product = timeout_product(timeout)
         if product:
-            name_by_product = {function.product: function.name for function in self.timeouts}
-            if product not in name_by_product:
-                name_by_product[product] = self._function_name("timeout_ns", row)
-                self.timeouts.append(TimeoutFunction(name_by_product[product], product))
-            yield CMacro(f"{row.macro}_TIMEOUT_NS", name_by_product[product], "function that returns its time-out")
+            function = self._find_or_add_timeout(product, row)
+            yield CMacro(f"{row.macro}_TIMEOUT_NS", function.name, "function that returns its timeout")
+
+    def _find_or_add_timeout(self, product: int, row: CodeRow) -> TimeoutFunction:
+        """Return the function for a timeout of ``product`` divided by the clock.
+
+        If no earlier order code has it, a function named after the order code of ``row`` is added to ``timeouts``.
+        """
+        for function in self.timeouts:
+            if function.product == product:
+                return function
+        new_function = TimeoutFunction(self._function_name("timeout_ns", row), product)
+        self.timeouts.append(new_function)
+        return new_function
 
     def _clock_limit_macros(self, row: CodeRow, cable_rows: tuple[CableLength, ...]) -> Iterator[CMacro]:
-        """Yield the macro that names the function of an order code for the clock limit by cable length.
+        """Yield the macro that names the function for the clock limit by cable length, or nothing without limits."""
+        if cable_rows:
+            function = self._find_or_add_clock_limit(cable_rows, row)
+            yield CMacro(f"{row.macro}_CLOCK_LIMIT_HZ", function.name, "function that returns its clock limit")
 
-        A new function is added to ``clock_limits``. Order codes with the same clocks share it.
+    def _find_or_add_clock_limit(self, cable_rows: tuple[CableLength, ...], row: CodeRow) -> ClockLimitFunction:
+        """Return the function for these clocks by cable length.
+
+        If no earlier order code has it, a function named after the order code of ``row`` is added to ``clock_limits``.
         """
-        if not cable_rows:
-            return
-        name_by_rows = {function.rows: function.name for function in self.clock_limits}
-        if cable_rows not in name_by_rows:
-            name_by_rows[cable_rows] = self._function_name("clock_limit_hz", row)
-            self.clock_limits.append(ClockLimitFunction(name_by_rows[cable_rows], cable_rows))
-        yield CMacro(f"{row.macro}_CLOCK_LIMIT_HZ", name_by_rows[cable_rows], "function that returns its clock limit")
+        for function in self.clock_limits:
+            if function.rows == cable_rows:
+                return function
+        new_function = ClockLimitFunction(self._function_name("clock_limit_hz", row), cable_rows)
+        self.clock_limits.append(new_function)
+        return new_function
 
     def _function_name(self, ending: str, row: CodeRow) -> str:
-        """Return the name of a function that is called after the first order code that it applies to."""
+        """Return the name of a function, which contains the first order code that uses it: ``acme_x_24_timeout_ns``."""
         return f"{self._context.prefix}_{row.code.lower()}_{ending}"
 
 

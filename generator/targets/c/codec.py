@@ -31,7 +31,11 @@ from .structs import LayoutStruct
 
 
 class StructCodec:
-    """The values that the templates print for a layout. ``about`` describes a frame and is empty for a register."""
+    """The values that the templates print for the struct of a frame or register, its decoder and its encoder.
+
+    ``about`` is the comment on a frame, and is empty for a register. ``outside`` are the limits of a register that its
+    encoder checks.
+    """
 
     def __init__(
         self, struct: LayoutStruct, about: Sequence[Paragraph] = (), outside: Sequence[OutsideLimits] = ()
@@ -47,7 +51,7 @@ class StructCodec:
         self.encoder = CEncoder(struct, outside)
         alternatives = struct.context.alternatives
         self.alternatives = tuple(code for code in alternatives if code.alternative in self.plan.alternatives)
-        #: Whether a program that talks to an encoder decodes it, and encodes it. A simulator does the rest.
+        #: Whether a program that reads an encoder decodes the struct, and encodes it. A simulator does the opposite.
         self.decodes = struct.register is not None or struct.layout.sender == "encoder"
         self.encodes = struct.register is not None or not self.decodes
         #: The reports of a frame, None for a register.
@@ -56,6 +60,7 @@ class StructCodec:
             self.reports = struct.context.reports.of(struct.layout, self.name, self.type)
 
     def declared(self) -> Iterator[DeclaredName]:
+        """Yield the names at file scope, each with the path of the layout in the spec."""
         for name in self._yield_names():
             yield name, self.struct.path
 
@@ -84,13 +89,14 @@ class StructCodec:
             yield f"{self.name}_read"
         if self.can_differ_from_manual:
             yield f"{self.name}_is_expected"
-            yield from (self.expected_macro(field) for field in self.expected if self.has_one_value(field))
+            yield from (self.expected_macro(field) for field in self.expected_fields if self.has_one_value(field))
 
     @property
     def position_member(self) -> str:
-        """The field or join with the position that a function returns, or an empty string if there is no such function.
+        """The field or joined number with the position that the function ``_position`` returns.
 
-        A frame has this function if its verdict is known.
+        It is empty if there is no such function, because the frame has no position, or no flag that says whether the
+        position is usable (its verdict).
         """
         context = self.struct.context
         layout = self.struct.layout
@@ -102,9 +108,9 @@ class StructCodec:
 
     @property
     def receiver(self) -> str:
-        """The function of the runtime that extracts the frame from a buffer.
+        """The function of the runtime that extracts the frame from the bytes that SPI received.
 
-        It is empty for a register, for a frame that the master sends, and if a port receives the bytes of the frame.
+        It is empty for a register, for a frame that the master sends, and for a frame that a serial port receives.
         """
         if self.struct.register is not None or not self.decodes:
             return ""
@@ -158,7 +164,7 @@ class StructCodec:
 
     @property
     def may_be_longer(self) -> bool:
-        """True if the type of the word has more bits than some frame."""
+        """True if a word can have bits above the frame, because its type is wider than a frame of some order code."""
         bits = self.plan.layout.bits
         always_fills_word = bits.is_constant and bits.constant == self.struct.reader.word_size
         return not always_fills_word
@@ -178,15 +184,20 @@ class StructCodec:
 
     @property
     def about_unused(self) -> str:
+        """The comment on the member for the unused bits."""
         return about_unused(self.struct)
 
     def about_member(self, field: Field) -> str:
+        """Return the comment on the member of a field."""
         return about_member(self.struct, field)
 
     @property
     def set_names(self) -> tuple[str, ...]:
-        """The members that other members repeat: joins, and numbers of decimal digits."""
-        join_names = (whole.join.name for whole in self.plan.joined_numbers)
+        """The members with a ``_set_`` function, because other members repeat their value.
+
+        They are numbers joined from several fields, and numbers whose decimal digits are members, too.
+        """
+        join_names = (joined_number.join.name for joined_number in self.plan.joined_numbers)
         decimal_names = (part.field.name for part in self.plan.parts if part.field.runs)
         return (*join_names, *decimal_names)
 
@@ -205,7 +216,7 @@ class StructCodec:
             crc=crc.crc,
             bits=bits,
             folds=fold_steps,
-            about=tuple(about_word_crc(self.struct.device, crc.crc, bool(fold_steps))),
+            about=tuple(about_word_crc(self.struct.device, crc.crc, is_folded=bool(fold_steps))),
         )
 
     @property
@@ -229,46 +240,47 @@ class StructCodec:
         )
 
     def alternatives_for(self, *expressions: Expression) -> tuple[AlternativeCode, ...]:
-        """Return the alternatives whose answers these expressions need."""
+        """Return the questions left open by the manual (alternatives) whose answers these expressions need."""
         return alternatives_in(self.alternatives, *expressions)
 
     @property
     def decoder_depends(self) -> bool:
-        """True if the decoder uses the variant."""
+        """True if the decoder uses the variant, because places or lengths depend on the order code."""
         checks_length = not self.plan.in_bytes and self.may_be_longer
         return self.plan.depends or checks_length
 
     @property
     def encoder_depends(self) -> bool:
-        """True if Gray code, terms, unused bits, limits or a CRC depend on the variant when a frame is encoded.
+        """True if the encoder uses the variant: for Gray code, fields, unused bits, limits or a CRC.
 
-        It does not use the variant if the layout depends on an answer alone.
+        A layout that depends only on the user's answer to an open question does not use the variant.
         """
-        if self.alternatives and not self.plan.depends:
+        depends_only_on_answers = bool(self.alternatives) and not self.plan.depends
+        if depends_only_on_answers:
             return False
         gray = self.plan.gray
         gray_depends = gray is not None and gray.depends
-        terms_depend = any(term.depends for term in self.plan.terms) or self.struct.unused.depends
+        fields_depend = any(term.depends for term in self.plan.terms)
         limits_depend = any(depends_on_order_code(refusal) for refusal in self.encoder.refusals)
         crcs_depend = any(map(self._crc_depends, self.plan.crcs))
-        return gray_depends or terms_depend or limits_depend or crcs_depend
+        return gray_depends or fields_depend or self.struct.unused.depends or limits_depend or crcs_depend
 
     def _crc_depends(self, crc: FrameCrc) -> bool:
-        """Return whether the variant decides if the frame has the CRC, or how many bits the encoder passes to it."""
+        """Return True if the order code decides whether the frame has the CRC, or how many bits the CRC covers."""
         passes_length = not self.plan.in_bytes and self.word_crc is None
         return crc.is_optional or (passes_length and not crc.covered.is_constant)
 
     # -- values of fields that the manual states
 
     @property
-    def expected(self) -> tuple[Field, ...]:
-        """The fields for which the manual states a value."""
+    def expected_fields(self) -> tuple[Field, ...]:
+        """The fields for which the manual states a value, such as a device ID."""
         return tuple(part.field for part in self.plan.parts if part.field.equals is not None)
 
     @property
     def can_differ_from_manual(self) -> bool:
         """True if a valid frame can differ from the manual."""
-        return bool(self.expected or self.struct.unused)
+        return bool(self.expected_fields or self.struct.unused)
 
     @staticmethod
     def has_one_value(field: Field) -> bool:
@@ -278,7 +290,7 @@ class StructCodec:
     @property
     def expected_depends(self) -> bool:
         """True if a value in the manual depends on the order code."""
-        return not all(map(self.has_one_value, self.expected))
+        return not all(map(self.has_one_value, self.expected_fields))
 
     def expected_value(self, field: Field) -> str:
         """Return the value in the manual as C, such as ``0x1BU``."""
@@ -292,22 +304,23 @@ class StructCodec:
                 return c_number(field.equals or 0, hexadecimal=True)
 
     def expected_macro(self, field: Field) -> str:
+        """Return the name of the macro for the value of a field that the manual states."""
         return f"{self.name}_{field.name}_EXPECTED".upper()
 
     @property
     def is_expected(self) -> CExpression:
-        """Condition that a struct has the values of the manual, and that no unused bit differs from it."""
+        """Condition that all fields have the values that the manual states, and that no unused bit differs from it."""
         conditions: list[CExpression] = []
-        for field in self.expected:
-            conditions += self._has_expected_value(field)
+        for field in self.expected_fields:
+            conditions += self._conditions_of_field(field)
         if self.struct.unused:
             conditions.append(COperation("==", (CName("in->unused"), CNumber(0))))
         return join_operands("&&", tuple(conditions))
 
-    def _has_expected_value(self, field: Field) -> Iterator[CExpression]:
-        """Yield the conditions under which a member equals the value in the manual.
+    def _conditions_of_field(self, field: Field) -> Iterator[CExpression]:
+        """Yield the conditions under which a member equals the value that the manual states for its field.
 
-        A string has one piece per character.
+        There is one condition for a number, and one for each character of a text.
         """
         member = f"in->{c_name(field.name)}"
         macro = self.expected_macro(field)

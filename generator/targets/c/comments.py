@@ -14,7 +14,8 @@ COLUMNS = 100
 #: The smallest width of a text after its lead.
 _NARROWEST_TEXT = 36
 
-#: A paragraph of a comment. A pair is a lead and its text, whose other lines are indented by the width of the lead.
+#: A paragraph of a comment. A pair is a lead, such as ``@param out ``, and its text. The lines after the first are
+#: indented by the width of the lead.
 Paragraph = str | tuple[str, str]
 
 #: Signs that comments spell in their own way.
@@ -27,24 +28,27 @@ def ascii_text(text: object) -> str:
 
 
 def in_comment(text: object) -> str:
-    """Make ``text`` safe for a comment: nothing in it ends or opens one, continues a line or is a trigraph."""
+    """Return ``text`` in a form that is safe in a comment.
+
+    Nothing in it begins or ends a comment, continues a line with a backslash, or is a trigraph.
+    """
     safe = ascii_text(text).replace("\\", "|")
-    # Of three question marks, one pass leaves two next to each other.
+    # One pass leaves two adjacent question marks if there were three.
     while "??" in safe:
         safe = safe.replace("??", "? ?")
     return _separate_comment_marks(safe)
 
 
 def _separate_comment_marks(text: str) -> str:
-    """Put a space between every adjacent star and slash."""
+    """Return a text with a space between every adjacent star and slash, so that no comment begins or ends there."""
     return re.sub(r"\*(?=/)|/(?=\*)", lambda match: match[0] + " ", text)
 
 
 def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
-    """Format paragraphs as a comment, on one line if it fits. In a sequence, empty paragraphs are omitted.
+    """Format paragraphs as a C comment, on one line if it fits.
 
-    ``indent`` is the number of spaces before each line. A long lead has its text on the lines below. An empty line
-    separates the first lead with ``@``, of a parameter, from the text above it.
+    ``indent`` is the number of spaces before each line. In a sequence, empty paragraphs are omitted. An empty line
+    separates the first ``@param`` from the text above it.
     """
     if isinstance(paragraphs, str):
         leads_and_texts = [("", paragraphs)]
@@ -52,28 +56,38 @@ def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
         leads_and_texts = [(lead, text) for lead, text in map(_lead_and_text, paragraphs) if text]
     margin = " " * indent
     lines: list[str] = []
-    for unsafe_lead, text in leads_and_texts:
-        lead = in_comment_lead(unsafe_lead)
-        if lead.startswith("@") and lines and not lines[-1].startswith(("@", " ")):
-            # The parameters of a function come after an empty line.
+    for lead, text in leads_and_texts:
+        is_first_parameter = lead.startswith("@") and bool(lines) and not lines[-1].startswith(("@", " "))
+        if is_first_parameter:
             lines.append("")
-        if len(lead) > COLUMNS - indent - _NARROWEST_TEXT:
-            # The lead is too long: the text goes below.
-            lines.append(_separate_comment_marks(lead.rstrip()))
-            lead = "        "
-        # 3 characters are " * ", and the 6 below are the marks of a comment on one line.
-        width = COLUMNS - indent - 3 - len(lead)
-        wrapped = textwrap.wrap(in_comment(text), width, break_long_words=False, break_on_hyphens=False)
-        first_line, *further_lines = wrapped or [""]
-        lines.append(_separate_comment_marks(lead + first_line))
-        lines += [_separate_comment_marks(" " * len(lead) + line) for line in further_lines]
+        # 3 characters are " * ".
+        lines += _wrap_paragraph(lead, text, COLUMNS - indent - 3)
+    # 6 characters are the marks of a comment on one line.
     if len(lines) == 1 and len(lines[0]) + indent + 6 <= COLUMNS:
         return f"{margin}/* {lines[0]} */"
     body = "\n".join(f"{margin} * {line}".rstrip() for line in lines)
     return f"{margin}/*\n{body}\n{margin} */"
 
 
+def _wrap_paragraph(lead: str, text: str, width: int) -> Iterator[str]:
+    """Yield the lines of a paragraph of a comment, at most ``width`` characters long if its words allow.
+
+    The text begins after its lead, or below it if the lead is too long.
+    """
+    safe_lead = in_comment_lead(lead)
+    # 3 characters are " * ", which ``width`` leaves out.
+    if len(safe_lead) > width + 3 - _NARROWEST_TEXT:
+        yield _separate_comment_marks(safe_lead.rstrip())
+        safe_lead = "        "
+    wrapped = textwrap.wrap(in_comment(text), width - len(safe_lead), break_long_words=False, break_on_hyphens=False)
+    first_line, *further_lines = wrapped or [""]
+    yield _separate_comment_marks(safe_lead + first_line)
+    for line in further_lines:
+        yield _separate_comment_marks(" " * len(safe_lead) + line)
+
+
 def _lead_and_text(paragraph: Paragraph) -> tuple[str, str]:
+    """Return a paragraph as its lead, which is empty for a plain text, and its text."""
     return ("", paragraph) if isinstance(paragraph, str) else paragraph
 
 
@@ -87,14 +101,14 @@ def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
 
 
 def in_comment_lead(text: str) -> str:
-    """Make the lead of a paragraph safe for a comment, with its spaces kept."""
+    """Return the lead of a paragraph in a form that is safe in a comment, with all its spaces."""
     return re.sub("[^ ]+", lambda word: in_comment(word[0]), text)
 
 
 class InHeader(Style):
-    """A style that mentions an erratum briefly, where it matters, with the value used instead.
+    """The style of sentences in headers, which mentions an erratum only briefly, with the value used instead.
 
-    It leaves out differences from other editions.
+    Differences from other editions of the manual are left out.
     """
 
     def sentence(self, statement: Statement) -> str:
@@ -111,7 +125,7 @@ HEADER_STYLE = InHeader(text=TITLE_STYLE.text, code=TITLE_STYLE.code, ref=TITLE_
 _BREAKS_IN_CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
 _BREAKS_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[A-Za-z&(])")
 _STRING_LITERAL = re.compile(r'"(?:\\.|[^"\\])*"')
-#: A comment that begins a line, except titles of sections, or that follows a declaration or a macro.
+#: A comment that begins a line, except titles of sections, and one that follows a declaration or a macro.
 _COMMENT_OPENING = re.compile(r"\s*/\*(?: (?!-- )|$)")
 _AT_END = re.compile(r"^(\s*[A-Za-z#](?:(?!/\*).)*) /\* (?=[^*]*\*/$)")
 #: The end of a line that the next one continues.
@@ -125,9 +139,9 @@ def end_comment(note: object) -> str:
 
 
 def call_in_lines(parts: Sequence[str], indent: int) -> str:
-    """Return a call with its arguments on one line, or each on its own line if that is too long.
+    """Return a function call on one line, or with each argument on its own line if that is too long.
 
-    The parts are the start of the call, such as ``f(``, and the arguments with their commas.
+    ``parts`` are the start of the call, such as ``f(``, and the arguments with their commas.
     """
     margin = " " * indent
     on_one_line = margin + " ".join(parts)
@@ -141,16 +155,16 @@ def literals(text: object, indent: int) -> str:
     """Return text as a string literal, or as several literals on separate lines if it is too long."""
     # 4 characters are the quotes, the space at the end of a literal, and the character after the last literal.
     lines = textwrap.wrap(ascii_text(text), COLUMNS - indent - 4, break_long_words=False, break_on_hyphens=False)
-    *other_lines, last_line = lines or [""]
-    literals_of_lines = [string(f"{line} ") for line in other_lines]
-    literals_of_lines.append(string(last_line))
-    return f"\n{' ' * indent}".join(literals_of_lines)
+    *first_lines, last_line = lines or [""]
+    string_literals = [string(f"{line} ") for line in first_lines]
+    string_literals.append(string(last_line))
+    return f"\n{' ' * indent}".join(string_literals)
 
 
 def mark_for_doxygen(text: str) -> str:
-    """Mark the comments of a header for Doxygen: comments above a declaration, and comments after one.
+    """Return a header in which the comments above and after declarations have the marks of Doxygen.
 
-    A comment that becomes too long for the end of its line moves above it.
+    A comment that becomes too long for the end of its line moves above the line.
     """
     lines: list[str] = []
     in_body = False
@@ -163,17 +177,17 @@ def mark_for_doxygen(text: str) -> str:
             # The first comment describes the file.
             lines.append("/** @file")
         else:
-            lines += _mark_for_doxygen(line)
+            lines += _mark_line_for_doxygen(line)
     return "".join(f"{line}\n" for line in lines)
 
 
-def _mark_for_doxygen(line: str) -> Iterator[str]:
-    """Yield a line with the mark of Doxygen in its comment, if it has one: ``/**`` before it, or ``/**<`` at its end.
+def _mark_line_for_doxygen(line: str) -> Iterator[str]:
+    """Yield a line whose comment has the mark of Doxygen: ``/**`` if it begins the line, ``/**<`` if it ends it.
 
     A comment that gets too long at the end goes above the line, as ``/**``.
     """
     if _COMMENT_OPENING.match(line):
-        yield from _one_or_more(line.replace("/*", "/**", 1))
+        yield from _fit_doxygen_comment(line.replace("/*", "/**", 1))
         return
     marked = _AT_END.sub(r"\1 /**< ", line)
     if marked == line or len(marked) <= COLUMNS:
@@ -181,12 +195,12 @@ def _mark_for_doxygen(line: str) -> Iterator[str]:
         return
     code, _, note = line.rpartition(" /* ")
     margin = " " * (len(code) - len(code.lstrip()))
-    yield from _one_or_more(f"{margin}/** {note}")
+    yield from _fit_doxygen_comment(f"{margin}/** {note}")
     yield code.rstrip()
 
 
-def _one_or_more(line: str) -> Iterator[str]:
-    """Yield a comment on one line, or as a block if the mark for Doxygen makes it too long."""
+def _fit_doxygen_comment(line: str) -> Iterator[str]:
+    """Yield a Doxygen comment on one line, or as three lines if one is too long."""
     if len(line) <= COLUMNS:
         yield line
         return
@@ -197,12 +211,12 @@ def _one_or_more(line: str) -> Iterator[str]:
 
 
 def break_lines(text: str) -> str:
-    """Break the long lines of a file, except comments, macros and initialisers, which stay unchanged."""
+    """Return a C file with its long lines broken, except comments, macros and initializers, which stay unchanged."""
     lines: list[str] = []
     in_comment = False
     for line in text.splitlines():
         in_comment = in_comment or line.lstrip().startswith("/*")
-        # Initialisers end in "};", and the lines of a macro in a backslash.
+        # Initializers end in "};", and the lines of a macro in a backslash.
         if in_comment or len(line) <= COLUMNS or line.endswith(("};", "\\")):
             lines.append(line)
         else:
@@ -213,10 +227,10 @@ def break_lines(text: str) -> str:
 
 
 def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
-    """Yield a long line of code as several, with the comment at its end, as in ``x = y; /* why */``, above them.
+    """Yield a long line of code as several lines. A comment at its end, as in ``x = y; /* why */``, goes above them.
 
-    Lines that are only comments are not passed to this function. The parameters of a function's head are on the next
-    line.
+    The parameters in the head of a function go to the next line. ``continues_previous`` is True if the line already
+    continues another one, so that its further lines need no more indentation.
     """
     code, mark, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
     margin = " " * (len(code) - len(code.lstrip()))
@@ -234,10 +248,11 @@ def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
 
 
 def _broken_code(c_code: str, margin: str, further_margin: str) -> Sequence[str]:
-    """Break code after a question mark or an assignment if that is enough, else between conditions or anywhere.
+    """Return a long statement as several lines, broken at the first kind of place that makes all lines short enough.
 
-    ``further_margin`` begins all lines but the first. A question mark inside two or more brackets does not count. If
-    parts are joined by ``|``, neither a question mark nor an assignment counts.
+    The kinds are after a question mark or an assignment, between conditions, and anywhere. The first kind does not
+    apply to code with ``|``, nor to a question mark inside two or more brackets. ``further_margin`` begins all lines
+    but the first.
     """
     # It has the length of the code, so that places in it are places in the code.
     without_strings = _STRING_LITERAL.sub(lambda string: "x" * len(string[0]), c_code)
@@ -251,18 +266,21 @@ def _broken_code(c_code: str, margin: str, further_margin: str) -> Sequence[str]
     two_lines = [margin + c_code[: second_start - 1], further_margin + c_code[second_start:]]
     if mark and " | " not in without_strings and _all_fit(two_lines):
         return two_lines
-    lines = _break_code(c_code, without_strings, margin, further_margin, _BREAKS_IN_CONDITIONS)
-    return lines if _all_fit(lines) else _break_code(c_code, without_strings, margin, further_margin, _BREAKS_ANYWHERE)
+    lines = _break_at(_BREAKS_IN_CONDITIONS, c_code, without_strings, margin, further_margin)
+    return lines if _all_fit(lines) else _break_at(_BREAKS_ANYWHERE, c_code, without_strings, margin, further_margin)
 
 
 def _all_fit(lines: Sequence[str]) -> bool:
     return max(map(len, lines)) <= COLUMNS
 
 
-def _break_code(
-    c_code: str, without_strings: str, margin: str, further_margin: str, breaks: re.Pattern[str]
+def _break_at(
+    breaks: re.Pattern[str], c_code: str, without_strings: str, margin: str, further_margin: str
 ) -> list[str]:
-    """Break code as late as possible at the spaces that ``breaks`` finds in ``without_strings``, which is as long."""
+    """Return code as lines, each broken as late as possible at a space that ``breaks`` finds.
+
+    The spaces are searched in ``without_strings``, the same code with other characters in its string literals.
+    """
     break_indices = [space.start() for space in breaks.finditer(without_strings)]
     lines: list[str] = []
     current_line = margin

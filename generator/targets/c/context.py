@@ -11,15 +11,16 @@ from ...plan.crcs import carriers
 from ...plan.frames import held_parameters
 from ...say.order_code import describe_timing as say_timing
 from .comments import HEADER_STYLE
-from .enumerations import AlternativeCode, Enumerations, Reports
+from .enumerations import AlternativeCode, Enumerations
 from .names import BY_VALUE, CCast, CExpression, ParameterSpelling, StructPassing, c_number, unsigned
+from .reports import Reports
 
 
 class HeaderContext:
-    """The values that all parts of the headers of an interface share. The class imports no part, and its values never
-    change.
+    """The values that all parts of the headers of one interface share, such as the prefix of the names.
 
-    The device has only this interface. ``prefix`` begins every name, and is the type of the order codes.
+    ``device`` must have only this interface. ``prefix`` begins every name, and is also the name of the type that holds
+    an order code (the variant). The values never change.
     """
 
     def __init__(self, device: Device, passing: StructPassing = BY_VALUE) -> None:
@@ -31,6 +32,7 @@ class HeaderContext:
         self.stem = f"{device.name}_{self.interface.name}"
         self.prefix = f"{device.manufacturer.name}_{self.stem}"
         self.PREFIX = self.prefix.upper()
+        #: The questions that the manual leaves open, which users must answer, since there is no default.
         open_questions = (alternative for alternative in device.alternatives if not alternative.default)
         self.alternatives = tuple(AlternativeCode(device, self.prefix, question) for question in open_questions)
         argument_by_parameter: dict[str, str] = {}
@@ -45,15 +47,16 @@ class HeaderContext:
         self.reports = Reports(device, self.prefix, self.choices, self.scope)
 
     def crc_name(self, crc: Crc, carried_as: str) -> str:
-        """Return the name of the function of a CRC over bits or bytes.
+        """Return the name of the function that computes a CRC over ``bits`` or over ``bytes`` (``carried_as``).
 
-        A CRC needed for both bits and bytes has two functions.
+        If frames need the CRC over both, there are two functions, and the one over bits ends in ``_bits``.
         """
         is_second_function = carried_as == "bits" and len(carriers(self.device, crc)) > 1
         ending = "_bits" if is_second_function else ""
         return f"{self.prefix}_crc_{crc.name}{ending}"
 
     def length_macro(self, layout: Layout) -> str:
+        """Return the macro for the number of bytes in a frame."""
         return f"{self.PREFIX}_{layout.name}_LENGTH".upper()
 
     def limit(
@@ -64,10 +67,10 @@ class HeaderContext:
         limit: Expression,
         variant: str = "variant",
     ) -> str:
-        """Return a limit of a register, or of one of its meanings: a macro if it is the same for all order codes.
+        """Return the C expression of a limit of a register: a macro if the limit is the same for all order codes.
 
-        Otherwise it is a call of a function, such as ``acme_x_reg_preset_max(variant)``. ``side`` is ``min`` or
-        ``max``.
+        Otherwise it is a call such as ``acme_x_reg_preset_max(variant)``. ``side`` is ``min`` or ``max``. A ``meaning``
+        is one of several uses of the register, with its own limits, and None stands for the register itself.
         """
         stem = f"{self.prefix}_reg_{register.name}"
         name = f"{stem}_{side}" if meaning is None else f"{stem}_{meaning.name}_{side}"
@@ -79,10 +82,13 @@ class HeaderContext:
 
 
 def _largest_values(device: Device) -> dict[str, int]:
-    """Return the highest value of each parameter that an order code sets, also while a register holds it."""
+    """Return the highest value of each parameter that order codes set.
+
+    If a register of the encoder can change the parameter, the highest value that the register can have counts, too.
+    """
     largest = {parameter.name: parameter.largest for parameter in device.set_parameters}
-    for group in held_parameters(device):
-        for held_parameter in group.parameters:
+    for holding_register in held_parameters(device):
+        for held_parameter in holding_register.parameters:
             name = held_parameter.parameter.name
             if name in largest:
                 largest[name] = max(largest[name], held_parameter.highest_value)
@@ -101,9 +107,9 @@ class CFunction:
 
 
 def number_function(scope: ParameterSpelling, name: str, expression: Expression, largest: int, about: str) -> CFunction:
-    """Build a function for numbers up to ``largest``, in 32 bits if they and all intermediate results fit.
+    """Return the function for an expression whose values are at most ``largest``.
 
-    ``about`` is the comment on the function.
+    It has 32 bits if the values and all intermediate results fit, and otherwise 64. ``about`` is the comment on it.
     """
     # A product is computed before a negative constant is subtracted from it, so it is larger than the result.
     has_product = any(term.is_product for term in expression.terms)
@@ -117,7 +123,7 @@ def number_function(scope: ParameterSpelling, name: str, expression: Expression,
 
 
 def wide_number_function(scope: ParameterSpelling, name: str, expression: Expression, about: str) -> CFunction:
-    """Build a function for numbers of 64 bits."""
+    """Return the function for an expression, with a result of 64 bits. ``about`` is the comment on it."""
     value = scope.expression_of(expression)
     # A power of two is computed in 64 bits, and so is what follows it.
     has_64_bits = bool(expression.terms) and expression.terms[0].is_power
@@ -128,15 +134,17 @@ def wide_number_function(scope: ParameterSpelling, name: str, expression: Expres
 
 @dataclass(frozen=True, slots=True)
 class CMacro:
+    """A macro with its value. ``note`` is the comment at the end of its line, empty if it needs none."""
+
     name: str
     value: str
     note: str = ""
 
 
 def timing_macros(timing: Timing, stem: str) -> Iterator[CMacro]:
-    """Yield the bounds of a time in microseconds, such as ``ACME_X_STARTUP_AT_MOST_US``.
+    """Yield a macro for each bound of a time that the manual gives, in microseconds: ``ACME_X_STARTUP_AT_MOST_US``.
 
-    The comment on the first describes all of them, and the other comments refer to it.
+    The comment on the first macro describes the time, and the comments on the others refer to it.
     """
     note = HEADER_STYLE.sentence(say_timing(timing))
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
@@ -147,7 +155,10 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[CMacro]:
 
 
 def scale_macros(layout: Layout, stem: str) -> Iterator[CMacro]:
-    """Yield the numbers of each scale. The numbers have 64 bits, so that no product overflows."""
+    """Yield the macros that convert fields with a scale to their unit, such as a temperature to degrees.
+
+    Their values have 64 bits, so that no product overflows.
+    """
     for field in layout.fields:
         scale = field.scale
         name = f"{stem}_{field.name}".upper()

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...model import Crc
 from ...model.record import dataclass
 from ...plan.crcs import CoveredData, CrcFunction, CrcMethod, byte_table, carrier_of, reflect, word_table
+from ...plan.operations import FrameCrc
 from .about import about_crc
 from .codec import StructCodec
 from .comments import Paragraph
@@ -17,9 +18,10 @@ from .structs import covers_32_bits
 
 @dataclass(frozen=True)
 class CrcCode:
-    """The function of a CRC over bits or bytes. ``byte_table`` holds the remainder of each byte, if there is a table.
+    """The general function for a CRC over bits or bytes. ``table`` contains the remainder of each byte, or is empty.
 
-    The function exists only if a frame calls it. Frames that are one number mostly have a CRC function of their own.
+    The function exists only if a frame calls it (``is_called``). Most frames that are one number have a CRC function of
+    their own, which may still use the table.
     """
 
     name: str
@@ -53,28 +55,31 @@ class CrcCode:
         return self.function.form is CrcMethod.FOLD
 
     @property
-    def by_bits(self) -> bool:
+    def can_be_bitwise(self) -> bool:
+        """True if the function uses a table, which a macro can replace by a computation bit by bit."""
         return self.function.form is CrcMethod.TABLE
 
     @property
     def is_reflected(self) -> bool:
-        """True if the table is for a shift register with its bits in reverse order."""
-        return self.by_bits and self.in_bytes and self.crc.refin
+        """True if the table is for a CRC register with its bits in reverse order."""
+        return self.can_be_bitwise and self.in_bytes and self.crc.refin
 
     @property
     def table_init(self) -> int:
+        """The initial value of the CRC register, in the bit order of the table."""
         return reflect(self.crc.init, self.crc.width) if self.is_reflected else self.crc.init
 
     @property
-    def is_turned(self) -> bool:
-        """True if that register must be reversed at the end."""
+    def is_reversed_at_end(self) -> bool:
+        """True if the bits of the CRC register must be reversed at the end."""
         return self.crc.refout != self.is_reflected
 
 
 def crc_code(context: HeaderContext, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
-    """Return the function of a CRC. It has a table only if its form needs one and a codec uses it.
+    """Return the general function for a CRC, with its table if it has one.
 
-    A codec with a CRC for words does not call the function, and uses only the table.
+    The table is left out if no frame or register uses it. A frame with its own CRC function for words does not call
+    the general function, and only uses its table.
     """
     users = [codec for codec in codecs if _uses_function(codec, function)]
     return CrcCode(
@@ -83,28 +88,32 @@ def crc_code(context: HeaderContext, function: CrcFunction, codecs: Sequence[Str
         about=tuple(about_crc(context.device, function)),
         table=_table_entries(function) if users else (),
         is_called=any(codec.word_crc is None for codec in users),
-        data_type=_data_type(function, users),
+        data_type=_type_of_covered_bits(function, users),
     )
 
 
-def _data_type(function: CrcFunction, users: Sequence[StructCodec]) -> str:
-    """Return the type of the bits that a CRC covers in these frames: 32 bits if they are enough for all of them."""
-    crcs = [frame_crc for codec in users for frame_crc in codec.plan.crcs if frame_crc.crc == function.crc]
+def _type_of_covered_bits(function: CrcFunction, users: Sequence[StructCodec]) -> str:
+    """Return the type of the bits that a CRC covers: ``uint32_t`` if 32 bits are enough for all frames."""
+    crcs: list[FrameCrc] = []
+    for codec in users:
+        crcs += [frame_crc for frame_crc in codec.plan.crcs if frame_crc.crc == function.crc]
     return "uint32_t" if all(map(covers_32_bits, crcs)) else "uint64_t"
 
 
 def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
-    """Return whether a codec uses this function or its table. Bits in bytes have their own functions, ``bits_crcs``."""
+    """Return True if the code of a frame uses this CRC function or its table.
+
+    A frame of bits that arrives in bytes has a CRC function of its own (``bits_crcs``).
+    """
     has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
-    if not has_crc or codec.bits_crcs:
-        return False
-    return carrier_of(codec.struct.layout) is function.carrier
+    has_own_function = bool(codec.bits_crcs)
+    return has_crc and not has_own_function and carrier_of(codec.struct.layout) is function.carrier
 
 
 def _table_entries(function: CrcFunction) -> tuple[int, ...]:
-    """Return the entries of the table of a CRC, if it has one.
+    """Return the entries of the table of a CRC, one for each byte, or nothing if its function needs no table.
 
-    A folded CRC has a table only for frames that are words.
+    A CRC in straight-line code (``FOLD``) has a table only for frames that are words.
     """
     crc = function.crc
     if function.form is CrcMethod.TABLE:

@@ -16,11 +16,14 @@ from .comments import Paragraph
 
 @dataclass(frozen=True, slots=True)
 class FoldWide:
-    """A step in 64 bits from ``source`` to ``wide``. ``again`` is True if ``wide`` is already declared."""
+    """A step in 64 bits, from the C expression ``source`` to the variable ``wide``.
+
+    ``is_declared`` is True if an earlier step has declared the variable.
+    """
 
     step: FoldStep
     source: str
-    again: bool
+    is_declared: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,10 +43,10 @@ class Fold:
 
 @dataclass(frozen=True, slots=True)
 class Narrow:
-    """The assignment of ``source``, which fits in 32 bits, to ``v``. ``last`` is True if it is the CRC."""
+    """The assignment of ``source``, which fits in 32 bits, to ``v``. ``is_last`` is True if the value is the CRC."""
 
     source: str
-    last: bool
+    is_last: bool
 
 
 FoldOperation = FoldWide | FoldHalves | Fold | Narrow
@@ -69,28 +72,29 @@ def fold_operations(steps: Sequence[FoldStep], bits: int, source: str) -> Iterat
         if source == "v":
             yield Fold(step)
         elif bits_left > 32 or moved_bits > 32:
-            yield FoldWide(step, source, again=source == "wide")
+            yield FoldWide(step, source, is_declared=source == "wide")
             source = "wide"
         elif bits <= 32:
-            yield from (Narrow(source, last=False), Fold(step))
+            yield from (Narrow(source, is_last=False), Fold(step))
             source = "v"
         else:
             yield FoldHalves(step, source)
             source = "v"
         bits = bits_left
     if source != "v":
-        yield Narrow(source, last=True)
+        yield Narrow(source, is_last=True)
 
 
 @dataclass(frozen=True, slots=True)
-class HalfByte:
-    """A byte of a word in one of its halves, ``low`` or ``high``, which small processors access faster.
+class ByteInHalf:
+    """A byte of a 64-bit word, as a byte of one of its 32-bit halves, which small processors access faster.
 
-    ``left`` is the position of its lowest bit in the half.
+    ``half`` is the C variable of the half, ``low`` or ``high``. ``shift`` is the position of the byte's lowest bit in
+    it.
     """
 
     half: str
-    left: int
+    shift: int
 
 
 @dataclass(frozen=True)
@@ -106,7 +110,11 @@ class BitsCrc:
 
 @dataclass(frozen=True)
 class WordCrc:
-    """The function that computes the CRC of a whole word. ``function`` is the function for any number of bits."""
+    """The function ``name`` that computes the CRC of a whole word of ``bits`` bits.
+
+    ``function`` is the general function for this CRC, whose table is also used here. ``folds`` are the operations that
+    reduce the word without a table, empty if there are none.
+    """
 
     name: str
     function: str
@@ -116,43 +124,46 @@ class WordCrc:
     about: tuple[Paragraph, ...]
 
     @property
-    def at_once(self) -> int:
-        """The number of bytes that initially fill the register."""
-        return min(max(self.crc.width // 8, 1), self._register_bytes)
+    def number_of_initial_bytes(self) -> int:
+        """The number of bytes that initially fill the CRC register."""
+        bytes_of_crc = max(self.crc.width // 8, 1)
+        return min(bytes_of_crc, self._bytes_of_word)
 
     @property
-    def one_by_one(self) -> tuple[HalfByte, ...]:
-        """The bytes after them, in the order received, for the table."""
-        places = range(self._register_bytes - self.at_once - 1, -1, -1)
-        return tuple(_locate_half_byte(place) for place in places)
+    def table_bytes(self) -> tuple[ByteInHalf, ...]:
+        """The bytes after the initial ones, in the order received. The function looks each of them up in the table."""
+        number_of_table_bytes = self._bytes_of_word - self.number_of_initial_bytes
+        return tuple(map(_byte_in_half, reversed(range(number_of_table_bytes))))
 
     @property
-    def first(self) -> HalfByte:
-        return _locate_half_byte(self._register_bytes - 1)
+    def first_byte(self) -> ByteInHalf:
+        """The byte received first, which is the highest of the word."""
+        return _byte_in_half(self._bytes_of_word - 1)
 
     @property
-    def needs_high(self) -> bool:
+    def uses_high_half(self) -> bool:
         """True if the function takes a single byte from the upper half of the word.
 
         A CRC of more than 8 bits takes its first bytes from the whole word instead.
         """
-        byte_halves = [byte.half for byte in self.one_by_one]
+        single_bytes = list(self.table_bytes)
         if self.crc.width <= 8:
-            byte_halves.append(self.first.half)
-        return "high" in byte_halves
+            single_bytes.append(self.first_byte)
+        return any(byte.half == "high" for byte in single_bytes)
 
     @property
     def last_steps(self) -> tuple[FoldStep, ...]:
-        """The steps that reduce a byte to a CRC of fewer bits, none for a CRC of at least 8 bits."""
+        """The steps that reduce the last 8 bits to a CRC of fewer bits, none for a CRC of at least 8 bits."""
         return fold_plan(self.crc.width, self.crc.poly, 8) if self.crc.width < 8 else ()
 
     @property
-    def _register_bytes(self) -> int:
+    def _bytes_of_word(self) -> int:
+        # Bits to bytes, rounded up.
         return (self.bits + 7) // 8
 
 
-def _locate_half_byte(byte_index: int) -> HalfByte:
+def _byte_in_half(byte_index: int) -> ByteInHalf:
     """Return a byte of a word, counted from its lowest one. Bytes 0 to 3 are in ``low``, the others in ``high``."""
     if byte_index > 3:
-        return HalfByte("high", left=8 * (byte_index - 4))
-    return HalfByte("low", left=8 * byte_index)
+        return ByteInHalf("high", shift=8 * (byte_index - 4))
+    return ByteInHalf("low", shift=8 * byte_index)

@@ -1,4 +1,4 @@
-"""The declarations in the text of a C header: where each begins and ends, what it declares, and what it needs."""
+"""The declarations in the text of a C header: where each begins and ends, and which names it declares and uses."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ _OPENS_C, _CLOSES_C = 'extern "C" {\n#endif\n', "#ifdef __cplusplus\n}\n#endif\n
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """A function, a type, a constant or a macro, or a comment or the title of a section, which declare nothing.
+    """A function, type, constant or macro in a header, with the comment above it.
 
-    ``comment`` is the comment above it.
+    A comment alone and the title of a section are declarations without code.
     """
 
     comment: str
@@ -32,10 +32,12 @@ class Declaration:
 
     @property
     def text(self) -> str:
+        """The comment and the code."""
         return self.comment + self.code
 
     @property
     def is_title(self) -> bool:
+        """True if it is the title of a section."""
         return self.comment.startswith("/* -- ")
 
     @property
@@ -47,7 +49,8 @@ class Declaration:
     def names(self) -> tuple[str, ...]:
         """The names that it declares.
 
-        A condition such as ``#ifdef`` declares those inside it, an enumeration its type and its constants.
+        For a condition such as ``#ifdef``, these are the names declared inside it. For an enumeration, they are its
+        type and its constants.
         """
         code = self.plain_code
         if code.startswith("#if"):
@@ -83,10 +86,12 @@ class Declaration:
 
     @property
     def is_function(self) -> bool:
+        """True if it is a function."""
         return self.code.rstrip().endswith("\n}")
 
     @property
     def has_macro(self) -> bool:
+        """True if it is one or more macros."""
         return self.code.startswith("#define")
 
 
@@ -99,8 +104,8 @@ def declarations_in(header: str) -> list[Declaration]:
 def _parse_declarations(lines: Sequence[str]) -> Iterator[Declaration]:
     """Yield the declarations in these lines, each with the comment directly above it.
 
-    A comment with a blank line or another comment below it is an item of its own, without code. A comment in the last
-    line is left out.
+    A comment with a blank line or another comment below it is a declaration without code. A comment that ends the lines
+    is left out.
     """
     comment = ""
     index = 0
@@ -133,7 +138,7 @@ def _end_of_comment(lines: Sequence[str], start: int) -> int:
 def _end_of_code(lines: Sequence[str], start: int) -> int:
     """Return the index after the last line of a declaration that begins at ``start``.
 
-    Outside braces, it is the first line that ends in a semicolon or is a closing brace.
+    The last line is the first one outside braces that ends in a semicolon, or the closing brace.
     """
     if lines[start].startswith("#define"):
         return _end_of_macro(lines, start)
@@ -150,7 +155,7 @@ def _end_of_code(lines: Sequence[str], start: int) -> int:
 
 
 def _end_of_macro(lines: Sequence[str], start: int) -> int:
-    """Return the index after the last line of a macro that begins at ``start``: the first line without a backslash."""
+    """Return the index after the last line of a macro that begins at ``start``, which does not end in a backslash."""
     end = start
     while lines[end].endswith("\\\n"):
         end += 1
@@ -170,16 +175,20 @@ def _end_of_condition(lines: Sequence[str], start: int) -> int:
 
 @dataclasses.dataclass(slots=True)
 class _OpenCondition:
-    """A condition of the preprocessor that has not ended: whether a setting decides it, and whether its lines stay."""
+    """A condition of the preprocessor whose ``#endif`` has not been read yet.
+
+    ``is_on_setting`` is True if it tests a setting, and ``keeps_lines`` if the lines read now are kept.
+    """
 
     is_on_setting: bool
     keeps_lines: bool
 
 
 def without_settings(text: str, settings: Collection[str]) -> str:
-    """Return a text in which no macro of ``settings`` is defined, so that its conditions on them are gone.
+    """Return the text as the preprocessor would leave it if no macro of ``settings`` is defined.
 
-    Lines between ``#ifndef`` and ``#else`` or ``#endif`` stay, and so do lines after the ``#else`` of an ``#ifdef``.
+    Only conditions on these macros are resolved. Lines between ``#ifndef`` and ``#else`` or ``#endif`` stay, and so do
+    lines after the ``#else`` of an ``#ifdef``.
     """
     kept_lines: list[str] = []
     conditions: list[_OpenCondition] = []
@@ -202,7 +211,10 @@ def without_settings(text: str, settings: Collection[str]) -> str:
 
 
 def declarations_needed_by(roots: Iterable[str], declarations: Sequence[Declaration]) -> list[Declaration]:
-    """Return the declarations that ``roots`` name, those that they need, and the titles above them, in their order."""
+    """Return the declarations of the names ``roots``, and all declarations that these use, in their order.
+
+    The titles of their sections are included. Names that no declaration has are ignored.
+    """
     declaration_by_name: dict[str, Declaration] = {}
     for declaration in declarations:
         declaration_by_name |= dict.fromkeys(declaration.names, declaration)
@@ -231,4 +243,5 @@ def _select_titled(declarations: Iterable[Declaration], needed_names: Set[str]) 
 
 
 def names_of(declarations: Iterable[Declaration]) -> set[str]:
+    """Return all names that these declarations declare."""
     return set(chain.from_iterable(declaration.names for declaration in declarations))

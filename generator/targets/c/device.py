@@ -26,10 +26,11 @@ from .chosen import chosen_variant
 from .code_facts import CodeFacts
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
-from .context import HeaderContext, timing_macros
+from .context import CMacro, HeaderContext, timing_macros
 from .crc_code import CrcCode, crc_code
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import BY_VALUE, DeclaredName, HeaderNames, StructPassing, c_name, errata_page_name
+from .name_clashes import HeaderNames
+from .names import BY_VALUE, DeclaredName, StructPassing, c_name, errata_page_name
 from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
 from .reading import ReadCode
@@ -46,10 +47,11 @@ class _Declaring(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """The names for reading a position: the frame, its verdict function, the member, and the request for the frame.
+    """The names in the example at the top of the header, which reads a position.
 
-    The request is a macro, or a separate frame, ``request_for_reply``. ``reads_twice`` is true if no CRC protects the
-    frame, so that two frames must agree.
+    ``frame`` is the frame with the position, ``verdict`` the function that returns its verdict, and ``member`` the
+    member with the position. ``request`` is the macro that requests the frame, or else ``request_for_reply`` is the
+    frame that does. ``reads_twice`` is True if no CRC protects the frame, so that two frames must agree.
     """
 
     frame: StructCodec
@@ -62,7 +64,7 @@ class Usage:
 
 @dataclass(frozen=True, slots=True)
 class HeaderPart:
-    """A header that only some users of an interface need. ``includes`` lists the headers that it needs itself."""
+    """A further header of an interface, which only some users need. ``includes`` lists the headers that it includes."""
 
     name: str
     file: str
@@ -115,11 +117,14 @@ class DeviceView:
         self.procedures = [self._build_procedure(procedure, codes) for procedure in device.procedures]
         self.alarms = [AlarmCode(context, alarm) for alarm in device.alarms]
         repeated_times = repeated_names(device.timings)
-        common_times = [timing for timing in device.timings if timing.name not in repeated_times]
-        self.timings = list(chain.from_iterable(timing_macros(timing, self.PREFIX) for timing in common_times))
+        #: The macros for times that are the same for all order codes.
+        self.timings: list[CMacro] = []
+        for timing in device.timings:
+            if timing.name not in repeated_times:
+                self.timings += timing_macros(timing, self.PREFIX)
 
     def _crc_codes(self) -> Iterator[CrcCode]:
-        """Yield the CRCs whose function is called or whose table is used."""
+        """Yield the CRCs of which frames or registers use the function or the table."""
         codecs = list(self.interface.codecs)
         codecs += [register.codec for register in self.registers if register.codec is not None]
         for function in crc_functions(self.device):
@@ -129,19 +134,21 @@ class DeviceView:
 
     @property
     def variant(self) -> str:
-        """The parameter of functions that receive an order code."""
+        """The declaration of the parameter for an order code."""
         return self.parameter(self.prefix, "variant")
 
     def _build_register(self, register: Register) -> RegisterCode:
+        """Return the code of a register. An error gets the path of the register."""
         return _with_path_in_errors(partial(RegisterCode, self.context, register), "registers", register.name)
 
     def _build_procedure(self, procedure: Procedure, codes: Mapping[str, RegisterCode]) -> ProcedureCode:
+        """Return the code of a procedure. An error gets the path of the procedure. ``codes`` are the registers."""
         build = partial(ProcedureCode, self.context, codes, self.read_state, procedure)
         return _with_path_in_errors(build, "procedures", procedure.name)
 
     @property
     def order_code_kind(self) -> str:
-        """Name of its order codes in a sentence, which says whether they are on a label."""
+        """The name of its order codes in a sentence, which says whether they are on a label."""
         return "made-up order code" if self.device.order_code.not_on_label else "order code from the label"
 
     @property
@@ -151,7 +158,7 @@ class DeviceView:
 
     @property
     def parts(self) -> list[HeaderPart]:
-        """The other headers. Each includes the first header, and its other dependencies."""
+        """The further headers. Each includes the first header, and the other headers that it needs."""
         first_header = self.header
         encoder_header = "codewheel/encoder.h"
         transport_header = "codewheel/transport.h"
@@ -159,22 +166,19 @@ class DeviceView:
         registers_header = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else first_header
         parts = [self._build_part("labels", "find the order code that a label shows", encoder_header, first_header)]
         if self.reports.all or self.alarms or self.timings:
-            parts.append(
-                self._build_part(
-                    "reports", "texts that describe reports, alarms and times", encoder_header, first_header
-                )
-            )
+            about = "texts that describe reports, alarms and times"
+            parts.append(self._build_part("reports", about, encoder_header, first_header))
         if self.registers:
             about = "registers, and identification of encoders"
-            parts.append(
-                self._build_part("registers", about, encoder_header, transport_header, first_header, *label_headers)
-            )
+            included_headers = (encoder_header, transport_header, first_header, *label_headers)
+            parts.append(self._build_part("registers", about, *included_headers))
         if self.procedures:
             parts.append(self._build_part("procedures", "procedures, step by step", transport_header, registers_header))
         parts.append(self._build_part("simulate", "the encoder's side, for simulators and tests", first_header))
         return parts
 
     def _build_part(self, name: str, about: str, *includes: str) -> HeaderPart:
+        """Return a further header, such as ``x_biss_labels.h`` for the name ``labels``."""
         return HeaderPart(name=name, file=f"{self.stem}_{name}.h", about=about, includes=includes)
 
     @property
@@ -194,6 +198,7 @@ class DeviceView:
 
     @cached_property
     def names(self) -> HeaderNames:
+        """All names in the headers, and the clashes between them."""
         return HeaderNames(self._yield_declared())
 
     def _yield_declared(self) -> Iterator[DeclaredName]:
@@ -231,6 +236,7 @@ class DeviceView:
 
     @property
     def manual(self) -> str:
+        """The title, revision, date and language of the manual."""
         return manual_title(self.device)
 
     @property
@@ -245,36 +251,36 @@ class DeviceView:
 
     @property
     def version_and_hash(self) -> str:
-        """The version of the runtime, and the spec with its hash, from which a header was generated."""
+        """The version of the runtime, and the name and the hash of the spec from which the headers are generated."""
         major, minor = runtime_version()
         device = self.device
         return f"Runtime {major}.{minor}. Spec {device.name}, hash of its content {device.content_hash}."
 
     @property
     def evidence(self) -> list[Paragraph]:
-        """Grade of the evidence."""
+        """The sentence on how well the spec is supported by documents (its grade)."""
         return [HEADER_STYLE.sentence(describe_grade(self.device))]
 
     @property
     def origin(self) -> list[Paragraph]:
-        """Statements about the family that are not in its manual. Most families have none."""
+        """The sentences on where the spec comes from and how it differs from the manual. Most families have none."""
         where = f"in {self.errata_page}"
         statements = (*origin(self.device), *other_editions(self.device, where), *removals(self.device))
         return [HEADER_STYLE.sentence(statement) for statement in statements]
 
     def documents(self, text: str) -> list[Paragraph]:
-        """Return the other documents that ``text`` cites."""
+        """Return a line with title and address for each document other than the manual that ``text`` cites."""
         cited_documents = (document for document in self.device.documents if _has_source_with_key(text, document.key))
         return [(f"  {document.key}: ", _title_and_url(document)) for document in cited_documents]
 
     @property
     def takes_spi_words(self) -> bool:
-        """True if words come from the bytes of SPI as they are."""
+        """True if the bytes that SPI receives are the word itself, so that no start bit must be found."""
         return any(codec.receiver == "cw_spi_load" for codec in self.interface.codecs)
 
     @property
     def received_codec(self) -> StructCodec:
-        """The first frame whose lengths the header has.
+        """The first frame whose length has macros in the header.
 
         Raises:
             LookupError: There is no such frame.
@@ -283,9 +289,10 @@ class DeviceView:
         return first_or_raise(codecs, f"frame received over {self.context.interface.title}")
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:
-        """Return the call for the counts after which the position wraps around, or ``0U`` if it may never wrap around.
+        """Return the call of the function for the counts after which the position wraps around.
 
-        ``encoder`` is the argument for the order code. Without a frame, the first range that wraps counts.
+        The result is ``0U`` if the position of the frame never wraps around. ``encoder`` is the argument for the order
+        code. Without a frame, the result is for the first range of positions that wraps around.
         """
         ranges = self.positions.ranges if self.positions is not None else ()
         if layout is not None:
@@ -297,7 +304,10 @@ class DeviceView:
 
     @property
     def usage(self) -> Usage | None:
-        """The example at the top of the header: the encoder's first frame with a verdict and the position, or None."""
+        """The example at the top of the header, or None if there is no frame for it.
+
+        It reads the first frame from the encoder that has the position and a verdict.
+        """
         position_name = self.device.position_name(self.context.interface.name)
         for codec in self.interface.codecs:
             layout = codec.struct.layout
@@ -314,20 +324,22 @@ class DeviceView:
         return None
 
     def _is_read_twice(self, codec: StructCodec, member: str) -> bool:
-        """Return True if no CRC protects a position over SSI, and it is never negative, so that two words can agree."""
+        """Return True if a position over SSI must be read twice, because no CRC protects it.
+
+        Two words can be compared only if the position is never negative.
+        """
         meanings = (part.meaning for part in codec.plan.parts if part.field.name == member)
         is_signed = any(isinstance(meaning, TwosComplement) for meaning in meanings)
-        is_unprotected = (
-            bool(codec.position_member) and isinstance(self.context.interface, Ssi) and not codec.plan.only_crc
-        )
-        return is_unprotected and not is_signed
+        is_over_ssi = isinstance(self.context.interface, Ssi)
+        return bool(codec.position_member) and is_over_ssi and not codec.plan.only_crc and not is_signed
 
     def errata(self, *paths: str) -> list[Paragraph]:
+        """Return a sentence for each erratum that affects one of these parts of the spec."""
         return [HEADER_STYLE.sentence(describe_erratum(correction)) for correction in errata(self.device, *paths)]
 
 
 def _bank_selectors_first(device: Device) -> list[Register]:
-    """Return the registers, those first that select a bank, since functions of registers in the bank use them."""
+    """Return the registers. Those that select a bank come first, since functions for other registers use them."""
     selector_names = {device.bank_selector(register) for register in device.registers}
     return sorted(device.registers, key=lambda register: register.name not in selector_names)
 
@@ -339,10 +351,12 @@ def _has_source_with_key(text: str, key: str) -> bool:
 
 
 def _title_and_url(document: Document) -> str:
+    """Return the title of a document, with its address if it has one."""
     return f"{document.title} - {document.url}" if document.url else document.title
 
 
 def _is_range_of(functions: RangeFunctions, layout: Layout) -> bool:
+    """Return True if these functions are for the positions in a frame."""
     return any(candidate.name == layout.name for candidate in functions.layouts)
 
 
@@ -356,7 +370,7 @@ def manual_title(device: Device) -> str:
 
 
 def views_of(device: Device, passing: StructPassing = BY_VALUE) -> Sequence[DeviceView]:
-    """Return the interfaces of a family, in the order of the spec. The last families are remembered.
+    """Return the view of each interface of a family, in the order of the spec. The last families are cached.
 
     Raises:
         TargetError: C cannot express an interface.
@@ -369,12 +383,12 @@ def views_of(device: Device, passing: StructPassing = BY_VALUE) -> Sequence[Devi
     return views
 
 
-#: Families are compared by identity, because comparing their members takes longer than making their views.
+#: Families are compared by identity, because comparing their members takes longer than building their views.
 _LATEST_VIEW: deque[tuple[Device, StructPassing, Sequence[DeviceView]]] = deque(maxlen=8)
 
 
 def _views_of(device: Device, passing: StructPassing) -> Iterator[DeviceView]:
-    """Yield each interface with only its own order codes, registers and parameters."""
+    """Yield the view of each interface, with only its own order codes, registers and parameters."""
     for interface in device.interfaces:
         codes = {variant.code for variant in device.variants_over(interface.name)}
         narrowed_device = for_codes(device, codes)
@@ -384,7 +398,7 @@ def _views_of(device: Device, passing: StructPassing) -> Iterator[DeviceView]:
 
 
 def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Parameter:
-    """Return a parameter, without its register if only another interface reaches the register.
+    """Return a parameter without the register that it is read from, if this interface cannot access that register.
 
     ``known_registers`` are the registers of this interface, and the empty name of a parameter without a register.
     """
@@ -392,7 +406,7 @@ def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Par
 
 
 def _with_path_in_errors(build: Callable[[], _Built], *path: str) -> _Built:
-    """Return the result of ``build``. An error from it gets this path in the spec, unless it already has a path."""
+    """Return the result of ``build``. A ``TargetError`` without a path gets this path in the spec."""
     try:
         return build()
     except TargetError as error:

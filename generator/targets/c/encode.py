@@ -47,9 +47,9 @@ from .structs import LayoutStruct
 
 
 class CEncoder:
-    """The checks of an encoder in order, and the expressions in it.
+    """The C code that encodes a struct: the checks of its members in order, and the expressions for the bits to send.
 
-    A word is the sum of terms, such as ``(uint64_t)in->position << 8``. A frame of bytes has one expression per byte.
+    A word is made of terms, such as ``(uint64_t)in->position << 8``. A frame of bytes has one expression per byte.
     """
 
     def __init__(self, struct: LayoutStruct, limits: Sequence[OutsideLimits]) -> None:
@@ -57,7 +57,7 @@ class CEncoder:
         self.plan = struct.plan
         self.reader = struct.reader
         possible_refusals = (*_with_powers_first(refusals(self.plan)), *limits)
-        #: The checks, in order: for a value too wide for its field, outside its limits, and the like.
+        #: The checks in order, each for a reason to reject a value, such as one that is too wide for its field.
         self.refusals = tuple(refusal for refusal in possible_refusals if not _never_applies(refusal))
         checks = self.plan.checks
         #: The names of parity bits, of fields with zeros above them, and of unused fields.
@@ -69,10 +69,10 @@ class CEncoder:
         """Return the member of the struct that is encoded, such as ``in->position``."""
         return CName(f"in->{c_name(field.name)}")
 
-    # -- values that are refused
+    # -- values that are rejected
 
     def number(self, field: Field) -> CExpression:
-        """Return a member as a number, with a cast if it is a flag or of an enumeration."""
+        """Return the member of a field as a number. A flag and an enumeration need a cast."""
         match meaning_of(field):
             case ActiveFlag():
                 needs_cast = True
@@ -83,20 +83,23 @@ class CEncoder:
         return CCast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
 
     def number_from_members(self, joined_number: JoinedNumber) -> CExpression:
-        """Return the number that the members of a join form, the first member in its highest bits."""
+        """Return the number that several members form (a join). The first member has its highest bits."""
         return self.reader.number_from_fields(joined_number, self._unsigned_bits_of_member)
 
-    def total(self, field: Field) -> CExpression:
-        """Return the number that a field's runs of digits form, such as ``(uint32_t)in->tens * 10U + in->ones``."""
+    def number_from_digits(self, field: Field) -> CExpression:
+        """Return the number that the members with decimal digits of a field form.
+
+        An example is ``(uint32_t)in->tens * 10U + in->ones``.
+        """
         # At least 32 bits, which C does not promote to a signed type.
-        type_of_total = unsigned(max(field.widest, 32))
+        type_of_number = unsigned(max(field.widest, 32))
         products: list[CExpression] = []
-        for run in field.runs:
-            run_member = CName(f"in->{c_name(run.name)}")
-            if run.divisor > 1:
-                products.append(COperation("*", (CCast(type_of_total, run_member), CNumber(run.divisor))))
+        for digit_run in field.runs:
+            member = CName(f"in->{c_name(digit_run.name)}")
+            if digit_run.divisor > 1:
+                products.append(COperation("*", (CCast(type_of_number, member), CNumber(digit_run.divisor))))
             else:
-                products.append(run_member)
+                products.append(member)
         return join_operands("+", tuple(products))
 
     # -- the word
@@ -108,9 +111,10 @@ class CEncoder:
 
     @property
     def word(self) -> tuple[CExpression, ...]:
-        """The terms of the word: constants, members, parity bits and unused bits. Terms that are always 0 are left out.
+        """The terms that are ORed to form the word: constants, members, parity bits and unused bits.
 
-        Parity bits over a number in Gray code are in ``parities_of_sent_bits``.
+        Terms that are always 0 are left out. So are parity bits that are computed after the conversion to Gray code,
+        which are in ``parities_of_sent_bits``.
         """
         terms: list[CExpression] = []
         for term in self.plan.terms:
@@ -123,7 +127,10 @@ class CEncoder:
 
     @property
     def parities_of_sent_bits(self) -> tuple[CExpression, ...]:
-        """The parity bits over a number in Gray code, which are added to the word after its conversion. Often none."""
+        """The parity bits over a number in Gray code, which are added to the word after its conversion.
+
+        Most frames have none.
+        """
         if not self.plan.parity_covers_converted:
             return ()
         return tuple(self._term_in_word(term) for term in self.plan.terms if isinstance(term.value, ParityOf))
@@ -147,7 +154,7 @@ class CEncoder:
     # -- values of terms, with their lowest bit at bit 0
 
     def _express_value(self, term: FieldToEncode) -> CExpression:
-        """Return the value of a term, with its lowest bit at bit 0: a literal, a parity, or the bits of a member."""
+        """Return the bits to send for a field, with the lowest one at bit 0: a constant, a parity, or a member."""
         match term.value:
             case ConstantNumber(number):
                 is_parity = term.field.name in self._parity_names
@@ -173,18 +180,15 @@ class CEncoder:
         return COperation("&", (bit, self.struct.scope.expression_of(width)))
 
     def _parity_of_members(self, parity: ParityOf) -> CExpression:
-        """Return the parity of the members that a parity bit covers, 1 for an odd number of ones.
+        """Return the parity of the members that a parity bit covers: 1 if they have an odd number of 1 bits.
 
-        An example is ``cw_parity((uint32_t)in->position)``. ``parity.mask`` contains the bits that count, or is 0 if
-        all do.
+        An example is ``cw_parity((uint32_t)in->position)``.
         """
         bits_and_widths = [(self._bits_of_member(field), field.widest) for field in parity.of]
-        # The reader casts several members to one type, and a wide one when it splits it into halves of 32 bits.
-        if len(bits_and_widths) == 1:
-            bits, width = bits_and_widths[0]
-            is_without_cast = width <= 32
-            if is_without_cast:
-                bits_and_widths = [(CCast("uint32_t", bits), width)]
+        # The reader itself casts several members to one type, and splits a wide member into halves of 32 bits.
+        is_one_short_member = len(bits_and_widths) == 1 and bits_and_widths[0][1] <= 32
+        if is_one_short_member:
+            bits_and_widths = [(CCast("uint32_t", bits), width) for bits, width in bits_and_widths]
         return self.reader.parity(bits_and_widths, parity.mask)
 
     def _unsigned_bits_of_member(self, field: Field) -> CExpression:
@@ -205,16 +209,16 @@ class CEncoder:
                 return self._bit_of_flag(field, low_is_active=low)
             case TwosComplement():
                 return COperation("&", (CCast("uint64_t", member), self.struct.scope.mask(field.width)))
-            case ZeroMeans(number):
-                stands_for_zero = COperation("==", (member, CNumber(number)))
-                return Conditional(stands_for_zero, CNumber(0), member)
+            case ZeroMeans(number_for_zero):
+                is_sent_as_zero = COperation("==", (member, CNumber(number_for_zero)))
+                return Conditional(is_sent_as_zero, CNumber(0), member)
             case UnsignedNumber() | NamedChoice() | DecimalDigits() | Latin1Text():
                 return member
             case meaning:
                 assert_never(meaning)
 
     def _bit_of_flag(self, field: Field, *, low_is_active: bool) -> CExpression:
-        """Return the bit of a flag, such as ``in->error ? 1U : 0U``."""
+        """Return the bit to send for a flag, such as ``in->error ? 1U : 0U``, or the inverse if it is active low."""
         flag = self.member_of(field)
         if not low_is_active:
             return Conditional(flag, CNumber(1), CNumber(0))
@@ -229,9 +233,9 @@ class CEncoder:
 
     @property
     def bytes(self) -> Iterator[tuple[int, CExpression]]:
-        """The index and the value of each byte, such as ``(0, (uint8_t)(0x80U | in->address))``.
+        """The index and the value of each byte to send, such as ``(0, (uint8_t)(0x80U | in->address))``.
 
-        Bytes of a CRC over whole bytes are left out, since the encoder computes them afterwards.
+        The bytes of a CRC over whole bytes are left out, since the encoder computes them afterwards.
         """
         expressions = self._variable_bits_by_byte()
         crc_bytes = self._crc_bytes()
@@ -240,7 +244,7 @@ class CEncoder:
                 constants = [CNumber(constant, hexadecimal=True)] if constant else []
                 yield byte, _as_byte(join_operands("|", (*constants, *expressions[byte])))
             elif byte not in crc_bytes:
-                # A byte of constants alone, or without any field.
+                # A byte that has only constant bits, or no field.
                 yield byte, CNumber(constant, hexadecimal=True)
 
     def _crc_bytes(self) -> set[int]:
@@ -257,12 +261,12 @@ class CEncoder:
             if isinstance(term.value, ConstantNumber):
                 for bit_slice in term.field.bit_slices:
                     # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
-                    bits_of_piece = (term.value.number >> bit_slice.low_in_number) & bit_slice.mask
-                    constants[bit_slice.byte] |= bits_of_piece << bit_slice.low_in_byte
+                    bits_of_slice = (term.value.number >> bit_slice.low_in_number) & bit_slice.mask
+                    constants[bit_slice.byte] |= bits_of_slice << bit_slice.low_in_byte
         return constants
 
     def _variable_bits_by_byte(self) -> dict[int, list[CExpression]]:
-        """Return the expressions to be ORed in each byte, by its index: bits of unused fields, members, parities."""
+        """Return the bits that are ORed in each byte, by its index: those of unused fields, members and parity bits."""
         expressions: dict[int, list[CExpression]] = {}
         for byte, bits in self.struct.unused.in_bytes:
             expressions.setdefault(byte, []).append(bits)
@@ -272,9 +276,9 @@ class CEncoder:
         return expressions
 
     def _variable_bits(self, term: FieldToEncode) -> Iterator[tuple[int, CExpression]]:
-        """Yield the index of each byte of a term, with the bits at their places in it. Constant terms have none.
+        """Yield the index of each byte that contains bits of a member or parity bit, with the bits at their places.
 
-        Reserved bits have none either, because ``unused.in_bytes`` contains them.
+        Nothing is yielded for constants and unused bits, which other functions add to the bytes.
         """
         match term.value:
             case ReservedBits() | ConstantNumber():
@@ -289,7 +293,7 @@ class CEncoder:
                 assert_never(term.value)
 
     def _bits_in_bytes(self, term: FieldToEncode, field: Field) -> Iterator[tuple[int, CExpression]]:
-        """Yield the index of each byte of a member, with the bits at their places in it."""
+        """Yield the index of each byte that contains bits of a member, with the bits at their places in it."""
         member = self.member_of(field)
         match meaning_of(field):
             case Latin1Text():
@@ -302,33 +306,34 @@ class CEncoder:
                 # Copies of the sign must not reach the zeros above the field.
                 bits = self._express_value(term) if field.name in self._padded_names else CCast("uint64_t", member)
                 for bit_slice in field.bit_slices:
-                    yield bit_slice.byte, self._piece_in_byte(field, bit_slice, bits, may_be_wider=True)
+                    yield bit_slice.byte, self._slice_in_byte(field, bit_slice, bits, may_be_wider=True)
             case UnsignedNumber() | ZeroMeans() | NamedChoice() | DecimalDigits():
-                # A single piece contains all bits of the member, so that no bits are above them.
+                # A single slice contains all bits of the member, so that no bits are above them.
                 is_split = len(field.bit_slices) > 1
                 for bit_slice in field.bit_slices:
                     # Bits above the type of the member are 0.
                     if bit_slice.low_in_number < size_of(widest_value(field)):
                         value = self._express_value(term)
-                        yield bit_slice.byte, self._piece_in_byte(field, bit_slice, value, may_be_wider=is_split)
+                        yield bit_slice.byte, self._slice_in_byte(field, bit_slice, value, may_be_wider=is_split)
             case meaning:
                 assert_never(meaning)
 
-    def _piece_in_byte(
+    def _slice_in_byte(
         self, field: Field, bit_slice: BitSlice, bits: CExpression, *, may_be_wider: bool
     ) -> CExpression:
-        """Return one piece of the bits of a field, shifted to its place in its byte.
+        """Return the bits of a field that belong to one byte, shifted to their place in it.
 
-        ``may_be_wider`` is True if ``bits`` can have 1 bits above the piece, which must be masked.
+        ``bits`` are all bits of the field. ``may_be_wider`` is True if there can be 1 bits above the slice, which must
+        be masked.
         """
-        bits_of_piece = shifted_right(bits, bit_slice.low_in_number)
+        bits_of_slice = shifted_right(bits, bit_slice.low_in_number)
         if may_be_wider and bit_slice.mask != 0xFF:
-            bits_of_piece = masked(bits_of_piece, bit_slice.mask)
+            bits_of_slice = masked(bits_of_slice, bit_slice.mask)
         if bit_slice.low_in_byte:
-            return shifted_left(CCast("uint32_t", bits_of_piece), bit_slice.low_in_byte)
-        # The bits are still a Name if they are the member itself, neither shifted nor masked.
-        is_wide_member = isinstance(bits_of_piece, CName) and self.struct.type_of(field) != unsigned(8)
-        return CCast("uint32_t", bits_of_piece) if is_wide_member else bits_of_piece
+            return shifted_left(CCast("uint32_t", bits_of_slice), bit_slice.low_in_byte)
+        # The bits are still a name if they are the member itself, neither shifted nor masked.
+        is_wide_member = isinstance(bits_of_slice, CName) and self.struct.type_of(field) != unsigned(8)
+        return CCast("uint32_t", bits_of_slice) if is_wide_member else bits_of_slice
 
 
 def _flag_in_byte(flag: CExpression, bit_slice: BitSlice, *, low_is_active: bool) -> CExpression:
@@ -339,7 +344,7 @@ def _flag_in_byte(flag: CExpression, bit_slice: BitSlice, *, low_is_active: bool
 
 
 def _as_byte(value: CExpression) -> CExpression:
-    """Cast a value to a byte. A one-byte member needs no cast."""
+    """Return a value cast to a byte. A name is a member of one byte, and needs no cast."""
     if isinstance(value, CName):
         return value
     if isinstance(value, CCast) and isinstance(value.value, CName):
@@ -349,21 +354,22 @@ def _as_byte(value: CExpression) -> CExpression:
 
 
 def _with_powers_first(unordered: Iterable[Refusal]) -> list[Refusal]:
-    """Move each check for a power of two before the check that it follows. Both give the same error.
+    """Return the checks, with each check for a power of two before the check whether the number fits in its field.
 
-    That check tests whether the number fits in the same field.
+    In ``unordered`` it comes directly after that check. Both report the same error.
     """
     ordered: list[Refusal] = []
     for refusal in unordered:
         if isinstance(refusal, NoPowerOfTwo):
-            ordered.insert(len(ordered) - 1, refusal)
+            index_of_last = len(ordered) - 1
+            ordered.insert(index_of_last, refusal)
         else:
             ordered.append(refusal)
     return ordered
 
 
 def _never_applies(refusal: Refusal) -> bool:
-    """Return True if a check for the width refuses nothing, because the field is as wide as the member's type."""
+    """Return True if a check for the width rejects no value, because the field is as wide as the type of its member."""
     if not isinstance(refusal, TooWide) or not refusal.width.is_constant:
         return False
     bits_of_type = size_of(refusal.field.widest)

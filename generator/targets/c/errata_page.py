@@ -17,7 +17,10 @@ Rows = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class ErratumText:
-    """An erratum of a manual. ``standing`` is its name with its status and impact, and each row has a label."""
+    """An erratum of a manual, as text.
+
+    ``standing`` is a sentence with its name, status and impact. Each row has a label and a text.
+    """
 
     title: str
     standing: str
@@ -26,7 +29,7 @@ class ErratumText:
 
 @dataclass(frozen=True)
 class FamilyErrata:
-    """The errata of a family, and the changes by each edition or overlay."""
+    """The errata of a family, and the changes by each other edition of the manual and by each overlay on the spec."""
 
     title: str
     manual: str
@@ -42,42 +45,43 @@ class ErrataPage(TypedDict):
 def errata_files(
     makers: Iterable[tuple[Manufacturer, Iterable[Device]]], render: Callable[[str, Mapping[str, object]], str]
 ) -> Iterator[tuple[str, str]]:
-    """Yield the page of each manufacturer, by its path in the C folder."""
+    """Yield the path in the C folder and the text of the page with the errata of each manufacturer."""
     for maker, devices in makers:
         values: ErrataPage = {"maker": maker, "families": [_family_errata(device) for device in devices]}
         yield errata_page_name(maker.name), render(ERRATA_TEMPLATE, values)
 
 
 def _family_errata(device: Device) -> FamilyErrata:
-    """Return the errata of a family, with changes by editions and overlays separate from the errata of its manual.
+    """Return the errata of the manual of a family, and separately the changes by other editions and overlays.
 
     ``editions`` contains the name of each edition or overlay with its changes, in the order of the errata.
     """
-    errata_of_manual = [erratum for erratum in device.errata if not (erratum.overlay or erratum.edition)]
-    # Each of the other errata has its labelled texts as rows, under the name of its edition or overlay.
+    errata_of_manual: list[ErratumText] = []
     changes_by_layer: dict[str, list[Rows]] = {}
     for erratum in device.errata:
         if erratum.overlay or erratum.edition:
             layer = layer_in_words(erratum.overlay, erratum.edition)
-            labelled_texts = (*changed(erratum), *_reason_and_source(erratum))
-            changes_by_layer.setdefault(layer, []).append(labelled_texts)
+            labeled_texts = (*changed(erratum), *_reason_and_source(erratum))
+            changes_by_layer.setdefault(layer, []).append(labeled_texts)
+        else:
+            errata_of_manual.append(_erratum_text(erratum))
     return FamilyErrata(
         title=device.title,
         manual=manual_title(device),
-        errata=tuple(map(_erratum_text, errata_of_manual)),
+        errata=tuple(errata_of_manual),
         editions=tuple((layer, tuple(changes)) for layer, changes in changes_by_layer.items()),
     )
 
 
 def _erratum_text(erratum: Erratum) -> ErratumText:
     """Return the text of an erratum, without empty rows."""
-    labelled_texts = (
+    labeled_texts = (
         ("Affects", paths_in_words(", ".join(erratum.affects))),
         ("Printed", erratum.printed),
         ("Used", erratum.used),
         ("Only with", erratum.only),
     )
-    rows = tuple((label, text) for label, text in labelled_texts if text)
+    rows = tuple((label, text) for label, text in labeled_texts if text)
     return ErratumText(
         title=erratum.title,
         standing=f"The erratum {erratum.name} is {erratum.status}. {consequence(erratum.severity)}.",

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
 
 from ...model import (
     Answer,
@@ -15,7 +14,6 @@ from ...model import (
     SendStep,
     Spi,
     Ssi,
-    Value,
     Verdict,
     WriteStep,
     cite,
@@ -24,13 +22,8 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
-from ...plan.operations import FieldToDecode
 from ...plan.steps import SendRequest
 from ...plan.values import (
-    ActiveFlag,
-    DecimalDigits,
-    Latin1Text,
-    NamedChoice,
     TwosComplement,
     UnsignedNumber,
     meaning_of,
@@ -41,26 +34,27 @@ from .chosen import Chosen, ExampleFrame, NoFrame
 from .codec import StructCodec
 from .comments import ascii_text
 from .device import DeviceView
-from .enumerations import AlternativeCode, FrameReports
+from .enumerations import AlternativeCode
 from .interfaces import ReplyRequest
 from .names import c_name
 from .positions import Positions
-from .procedures import ProcedureCode, StepRow
+from .printed import printed_members, printed_number
+from .procedure_rows import StepRow
+from .procedures import ProcedureCode
 from .registers import RegisterFunctions
+from .reports import FrameReports
 from .structs import LayoutStruct
 from .variants import CodeRow
 
 #: Names of the program and the README that a register must not take: the function show_frame, and variables.
 _NAMES_OF_LOCALS = frozenset(("bus", "encoder", "failure", "frame", "result"))
-#: Maximum number of characters of explanation after a number.
-_LONGEST_EXPLANATION = 40
 #: Smallest size of the simulated registers in bytes: the addresses 0 to 127, which BiSS can access.
 _FEWEST_REGISTER_BYTES = 128
 
 
 @dataclass(frozen=True, slots=True)
 class ShownRegister:
-    """A register that is read by its name and printed."""
+    """A register that the program reads with its own function and prints."""
 
     title: str
     name: str
@@ -77,7 +71,7 @@ class ShownRegister:
 
 @dataclass(frozen=True, slots=True)
 class ShownRun:
-    """A procedure that is carried out, with its arguments."""
+    """A procedure that the program carries out, with its arguments."""
 
     title: str
     about: str
@@ -95,18 +89,8 @@ class Memory:
 
 
 @dataclass(frozen=True, slots=True)
-class PrintedMember:
-    """A member with its name, the ``form`` and arguments for ``printf``, and the meanings of its values."""
-
-    name: str
-    form: str
-    arguments: str
-    value_names: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class ReceivedBytes:
-    """The bytes received over SPI for the frame, and macros for its length in bits and bytes."""
+    """The bytes that SPI received for the frame, and the macros for its length in bits and bytes."""
 
     bits: str
     size: str
@@ -115,9 +99,10 @@ class ReceivedBytes:
 
 @dataclass(frozen=True, slots=True)
 class Session:
-    """A request over SPI that the frame answers: its struct and initial value, its macro, and the bytes of the frame.
+    """A request over SPI, and the bytes of the frame that is its reply.
 
-    ``size`` is the number of bytes of the longest word of the request.
+    ``initial`` is the initializer of its struct, ``macro`` the constant of the request, and ``size`` the number of
+    bytes of its longest word.
     """
 
     request: LayoutStruct
@@ -128,7 +113,10 @@ class Session:
 
 
 class ExampleCode:
-    """Values for the template of an example program. ``memory`` is the initial content of the simulated registers.
+    """The values for the template of an example program, which shows a frame, registers and a procedure.
+
+    ``run`` is the procedure or None, ``reads`` are the registers, and ``memory`` is the initial content of the
+    simulated registers.
 
     Raises:
         NoFrame: There is no frame to show.
@@ -137,6 +125,9 @@ class ExampleCode:
     def __init__(self, view: DeviceView) -> None:
         self.view = view
         self.interface = view.context.interface
+        #: Functions for the members that the program prints.
+        self.printed = printed_members
+        self.number = printed_number
         self._chosen = chosen = Chosen(view.device, self.interface)
         self.name = view.stem
         self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
@@ -155,17 +146,17 @@ class ExampleCode:
 
     @property
     def alternatives(self) -> tuple[AlternativeCode, ...]:
-        """The alternatives that the user must answer to decode the frame. The program uses the first answers."""
+        """The questions that the user must answer to decode the frame. The program uses the first answers."""
         return self.codec.alternatives
 
     @property
     def length_encoder(self) -> str:
-        """The first arguments of functions that need only the length of the frame."""
+        """The first arguments of functions that need only the length of the frame: order code and answers."""
         return ", ".join(("ENCODER", *(question.constant for question in self.codec.length_alternatives)))
 
     @property
     def encoder(self) -> str:
-        """The first arguments of the decoder."""
+        """The first arguments of the decoder: the order code, and the answers to questions left open by the manual."""
         return ", ".join(("ENCODER", *(question.constant for question in self.alternatives)))
 
     @property
@@ -212,9 +203,9 @@ class ExampleCode:
 
     @property
     def raw(self) -> ReceivedBytes | None:
-        """The data line of SSI: high until the first clock has stored the position, the word, and the 0 after it.
+        """The bytes that SPI receives from the data line of SSI, or None for another interface.
 
-        None for another interface.
+        The line is high until the first clock has stored the position. Then come the word and a 0.
         """
         frames = [frame for frame in self.received if frame.variant is self._chosen.variant]
         if not frames or not isinstance(self.interface, Ssi):
@@ -261,20 +252,26 @@ class ExampleCode:
 
     @property
     def request_for_reply(self) -> ReplyRequest | None:
-        """The request frame over RS-485, with the numbers of its reply, or None if it is only a control field."""
+        """The request frame over RS-485 to which the frame is the reply, or None if a control field requests it.
+
+        Numbers that the reply repeats, such as an address, have the same values in it.
+        """
         parameters = self._chosen.variant.parameters
         numbers: dict[str, int] = {}
         for placed_field in self.frame.layout.place(parameters).fields:
             if isinstance(meaning_of(placed_field.field), UnsignedNumber):
                 numbers[placed_field.name] = (self.frame.wire >> placed_field.low) & placed_field.mask
-        for whole in self.struct.plan.joined_numbers:
-            if all(field.name in numbers for field in whole.fields):
-                numbers[whole.join.name] = whole.joined(numbers, parameters)
+        for joined_number in self.struct.plan.joined_numbers:
+            if all(field.name in numbers for field in joined_number.fields):
+                numbers[joined_number.join.name] = joined_number.joined(numbers, parameters)
         return self.view.interface.request_for_reply(self.frame.layout, numbers)
 
     @property
     def request(self) -> str:
-        """Macro of the control field that asks for the frame, which begins with the same byte, or an empty string."""
+        """The macro of the control field to which the frame is the reply, or an empty string.
+
+        The reply begins with the same byte.
+        """
         data_ids = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
         for data_id in data_ids:
             if self.data.startswith(bytes([data_id.control])):
@@ -289,9 +286,10 @@ class ExampleCode:
 
     @property
     def can_poll(self) -> bool:
-        """True if a main loop can request the frame and carry out the procedure, with a reply to every request.
+        """True if the program is a main loop that requests the frame and carries out the procedure.
 
-        The procedure has no arguments and reads nothing.
+        For this, the frame must have a request, and the procedure must have at least one request, a reply to each of
+        its requests, and no arguments or values to read.
         """
         code = self.run.code if self.run is not None else None
         if code is None or code.arguments or code.reads or not self.request:
@@ -302,23 +300,26 @@ class ExampleCode:
 
     @property
     def position(self) -> Positions | None:
-        """The functions that convert the position in the frame."""
+        """The functions that convert the position in the frame, or None if the frame has no position."""
         return self.view.positions if self._chosen.has_position(self.frame.layout) else None
 
     @property
     def modulus(self) -> str:
-        """The counts after which the position wraps around, for a tracker."""
+        """The counts after which the position wraps around, as C, for a tracker. ``0U`` without a position."""
         return self.view.modulus("ENCODER", self.frame.layout) if self.position is not None else "0U"
 
     @property
     def counts(self) -> str:
-        """The member that holds the position."""
+        """The member with the position in counts, or an empty string."""
         measurement = self._chosen.measurement
         return c_name(measurement.of) if measurement is not None else ""
 
     @property
     def reads_word_twice(self) -> bool:
-        """True if the word is read twice: no CRC protects it, and its position is not negative, so both can agree."""
+        """True if the program reads the word twice and compares both, because no CRC protects it.
+
+        This requires a position that is never negative.
+        """
         return bool(self.counts) and not self.is_signed(self.counts) and not self.has_crc
 
     def is_signed(self, member: str) -> bool:
@@ -340,17 +341,19 @@ class ExampleCode:
         yield from self.headers_of(part_names)
 
     def headers_of(self, names: Collection[str]) -> Iterator[str]:
-        """Yield the additional headers with these names."""
+        """Yield the include paths of further headers with these names, such as ``registers``."""
         yield from (f"{self.view.maker.name}/{part.file}" for part in self.view.parts if part.name in names)
 
     # -- registers and procedures
 
     @property
     def has_registers(self) -> bool:
+        """True if the program reads registers, or carries out a procedure that accesses registers."""
         return bool(self.reads) or any(isinstance(step, RegisterStep) for step in self._procedure_steps)
 
     @property
     def sends(self) -> bool:
+        """True if the program carries out a procedure that sends a request."""
         return any(isinstance(step, SendStep) for step in self._procedure_steps)
 
     @property
@@ -361,10 +364,14 @@ class ExampleCode:
 
     @property
     def _procedure_steps(self) -> tuple[object, ...]:
+        """The steps of the procedure, none without a procedure."""
         return self.run.code.run.procedure.steps if self.run is not None else ()
 
     def _shown_run(self) -> ShownRun | None:
-        """Return the procedure that the program carries out, with the arguments of its worked example, or None."""
+        """Return the procedure that the program carries out, with the arguments of its worked example.
+
+        The result is None if there is no procedure to show.
+        """
         if self._chosen.procedure is None:
             return None
         procedure, example = self._chosen.procedure
@@ -397,7 +404,7 @@ class ExampleCode:
         )
 
     def _yield_memory(self) -> Iterator[Memory]:
-        """Yield the registers that are shown, by address, with the bytes of their worked examples.
+        """Yield the initial contents of the simulated registers, by address: the bytes of their worked examples.
 
         Registers that the procedure writes have their factory default instead, or 0 if the manual gives none.
         """
@@ -410,48 +417,20 @@ class ExampleCode:
             else:
                 yield Memory(register.address, example.bytes, title_of(register))
 
-    def printed(self, part: FieldToDecode, variable: str) -> Iterator[PrintedMember]:
-        """Yield the members of a part of the struct ``variable`` as ``printf`` shows them. Runs of digits are extra."""
-        member = f"{variable}.{c_name(part.field.name)}"
-        match part.meaning:
-            case Latin1Text():
-                yield PrintedMember(part.field.name, "%.*s", f"(int)sizeof({member}), {member}")
-            case ActiveFlag():
-                yield PrintedMember(part.field.name, "%s", f'{member} ? "yes" : "no"')
-            case TwosComplement():
-                yield PrintedMember(part.field.name, "%lld", f"(long long){member}")
-            case NamedChoice(values):
-                yield replace(self.number(part.field.name, variable), value_names=_value_meanings(values))
-            case DecimalDigits(runs):
-                member_names = (part.field.name, *(run.name for run in runs))
-                yield from (self.number(name, variable) for name in member_names)
-            case _:
-                yield self.number(part.field.name, variable)
-
-    @staticmethod
-    def number(name: str, variable: str) -> PrintedMember:
-        """Return an unsigned member as ``printf`` shows it."""
-        return PrintedMember(name, "%llu", f"(unsigned long long){variable}.{c_name(name)}")
-
 
 def _address_of_register(register_and_example: tuple[Register, object]) -> int:
+    """Return the address of a register that comes with its example."""
     register, _ = register_and_example
     return register.address
 
 
 def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:
-    """Return True if the length of a frame depends on no answers except ``answers``."""
+    """Return True if a frame has its length with these answers, or whatever the answers to open questions are."""
     return all(answer in answers for answer in frame.answers)
 
 
-def _value_meanings(values: Iterable[Value]) -> str:
-    """Return the meanings of the values, such as ``0 off, 1 on``, or an empty string if the line would be too long."""
-    meanings = ", ".join(f"{value.value} {ascii_text(title_of(value))}" for value in values)
-    return meanings if len(meanings) <= _LONGEST_EXPLANATION else ""
-
-
 def example_codes(view: DeviceView) -> Iterator[ExampleCode]:
-    """Yield the program of an interface, unless it has no frame to show."""
+    """Yield the example program of an interface, or nothing if there is no frame to show."""
     if any(layout.sender == "encoder" for layout in view.context.interface.layouts):
         with suppress(NoFrame):
             yield ExampleCode(view)

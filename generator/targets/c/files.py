@@ -30,7 +30,7 @@ from ...say.text import TITLE_STYLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
 from ..registry import licence_in
 from .about import place_of_field
-from .bits import digits
+from .bits import ConstantByte, digits
 from .comments import (
     break_lines,
     call_in_lines,
@@ -42,10 +42,11 @@ from .comments import (
     mark_for_doxygen,
 )
 from .crc_functions import FoldOperation
-from .decode import ConstantByte, FlagsIn, UnusedAre, UnusedIn
+from .decode import AllUnusedBits, FlagByte, UnusedBitsOfByte
 from .device import DeviceView, HeaderPart, views_of
 from .errata_page import ERRATA_TEMPLATE, ErrataPage, errata_files
 from .examples import ExampleCode
+from .name_clashes import clashes, describe_path
 from .names import (
     BY_ADDRESS,
     BY_VALUE,
@@ -53,8 +54,6 @@ from .names import (
     StructPassing,
     c_name,
     c_number,
-    clashes,
-    describe_path,
     mask_constant,
     string,
     unsigned,
@@ -72,7 +71,7 @@ from .package import (
     package_files,
 )
 from .positions import Positions
-from .procedures import FilledRows
+from .procedure_rows import FilledRows
 from .runtime_files import needed_runtime
 from .runtime_texts import runtime_headers, runtime_version
 from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
@@ -82,17 +81,17 @@ from .single import SingleHeader, single_header, single_path, single_views
 #: Operations of the plan and further operations of this target.
 TESTS = tests_for(
     *(Expression, Check, Refusal, JoinedNumber, steps.PlannedStep, steps.ArgumentRefusal),
-    *(ConstantByte, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
+    *(ConstantByte, FlagByte, UnusedBitsOfByte, AllUnusedBits, FoldOperation, FilledRows, Positions, Work),
 )
 
 
 def _format_hex(value: int, digits: int = 2) -> str:
-    """Return a number as a hexadecimal constant of at least this many digits."""
+    """Return a number as a hexadecimal constant with at least this many digits."""
     return c_number(value, hexadecimal=True, digits=digits)
 
 
 def _refuse_operation(op: object) -> NoReturn:
-    """Refuse an operation for which a template has no case."""
+    """Raise an error for an operation that a template does not handle."""
     raise AssertionError(f"no case for {op!r}")
 
 
@@ -107,7 +106,7 @@ def _digits_type(digit_run: Digits) -> str:
 
 
 def _fields_of_join(join: Join) -> str:
-    """Describe which fields form a number."""
+    """Return a sentence on which fields form a number (a join)."""
     return TITLE_STYLE.sentence(say_join(join))
 
 
@@ -190,10 +189,10 @@ class Program(Family):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """Return the headers, their README, examples, self-test and package files, by path.
+    """Return the headers, their README, example programs, self-tests and package files, by path.
 
-    Form ``single`` consists only of the headers for order codes. Passing by address only writes headers and the
-    licence.
+    With the form ``single``, these are only the headers for order codes. If order codes are passed by address, they are
+    only the headers and the license.
 
     Raises:
         OptionError: The option ``only`` has an unknown name.
@@ -225,7 +224,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 def _shared_files(
     library: Library, devices: Sequence[Device], views: Sequence[DeviceView], runtime: Iterable[str]
 ) -> dict[str, str]:
-    """Return the self-test, the package and the pages that all families share, by their path in the C folder."""
+    """Return the self-tests, the package files and the pages that all families share, by their path in the C folder."""
 
     def render(template: str, template_values: Mapping[str, object]) -> str:
         return _render_template(library, template, template_values)
@@ -241,16 +240,18 @@ def _shared_files(
 
 
 def _choose_passing(options: Options) -> StructPassing:
+    """Return how functions receive order codes, by value or by address, as the options say."""
     return BY_ADDRESS if options.get(PASSING.name) == "address" else BY_VALUE
 
 
 def _yield_family_files(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of each header, self-test and example program of a family, and a function for its text.
+    """Yield the path of each header, self-test and example program of a family, and a function that returns its text.
 
-    Form ``single`` consists only of the headers for order codes. Passing by address only writes the headers for C.
+    With the form ``single``, these are only the headers for order codes. If order codes are passed by address, they are
+    only the headers for C.
     """
 
-    def later(template: str, template_values: Mapping[str, object]) -> Callable[[], str]:
+    def render_later(template: str, template_values: Mapping[str, object]) -> Callable[[], str]:
         return partial(_render_template, library, template, template_values)
 
     passing = _choose_passing(options)
@@ -262,15 +263,15 @@ def _yield_family_files(device: Device, library: Library, options: Options) -> I
             yield f"c/include/{path}", text_function
         if passing.by_address:
             continue
-        yield f"c/include/{view.cpp_header}", later("device.hpp.jinja", _template_values(view))
-        for path, text_function in own_test(view, later):
+        yield f"c/include/{view.cpp_header}", render_later("device.hpp.jinja", _template_values(view))
+        for path, text_function in own_test(view, render_later):
             yield f"c/{path}", text_function
-        for path, text_function in own_programs(view, later):
+        for path, text_function in own_programs(view, render_later):
             yield f"c/{path}", text_function
 
 
 def problems(library: Library) -> Iterator[TargetProblem]:
-    """Yield the first item in each device that C cannot express, and every C name that two parts of specs share."""
+    """Yield the first part of each spec that C cannot express, and every C name that two parts of specs share."""
     headers = []
     for device in library.devices:
         try:
@@ -286,7 +287,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 
 
 def _yield_headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the include path of each header of an interface, and a function for its text."""
+    """Yield the include path of each header of an interface, and a function that returns its text."""
     values = _template_values(view)
     yield view.header, partial(_render_template, library, "device.h.jinja", values | {"runtime": runtime_version()})
     for part in view.parts:
@@ -297,24 +298,26 @@ def _yield_headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Ca
 def _single_headers(
     device: Device, library: Library, passing: StructPassing
 ) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of the header of each order code, and a function for its text."""
+    """Yield the path of the header of each order code, and a function that returns its text."""
 
-    def text(view: DeviceView) -> str:
-        # The functions for the texts of the other headers are not called.
-        text_functions = (text_function for path, text_function in _yield_headers(library, view) if path == view.header)
-        header = next(text_functions)()
+    def render_single(view: DeviceView) -> str:
+        text_functions = dict(_yield_headers(library, view))
+        # The texts of the other headers are not needed.
+        header = text_functions[view.header]()
         return single_header(view, partial(_render_template, library), header)
 
     for view in single_views(device, passing):
-        yield f"c/{single_path(view.maker, view.device.variants[0].code)}", partial(text, view)
+        order_code = view.device.variants[0].code
+        yield f"c/{single_path(view.maker, order_code)}", partial(render_single, view)
 
 
 def _template_values(view: DeviceView) -> Family:
+    """Return the values of the templates for one interface of a family."""
     return {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
 
 
 def _render_template(library: Library, template: str, template_values: Mapping[str, object]) -> str:
-    """Render a template. C files get their long lines broken, and headers also the marks of Doxygen."""
+    """Render a template. In C files, long lines are broken, and in headers, comments get the marks of Doxygen."""
     text = TEMPLATES.render(template, template_values, library.own_templates)
     if template.endswith((".h.jinja", ".hpp.jinja")):
         return mark_for_doxygen(break_lines(text))

@@ -29,7 +29,7 @@ from ...say.order_code import control_field, describe_data_id, describe_exchange
 from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
-from .bits import of_bytes
+from .bits import type_and_bits_in
 from .code_facts import (
     ClockLimitFunction,
     TimeoutFunction,
@@ -51,8 +51,12 @@ ANSWER_US = 10_000
 _FRAME_KIND_BY_SENDER = {"encoder": "reply", "master": "request"}
 
 
-class FrameTeller:
-    """The functions that distinguish the frames of one sender, by bytes and by the value of the selecting field."""
+class FrameSelector:
+    """The functions that say which frame of a sender was received.
+
+    ``by_bytes`` is the function that takes its bytes, and ``by_value`` the one that takes the value of the field by
+    which frames differ.
+    """
 
     def __init__(self, context: HeaderContext, prefix: str, dispatch: FrameDispatch) -> None:
         self.dispatch = dispatch
@@ -63,49 +67,53 @@ class FrameTeller:
 
     @property
     def value(self) -> CExpression:
-        """The selecting field, extracted from the bytes, such as ``bytes[0] & 0x1FU``."""
-        _, bits = of_bytes(self.dispatch.bits.bit_slices)
+        """The field by which frames differ, extracted from the bytes, such as ``bytes[0] & 0x1FU``."""
+        _, bits = type_and_bits_in(self.dispatch.bits.bit_slices)
         return bits
 
     def values(self, branch: SelectedFrame) -> list[str]:
-        """Return the values that select a frame, as constants of an enumeration or as numbers such as ``0x1AU``."""
+        """Return the values that a frame has in this field, as constants of an enumeration or as numbers."""
         return [self._names.get(value, c_number(value, hexadecimal=True)) for value in branch.values]
 
 
 @dataclass(frozen=True, slots=True)
 class ReplyRequest:
-    """Request for a reply: its initial value, the function that receives the reply, and a time-out.
+    """The request to which a frame is the reply.
 
-    ``repeated_members`` are the numbers that the reply repeats, such as an address. The time-out is the time that both
-    take on the line, plus ``ANSWER_US`` until the encoder answers.
+    ``initial`` is the initializer of its struct, and ``take_function`` the function of the runtime that receives the
+    reply. ``latest_reply_us`` is the time that both take on the line, plus ``ANSWER_US`` for the encoder.
+    ``repeated_members`` are the numbers that the reply repeats, such as an address.
     """
 
     codec: StructCodec
     initial: str
-    take: str
+    take_function: str
     latest_reply_us: int
     repeated_members: tuple[str, ...]
 
 
 class InterfaceCode:
-    """The values that the templates print for an interface. ``frames`` are those selected by a field."""
+    """The values that the templates print for an interface. ``codecs`` are its frames."""
 
     def __init__(self, context: HeaderContext, interface: Interface) -> None:
         self.device = context.device
         self.interface = interface
         self.prefix = context.prefix
-        self.upper = self.prefix.upper()
+        self._macro_prefix = context.PREFIX
         #: Functions for all order codes, at most one of each kind.
         self.clock_limits = list(self._clock_limits())
         self.timeouts = list(self._yield_timeout_functions())
-        #: Statements that are comments on macros. Building the macros fills it, and the comment leaves them out.
-        self._macro_statements: list[Statement] = []
-        self.macros = tuple(self._yield_macros())
-        self.controls = tuple(self._yield_control_macros())
+        macros_and_statements = list(self._macros_and_statements())
+        requests_and_statements = list(self._requests_and_statements())
+        self.macros = tuple(macro for macro, _ in macros_and_statements if macro is not None)
+        self.controls = tuple(macro for macro, _ in requests_and_statements)
+        #: Statements in the comments on macros and functions, which the comment on the interface does not repeat.
+        all_statements = [statement for _, statement in (*macros_and_statements, *requests_and_statements)]
+        self._stated_elsewhere = [statement for statement in all_statements if statement is not None]
         self.about = list(self._yield_comment())
         self.enumerations = context.enumerations.of("interfaces", interface.name)
         self.frame_selectors = tuple(
-            FrameTeller(context, self.prefix, dispatch) for dispatch in dispatches(interface.layouts)
+            FrameSelector(context, self.prefix, dispatch) for dispatch in dispatches(interface.layouts)
         )
         self.codecs = tuple(self._build_codec(context, layout) for layout in interface.layouts)
 
@@ -122,9 +130,9 @@ class InterfaceCode:
         if self.frames:
             yield f"{self.prefix}_frame", path
             yield f"{self.prefix}_frame_length", path
-        for teller in self.frame_selectors:
-            yield teller.by_bytes, path
-            yield teller.by_value, path
+        for frame_selector in self.frame_selectors:
+            yield frame_selector.by_bytes, path
+            yield frame_selector.by_value, path
         for name in function_names(self.clock_limits, self.timeouts):
             yield name, path
         for codec in self.codecs:
@@ -137,7 +145,7 @@ class InterfaceCode:
             yield ClockLimitFunction(f"{self.prefix}_clock_limit_hz", interface.cable_lengths)
 
     def _yield_timeout_functions(self) -> Iterator[TimeoutFunction]:
-        """Yield the function for the time-out, if all order codes have the same and it depends on the clock."""
+        """Yield the function for the timeout, if it depends on the clock and is the same for all order codes."""
         timeout = self.interface.timeout if isinstance(self.interface, Biss) else None
         product = timeout_product(timeout)
         if product:
@@ -145,32 +153,33 @@ class InterfaceCode:
 
     @property
     def frames(self) -> list[Layout]:
-        """The frames that a field distinguishes."""
+        """The frames that can be told apart by the value of a field."""
         names: set[str] = set()
-        for teller in self.frame_selectors:
-            names.update(branch.layout.name for branch in teller.dispatch.branches)
-            if teller.dispatch.fallback is not None:
-                names.add(teller.dispatch.fallback.name)
+        for frame_selector in self.frame_selectors:
+            dispatch = frame_selector.dispatch
+            names.update(branch.layout.name for branch in dispatch.branches)
+            if dispatch.fallback is not None:
+                names.add(dispatch.fallback.name)
         return [layout for layout in self.interface.layouts if layout.name in names]
 
     def request_of(self, reply: Layout) -> str:
-        """Return the macro of the first data ID over RS-485 that a frame answers, such as ``ACME_X_CONTROL_ID0``.
+        """Return the macro of the first RS-485 data ID to which a frame is the reply, such as ``ACME_X_CONTROL_ID0``.
 
-        The result is empty for a frame that answers none.
+        The result is empty for a frame that is not the reply to a data ID.
         """
         interface = self.interface
         if not isinstance(interface, Rs485):
             return ""
         for request in interface.data_ids:
             if reply_to_data_id(interface, request.id) is reply:
-                return f"{self.upper}_CONTROL_{request.name}".upper()
+                return f"{self._macro_prefix}_CONTROL_{request.name}".upper()
         return ""
 
     def request_for_reply(self, reply: Layout, values: Mapping[str, int] = MappingProxyType({})) -> ReplyRequest | None:
-        """Return the request whose reply is a frame in bytes, with the given numbers in its fields.
+        """Return the request frame to which a frame in bytes is the reply, with ``values`` in its fields.
 
-        ``values`` are numbers by the names of fields and joins. The result is None if the frame is the reply to no
-        request frame, or if the interface is not a serial port.
+        ``values`` are numbers by the names of fields and joined numbers. The result is None if there is no such request
+        frame, or if the interface is not a serial port.
         """
         exchanged = self._exchange_with_reply(reply)
         ports = [fact for fact in self.interface.facts() if isinstance(fact, Port)]
@@ -186,7 +195,7 @@ class InterfaceCode:
         return ReplyRequest(
             codec=codec,
             initial=codec.struct.initial(parameters, values),
-            take=_take_function(exchanged),
+            take_function=_take_function(exchanged),
             latest_reply_us=ANSWER_US + _time_on_line_us(ports[0], bytes_on_line),
             # C does not compare texts by !=.
             repeated_members=tuple(c_name(name) for name in common_names if codec.struct.member_type(name) != "char"),
@@ -200,7 +209,8 @@ class InterfaceCode:
         return None
 
     def frame_name(self, layout: Layout) -> str:
-        return f"{self.upper}_FRAME_{layout.name}".upper()
+        """Return the constant that stands for a frame."""
+        return f"{self._macro_prefix}_FRAME_{layout.name}".upper()
 
     def _build_codec(self, context: HeaderContext, layout: Layout) -> StructCodec:
         """Return the struct, decoder and encoder of a frame."""
@@ -211,14 +221,11 @@ class InterfaceCode:
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
     def _yield_comment(self) -> Iterator[Paragraph]:
-        """Yield the comment on the interface.
-
-        Statements and errata on macros and layouts are in the comments of the macros and layouts.
-        """
+        """Yield the comment on the interface, without statements and errata that are comments on macros and frames."""
         interface = self.interface
         statements = say_interface(self.device, interface)
         for statement in statements:
-            if statement not in self._macro_statements:
+            if statement not in self._stated_elsewhere:
                 yield HEADER_STYLE.sentence(statement)
         if any(layout.sender == "master" and layout.data_fields for layout in interface.layouts):
             yield "Set all members of a request, because those that an initial value leaves out are 0."
@@ -234,7 +241,7 @@ class InterfaceCode:
                 yield HEADER_STYLE.sentence(describe_erratum(correction))
 
     def _explain_receiving(self) -> Iterator[Paragraph]:
-        """Yield one paragraph on how to send a request and receive its reply in bytes, if there are such replies."""
+        """Yield a paragraph on how to send a request and receive its reply, if the interface has replies in bytes."""
         requests_by_function: dict[str, list[str]] = {}
         for exchanged in exchanges(self.interface):
             if exchanged.reply is not None and exchanged.reply.in_bytes:
@@ -250,104 +257,111 @@ class InterfaceCode:
 
     # -- constants
 
-    def _define_macro(self, name: str, value: int, about: Statement | str = "", hexadecimal: bool = False) -> CMacro:
-        """Return a macro, and note a statement in its comment, so that the comment on the interface leaves it out."""
-        if isinstance(about, Statement):
-            self._macro_statements.append(about)
+    def _define_macro(self, name: str, value: int, about: Statement | str, *, hexadecimal: bool = False) -> CMacro:
+        """Return a macro of the interface, with a statement or a text as its comment."""
         note = about if isinstance(about, str) else HEADER_STYLE.sentence(about)
-        return CMacro(f"{self.upper}_{name}".upper(), c_number(value, hexadecimal), note)
+        return CMacro(f"{self._macro_prefix}_{name}".upper(), c_number(value, hexadecimal), note)
 
-    def _yield_macros(self) -> Iterator[CMacro]:
-        """Yield the constants of the interface: clock, time-out, port, words and times."""
+    def _macros_and_statements(self) -> Iterator[tuple[CMacro | None, Statement | None]]:
+        """Yield the macros of the interface for clock, timeout, port, words and times.
+
+        Each comes with the statement that is its comment, or None if its comment is another text. A statement without
+        a macro is the comment on a function.
+        """
         interface = self.interface
-        for fact, about in zip(interface.facts(), describe_settings(self.device, interface), strict=True):
-            yield from self._fact_macros(fact, about)
+        for fact, statement in zip(interface.facts(), describe_settings(self.device, interface), strict=True):
+            applies_to_some_codes = isinstance(fact, (Clock, Timeout)) and bool(fact.only)
+            # Facts for some order codes have macros in ``CodeFacts``.
+            if applies_to_some_codes:
+                continue
+            if isinstance(fact, CableLength) and self.clock_limits:
+                yield None, statement
+            for macro in self._macros_of_fact(fact, statement):
+                yield macro, statement
         if isinstance(interface, Biss):
-            yield from self._control_data(interface)
+            yield from self._macros_of_control_data(interface)
         for time in interface.timings:
             if time.name not in repeated_names(interface.timings):
-                self._macro_statements.append(describe_timing(time))
-                yield from timing_macros(time, self.upper)
+                for macro in timing_macros(time, self._macro_prefix):
+                    yield macro, describe_timing(time)
 
-    def _fact_macros(self, fact: Fact, statement: Statement) -> Iterator[CMacro]:
-        """Yield the constants of a fact. Facts of some order codes are in macros of these codes."""
-        if isinstance(fact, (Clock, Timeout)) and fact.only:
-            return
+    def _macros_of_fact(self, fact: Fact, statement: Statement) -> Iterator[CMacro]:
+        """Yield the macros for a fact, such as the clock. The comment on the first one is the statement."""
         match fact:
             case Clock():
-                yield from self._yield_clock_macros(fact, statement)
-            case CableLength():
-                if self.clock_limits:
-                    self._macro_statements.append(statement)  # A function states it.
+                yield from self._macros_of_clock(fact, statement)
             case Timeout():
-                yield from self._yield_timeout_macros(fact, statement)
+                yield from self._macros_of_timeout(fact, statement)
             case Port():
-                yield from self._yield_port_macros(fact, statement)
+                yield from self._macros_of_port(fact, statement)
             case WordFormat():
-                yield self._define_macro("MODE", fact.mode, about=statement)
-                if len(fact.lengths) == 1 and fact.lengths[0].is_constant:
-                    yield self._define_macro("WORD_BITS", fact.lengths[0].constant, about="number of bits of a word")
-                # The reply comes with the word after the request, or with the same word.
-                delay = 1 if fact.reply == "next_word" else 0
-                yield self._define_macro("REPLY_WORDS", delay, about="number of words from a request to its reply")
+                yield from self._macros_of_words(fact, statement)
             case _:
                 pass  # Code needs no number from it.
 
-    def _yield_clock_macros(self, clock: Clock, statement: Statement) -> Iterator[CMacro]:
-        """Yield the limits, and the fastest clock in use. The first macro carries the comment on all of them."""
-        has_comment_on_all = False
-        for name, clock_hz, note in clock_limits(clock):
-            yield self._define_macro(name, clock_hz, about=note if has_comment_on_all else statement)
-            has_comment_on_all = True
+    def _macros_of_clock(self, clock: Clock, statement: Statement) -> Iterator[CMacro]:
+        """Yield the limits of the clock, and the fastest clock in use. The first comment describes all of them."""
+        for index, (name, clock_hz, note) in enumerate(clock_limits(clock)):
+            yield self._define_macro(name, clock_hz, note if index else statement)
 
-    def _yield_port_macros(self, port: Port, statement: Statement) -> Iterator[CMacro]:
-        """Yield the settings of a serial port. The first macro carries the comment on all of them."""
-        yield self._define_macro("BAUD", port.baud, about=statement)
-        yield self._define_macro("DATA_BITS", port.data_bits, about="number of data bits")
-        yield CMacro(f"{self.upper}_PARITY", _PARITY_CHARACTERS[port.parity], f"parity: {port.parity}")
-        yield self._define_macro("STOP_BITS", port.stop_bits, about="number of stop bits")
+    def _macros_of_port(self, port: Port, statement: Statement) -> Iterator[CMacro]:
+        """Yield the settings of a serial port. The first comment describes all of them."""
+        yield self._define_macro("BAUD", port.baud, statement)
+        yield self._define_macro("DATA_BITS", port.data_bits, "number of data bits")
+        yield CMacro(f"{self._macro_prefix}_PARITY", _PARITY_CHARACTERS[port.parity], f"parity: {port.parity}")
+        yield self._define_macro("STOP_BITS", port.stop_bits, "number of stop bits")
 
-    def _control_data(self, interface: Biss) -> Iterator[CMacro]:
-        """Yield the widths and the named values of the fields in the control data."""
+    def _macros_of_words(self, words: WordFormat, statement: Statement) -> Iterator[CMacro]:
+        """Yield the SPI mode, the length of a word if all have the same, and how many words later a reply comes."""
+        yield self._define_macro("MODE", words.mode, statement)
+        if len(words.lengths) == 1 and words.lengths[0].is_constant:
+            yield self._define_macro("WORD_BITS", words.lengths[0].constant, "number of bits of a word")
+        # The reply comes with the word after the request, or with the same word.
+        delay = 1 if words.reply == "next_word" else 0
+        yield self._define_macro("REPLY_WORDS", delay, "number of words from a request to its reply")
+
+    def _macros_of_control_data(self, interface: Biss) -> Iterator[tuple[CMacro, Statement | None]]:
+        """Yield the width of each field in the BiSS control data, with its statement, and its named values."""
         for field in interface.control_data:
-            yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, about=control_field(field))
+            statement = control_field(field)
+            yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, statement), statement
             for value in field.values:
                 name = f"CONTROL_{field.name}_{value.name}"
-                yield self._define_macro(
-                    name, value.value, about=f"{title_of(field)}: {title_of(value)}", hexadecimal=True
-                )
+                note = f"{title_of(field)}: {title_of(value)}"
+                yield self._define_macro(name, value.value, note, hexadecimal=True), None
 
-    def _yield_timeout_macros(self, timeout: Timeout, statement: Statement) -> Iterator[CMacro]:
-        """Yield the typical and the longest time-out. The first macro carries the comment on all of them.
+    def _macros_of_timeout(self, timeout: Timeout, statement: Statement) -> Iterator[CMacro]:
+        """Yield the typical and the longest timeout. The first comment describes all of them.
 
-        If the time-out is not a number of clock periods, those printed for each clock follow.
+        If the timeout is not a number of clock periods, the timeouts printed for each clock follow.
         """
-        for name, time_ns in timeout_limits(timeout):
-            is_above = statement in self._macro_statements
-            yield self._define_macro(name, time_ns, about="see above" if is_above else statement)
+        for index, (name, time_ns) in enumerate(timeout_limits(timeout)):
+            yield self._define_macro(name, time_ns, "see above" if index else statement)
 
     @property
-    def exchanged(self) -> str:
-        """Macro of the first request for the position over SPI, or an empty string."""
+    def position_request(self) -> str:
+        """The macro of the first request for the position over SPI, or an empty string."""
         spi_exchanges = self.interface.exchanges if isinstance(self.interface, Spi) else ()
         for spi_exchange in spi_exchanges:
             if spi_exchange.purpose == "position":
-                return f"{self.upper}_REQUEST_{spi_exchange.request}".upper()
+                return f"{self._macro_prefix}_REQUEST_{spi_exchange.request}".upper()
         return ""
 
-    def _yield_control_macros(self) -> Iterator[CMacro]:
-        """Yield the macros of requests: the control field over RS-485, or a number over SPI."""
+    def _requests_and_statements(self) -> Iterator[tuple[CMacro, Statement]]:
+        """Yield the macros of requests, which are the control field over RS-485 and a number over SPI.
+
+        Each comes with the statement that is its comment.
+        """
         if isinstance(self.interface, Rs485):
-            for rs485_id in self.interface.data_ids:
-                yield self._define_macro(
-                    f"CONTROL_{rs485_id.name}", rs485_id.control, about=describe_data_id(rs485_id), hexadecimal=True
-                )
+            for data_id in self.interface.data_ids:
+                statement = describe_data_id(data_id)
+                name = f"CONTROL_{data_id.name}"
+                yield self._define_macro(name, data_id.control, statement, hexadecimal=True), statement
         if isinstance(self.interface, Spi):
-            # 0 means that there is none.
+            # 0 means that there is no request.
             for request_number, spi_exchange in enumerate(self.interface.exchanges, 1):
-                yield self._define_macro(
-                    f"REQUEST_{spi_exchange.request}", request_number, about=describe_exchange(spi_exchange)
-                )
+                statement = describe_exchange(spi_exchange)
+                yield self._define_macro(f"REQUEST_{spi_exchange.request}", request_number, statement), statement
 
     @property
     def controls_title(self) -> str:

@@ -2,15 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from math import prod
 
 from ...language.document import Path
-from ...model import Device, Layout
 from ...model.expressions import Expression, Factor, Term
 from ...model.record import dataclass
 from .. import TargetError
-from .reserved_words import RESERVED
+
+#: The keywords of C up to C23, of C++ up to C++26 and its technical specifications, and of common compilers,
+#: as far as they can be names in a spec.
+_KEYWORDS = """
+    alignas alignof and and_eq asm atomic_cancel atomic_commit atomic_noexcept auto bitand bitor bool break case
+    catch char char16_t char32_t char8_t class co_await co_return co_yield compl concept const const_cast consteval
+    constexpr constinit continue contract_assert decltype default delete do double dynamic_cast else enum explicit
+    export extern false final float for fortran friend goto if import inline int long module mutable namespace new
+    noexcept not not_eq nullptr operator or or_eq override private protected public reflexpr register
+    reinterpret_cast requires restrict return short signed sizeof static static_assert static_cast struct switch
+    synchronized template this thread_local throw true try typedef typeid typename typeof typeof_unqual union
+    unsigned using virtual void volatile wchar_t while xor xor_eq
+"""
+#: Types and macros of the three headers that the generated ones include.
+_SIZES = [f"{speed}{bits}" for speed in ("", "_least", "_fast") for bits in (8, 16, 32, 64)]
+_SIZED_TYPES = " ".join(f"{sign}int{size}_t" for sign in ("", "u") for size in _SIZES)
+_TYPES = (
+    "intmax_t intptr_t max_align_t nullptr_t offsetof ptrdiff_t size_t uintmax_t uintptr_t unreachable " + _SIZED_TYPES
+)
+#: Object-like macros of compilers, and of headers of C, Windows, Qt, POSIX and small processors.
+_MACROS = """
+    assert bool cdecl complex emit environ errno far foreach forever fortran hpux huge hyper i386 i860 i960
+    imaginary interface interrupt linux m68k math_errhandling max mc68000 min mips near noreturn pascal pdp11 pixel
+    powerpc quad sgi signals signgam slots small sparc stdcall stderr stdin stdout sun timezone tzname ultrix unix
+    vax vector vms
+"""
+#: Functions for double. avr-libc maps the names with an f at the end to them.
+_DOUBLE_FUNCTIONS = """
+    acos asin atan atan2 cbrt ceil copysign cos cosh exp fabs fdim floor fma fmax fmin fmod frexp hypot isfinite
+    isinf isnan ldexp log log10 lrint lround pow round signbit sin sinh sqrt square strtod tan tanh trunc
+"""
+_MATH = " ".join(f"{name}f" for name in _DOUBLE_FUNCTIONS.split())
+RESERVED = frozenset(f"{_KEYWORDS} {_TYPES} {_MACROS} {_MATH}".split())
 
 #: Folder of the headers, and the folder in which they are installed.
 FOLDER = "codewheel"
@@ -31,111 +62,9 @@ def c_name(name: str, taken_names: Iterable[str] = ()) -> str:
     return f"{name}_" if is_reserved else name
 
 
-_SECTION_IN_WORDS = {
-    "alarms": "the alarm",
-    "alternatives": "the alternative",
-    "crcs": "the CRC",
-    "device": "the family",
-    "layouts": "the layout",
-    "order_code": "the order code",
-    "parameters": "the parameter",
-    "parts": "the part of the order code",
-    "procedures": "the procedure",
-    "registers": "the register",
-    "timings": "the timing",
-}
-
-
 #: A name at file scope, and the part of the spec that it comes from, empty for names that every header has.
 #: Each part of a header lists its names in ``declared()``.
 DeclaredName = tuple[str, Path]
-
-
-@dataclass(frozen=True)
-class NameClash:
-    """Two parts of a spec with the same name in C. ``other`` is empty for names that every header has."""
-
-    name: str
-    path: Path
-    other: Path
-
-    def message(self, where: str = "") -> str:
-        """Return the problem and its fix. ``where`` gives the place of the other part, as in `` on line 5``."""
-        if not self.other:
-            return f"its C name {self.name} is already used by the headers; rename it"
-        return f"its C name {self.name} is also that of {describe_path(self.other)}{where}; rename one of the two"
-
-
-def describe_path(path: Path) -> str:
-    """Describe a part of the spec in words: ``the register 'status'`` for ``("registers", "status")``.
-
-    Its kind is the last step of the path that has a word here, or else the first step.
-    """
-    kind = next((step for step in reversed(path) if step in _SECTION_IN_WORDS), path[0])
-    kind_in_words = _SECTION_IN_WORDS.get(str(kind), str(kind))
-    name = path[-1]
-    # A path such as ("order_code",) has no name.
-    return f"{kind_in_words} '{name}'" if name != kind else kind_in_words
-
-
-class HeaderNames:
-    """The names of one header. A name belongs to the first part that declares it. Any other part is a clash."""
-
-    def __init__(self, declared: Iterable[DeclaredName]) -> None:
-        self.paths: dict[str, Path] = {}
-        self.clashes: list[NameClash] = []
-        for name, path in declared:
-            if name not in self.paths:
-                self.paths[name] = path
-            elif path:
-                self.clashes.append(NameClash(name, path, self.paths[name]))
-            else:
-                # Every header declares this name, so the earlier part is the one to rename.
-                self.clashes.append(NameClash(name, self.paths[name], ()))
-
-
-def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
-    """Yield the C names of members, arguments and locals, and the part of the spec that each comes from.
-
-    The same name can come several times, because each has a scope of its own.
-    """
-    for parameter in device.parameters:
-        yield c_name(parameter.name), ("parameters", parameter.name)
-    paths_and_layouts: list[tuple[Path, Layout]] = []
-    for interface, layout in device.layouts():
-        paths_and_layouts.append((("interfaces", interface.name, "layouts", layout.name), layout))
-    paths_and_layouts += [(("registers", register.name), register.layout) for register in device.registers]
-    for path, layout in paths_and_layouts:
-        yield from ((c_name(field.name), path) for field in layout.fields)
-        for field in layout.fields:
-            yield from ((c_name(run.name), path) for run in field.runs)
-        yield from ((c_name(join.name), path) for join in layout.joins)
-    for register in device.registers:
-        yield c_name(register.name), ("registers", register.name)
-    for procedure in device.procedures:
-        yield from ((c_name(argument.name), ("procedures", procedure.name)) for argument in procedure.arguments)
-
-
-def clashes(headers: Iterable[tuple[Device, HeaderNames]]) -> Iterator[tuple[Device, NameClash]]:
-    """Yield every clash within these headers, and between families, with the device in whose spec it is.
-
-    An inner name clashes with a name that an earlier header or its own declares at file scope. The name of a
-    manufacturer clashes if it is one of ``TAKEN``.
-    """
-    declared_paths: dict[str, Path] = {}
-    for device, names in headers:
-        if device.manufacturer.name in TAKEN:
-            yield device, NameClash(device.manufacturer.name, ("manufacturer",), ())
-        for clash in names.clashes:
-            yield device, clash
-        for name, path in names.paths.items():
-            if name in declared_paths:
-                yield device, NameClash(name, path or ("device",), declared_paths[name])
-            # For the families that follow, a name belongs to the family rather than to a part of it.
-            declared_paths[name] = ("device", device.name)
-        for name, path in inner_names(device):
-            if name in declared_paths:
-                yield device, NameClash(name, path, ())
 
 
 _PLAIN_CHARACTERS = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter not in '"\\?')
@@ -147,14 +76,14 @@ def string(text: object) -> str:
 
 
 def _escape_character(byte: int) -> str:
-    """Return a byte as a character of a string literal, in octal if it has another meaning in C or in a trigraph."""
+    """Return a byte as a character of a string literal, in octal unless it is printable and plain in C."""
     return chr(byte) if chr(byte) in _PLAIN_CHARACTERS else f"\\{byte:03o}"
 
 
 def c_number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
     """Return ``value`` as an unsigned constant, such as ``24U``, ``0x1BU`` or ``UINT64_C(4294967296)``.
 
-    ``digits`` is the least number of hexadecimal digits. More than 8 digits also make it a constant of 64 bits.
+    ``digits`` is the minimum number of hexadecimal digits. With more than 8, the constant has 64 bits.
     """
     literal = f"0x{value:0{digits}X}" if hexadecimal else str(value)
     has_64_bits = value > 0xFFFFFFFF or (hexadecimal and digits > 8)
@@ -186,6 +115,7 @@ def size_of(bits: int) -> int:
 
 
 def signed(bits: int) -> str:
+    """Return the smallest signed type for ``bits`` bits."""
     return f"int{size_of(bits)}_t"
 
 
@@ -195,13 +125,13 @@ def unsigned(bits: int) -> str:
 
 
 class CExpression:
-    """C expression, whose text is its ``str``."""
+    """A C expression. Its text is its ``str``."""
 
     __slots__ = ()
 
     @property
     def operand(self) -> str:
-        """The text to use inside an operation, or after a cast."""
+        """The text to use as an operand or after a cast, in parentheses if it needs them there."""
         return str(self)
 
 
@@ -229,6 +159,8 @@ class CNumber(CExpression):
 
 @dataclass(frozen=True, slots=True)
 class CCall(CExpression):
+    """A call of a function."""
+
     function: str
     arguments: tuple[CExpression, ...]
 
@@ -238,6 +170,8 @@ class CCall(CExpression):
 
 @dataclass(frozen=True, slots=True)
 class CCast(CExpression):
+    """A value cast to a type."""
+
     type: str
     value: CExpression
 
@@ -270,14 +204,14 @@ class COperation(CExpression):
 
 @dataclass(frozen=True, slots=True)
 class Conditional(CExpression):
-    """One of two values: the first if the condition holds."""
+    """One of two values, depending on a condition."""
 
     condition: CExpression
-    then: CExpression
-    otherwise: CExpression
+    value_if_true: CExpression
+    value_if_false: CExpression
 
     def __str__(self) -> str:
-        return f"{self.condition.operand} ? {self.then.operand} : {self.otherwise.operand}"
+        return f"{self.condition.operand} ? {self.value_if_true.operand} : {self.value_if_false.operand}"
 
     @property
     def operand(self) -> str:
@@ -301,12 +235,14 @@ def shifted_left(value: CExpression, by: int | CExpression) -> CExpression:
 
 
 def _has_product(expression: CExpression) -> bool:
+    """Return True if an expression contains a multiplication."""
     if not isinstance(expression, COperation):
         return False
     return expression.operator == "*" or any(map(_has_product, expression.operands))
 
 
 def masked(value: CExpression, mask: int) -> CExpression:
+    """Return the bits of ``value`` in a mask, such as ``word & 0x7FU``."""
     return COperation("&", (value, CNumber(mask, hexadecimal=True)))
 
 
@@ -317,17 +253,20 @@ def join_operands(operator: str, operands: tuple[CExpression, ...]) -> CExpressi
 
 @dataclass(frozen=True, slots=True)
 class StructPassing:
-    """The spelling of structures that functions receive: by value, or by address for compilers that cannot do this."""
+    """How functions receive structs: by value, or by address for compilers that cannot pass structs by value."""
 
     by_address: bool = False
 
     def parameter(self, type_: str, name: str) -> str:
+        """Return the declaration of a parameter that is a struct."""
         return f"const {type_} *{name}" if self.by_address else f"{type_} {name}"
 
-    def argument(self, structure: str) -> str:
-        return f"&{structure}" if self.by_address else structure
+    def argument(self, struct: str) -> str:
+        """Return the argument that passes a struct."""
+        return f"&{struct}" if self.by_address else struct
 
     def member(self, parameter: str, member: str) -> str:
+        """Return a member of a parameter that is a struct, such as ``variant.position_bits``."""
         return f"{parameter}{'->' if self.by_address else '.'}{member}"
 
 
@@ -337,10 +276,11 @@ BY_ADDRESS = StructPassing(by_address=True)
 
 @dataclass(frozen=True)
 class ParameterSpelling:
-    """The spelling of parameters: set parameters are members of the variant, others are functions of it.
+    """How C expresses the parameters of an order code, such as the number of position bits.
 
-    ``largest`` contains the highest values of the parameters that an order code sets. A parameter that depends on an
-    alternative of the manual is a function of the argument that ``answers`` names.
+    A parameter that the order code sets is a member of the variant. ``largest`` contains its highest value. Other
+    parameters are functions of the variant. If a parameter depends on a question that the manual leaves open, it is a
+    function of the user's answer, and ``answers`` contains the name of that argument.
     """
 
     prefix: str
@@ -348,8 +288,8 @@ class ParameterSpelling:
     answers: Mapping[str, str]
     passing: StructPassing = BY_VALUE
 
-    def atom(self, parameter: str) -> CExpression:
-        """Return a parameter: a function of an answer, a member of the variant, or a function of the variant."""
+    def express_parameter(self, parameter: str) -> CExpression:
+        """Return a parameter as C: a member of the variant, or the call of a function."""
         if parameter in self.answers:
             return CCall(f"{self.prefix}_{parameter}", (CName(self.answers[parameter]),))
         if parameter in self.largest:
@@ -365,36 +305,35 @@ class ParameterSpelling:
         return any(parameter not in self.answers for parameter in expression.parameters)
 
     def mask(self, width: Expression) -> CExpression:
-        """Return a mask of ``width`` 1 bits."""
+        """Return a mask whose lowest ``width`` bits are 1."""
         if width.is_constant:
             return CNumber((1 << width.constant) - 1, hexadecimal=True)
         return CCall("cw_mask", (self.expression_of(width),))
 
     def expression_of(self, expression: Expression) -> CExpression:
-        """Return the expression in C, unsigned, such as ``8U + variant.position_bits - 1U``.
+        """Return an expression of the spec as C, unsigned, such as ``8U + variant.position_bits - 1U``.
 
-        No intermediate result is negative unless the result is.
+        What is added comes first, so that no intermediate result is negative unless the result is.
         """
         match expression:
-            case Expression(-1, (Term(1, (Factor(exponent, True),)),)):
+            case Expression(constant=-1, terms=(Term(multiple=1, factors=(Factor(parameter=exponent, power=True),)),)):
                 # 2 to the power of the parameter, minus 1.
-                return CCall("cw_mask", (self.atom(exponent),))
-        # Terms with positive multiples come first, so that no intermediate result is negative.
+                return CCall("cw_mask", (self.express_parameter(exponent),))
         added = [self._express_term(term) for term in expression.terms if term.multiple > 0]
         subtracted = [self._express_term(term) for term in expression.terms if term.multiple < 0]
-        is_single_operand = len(expression.terms) == 1 and expression.constant >= 0
+        if expression.constant < 0:
+            subtracted.append(CNumber(-expression.constant))
         if expression.constant > 0 or not added:
             # Without terms to add, the subtraction begins with 0.
             added.insert(0, CNumber(max(expression.constant, 0)))
-        elif isinstance(added[0], CName) and not is_single_operand:
+        has_several_operands = len(added) + len(subtracted) > 1
+        if isinstance(added[0], CName) and has_several_operands:
             # The member can have 8 bits, which would be promoted to a signed type.
             added[0] = CCast("uint32_t", added[0])
-        if expression.constant < 0:
-            subtracted.append(CNumber(-expression.constant))
         return join_operands("-", (join_operands("+", tuple(added)), *subtracted))
 
     def signed(self, expression: Expression) -> CExpression:
-        """Return the expression in 64 bits with a sign.
+        """Return an expression of the spec as C, in 64 bits with a sign.
 
         A power of two is written as its mask plus one, since the power itself may not fit.
         """
@@ -406,7 +345,7 @@ class ParameterSpelling:
                 # The power is one more than its mask.
                 constant += term.multiple
                 (exponent,) = term.factors
-                product: CExpression = CCall("cw_mask", (self.atom(exponent.parameter),))
+                product: CExpression = CCall("cw_mask", (self.express_parameter(exponent.parameter),))
             else:
                 product = self._express_term(term)
             signs_and_products.append((sign, CCast("int64_t", product)))
@@ -421,9 +360,9 @@ class ParameterSpelling:
         return total
 
     def _express_term(self, term: Term) -> CExpression:
-        """Return the product of a term without its sign, in 64 bits if 32 may be too few.
+        """Return the product of a term without its sign, such as ``(uint32_t)variant.turns * 4U``.
 
-        A single parameter keeps its own type. A power of two has 64 bits already.
+        It has 64 bits if 32 may be too few. A single parameter keeps its own type.
         """
         first_factor, *further_factors = (self._express_factor(factor) for factor in term.factors)
         if abs(term.multiple) != 1:
@@ -448,5 +387,6 @@ class ParameterSpelling:
         return any(map(self._has_64_bits, expression.terms))
 
     def _express_factor(self, factor: Factor) -> CExpression:
-        name = self.atom(factor.parameter)
-        return COperation("<<", (CCast("uint64_t", CNumber(1)), name)) if factor.power else name
+        """Return a factor: a parameter, or 2 to the power of a parameter."""
+        parameter = self.express_parameter(factor.parameter)
+        return COperation("<<", (CCast("uint64_t", CNumber(1)), parameter)) if factor.power else parameter

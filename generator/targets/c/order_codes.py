@@ -19,7 +19,7 @@ from ...model.record import dataclass
 from ...order_codes.labels import fill_pattern, values_by_spelling, without_blanks
 from .. import TargetError
 
-_PATTERN_ATOM = re.compile(
+_PATTERN_UNIT = re.compile(
     r"(?P<unit>\[[^\]]+\]|\\d|\\.|[A-Za-z0-9-])(?:\{(?P<least>\d+)(?:,(?P<most>\d+))?\}|(?P<maybe>\?))?"
 )
 _MARK_BY_CLASS = {
@@ -42,7 +42,10 @@ _MOST_COMBINATIONS = 100_000
 
 @dataclass(frozen=True)
 class OpenCode:
-    """A pattern for labels. ``code`` is the index of its order code, or None if the label is refused."""
+    """A pattern for labels. ``code`` is the index of its order code, or None if such a label is not an order code.
+
+    ``unlisted`` are the parts for which the label shows a value that the manual does not list.
+    """
 
     pattern: str
     code: int | None
@@ -51,7 +54,7 @@ class OpenCode:
 
 @dataclass(frozen=True)
 class _Choice:
-    """A string for a part of an order code: a listed string, or a pattern if the manual leaves it open.
+    """A text for a part of an order code: a value that the manual lists, or a pattern if the manual leaves it open.
 
     ``label`` is the text on the label if that differs.
     """
@@ -62,38 +65,40 @@ class _Choice:
 
     @property
     def shown(self) -> str:
+        """The text or pattern on the label."""
         return self.label or self.text
 
 
 def written_out(expression: str) -> tuple[str, ...]:
-    """Return the patterns of an open part, the longest first, or nothing if it cannot be expanded.
+    """Return the patterns that a regular expression of an open part stands for, the longest first.
 
-    ``[A-Z][0-9]{2}|X`` gives ``@##`` and ``X``. More than ``_MOST_PATTERNS`` count as not expanded.
+    ``[A-Z][0-9]{2}|X`` gives ``@##`` and ``X``. The result is empty if the expression is not supported, or if it stands
+    for more than ``_MOST_PATTERNS`` patterns.
     """
     patterns: list[str] = []
     for alternative in expression.split("|"):
-        # An atom is a unit with its repetitions, as the tuple of its patterns.
-        atoms = []
+        # For each unit of the expression, such as ``[0-9]{1,2}``, the patterns that it stands for.
+        patterns_of_units: list[tuple[str, ...]] = []
         start = 0
         while start < len(alternative):
-            match = _PATTERN_ATOM.match(alternative, start)
+            match = _PATTERN_UNIT.match(alternative, start)
             if match is None:
                 return ()
-            atoms.append(_repeat_unit(match, is_last=match.end() == len(alternative)))
+            patterns_of_units.append(_repeat_unit(match, is_last=match.end() == len(alternative)))
             start = match.end()
-        if not all(atoms):
+        if not all(patterns_of_units):
             return ()
-        patterns += map("".join, itertools.product(*atoms))
+        patterns += map("".join, itertools.product(*patterns_of_units))
         if len(patterns) > _MOST_PATTERNS:
             return ()
     return tuple(sorted(patterns, key=len, reverse=True))
 
 
 def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
-    """Return a unit followed by its repetitions, longest first, or nothing if this kind of unit has no mark.
+    """Return the patterns that a unit of a regular expression stands for, the longest first.
 
-    More than ``_MOST_PATTERNS`` repetitions give nothing, too.
-    ``[0-9]{1,2}`` gives ``##`` and ``#``, or the single pattern ``#~`` at the end of an expression.
+    ``[0-9]{1,2}`` gives ``##`` and ``#``, or at the end of an expression the single pattern ``#~``. The result is empty
+    if there is no mark for the characters, or for more than ``_MOST_PATTERNS`` repetitions.
     """
     mark = _mark_of_characters(match["unit"])
     if match["maybe"]:
@@ -111,7 +116,7 @@ def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
 def _mark_of_characters(unit: str) -> str:
     """Return the mark for a class of characters, or the character itself: ``#`` for ``[0-9]``, ``-`` for ``\\-``.
 
-    Another class has no mark and returns an empty string.
+    The result is empty for a class without a mark.
     """
     is_escaped_sign = unit[0] == "\\" and not unit[1:].isalnum()
     stands_for_itself = len(unit) == 1 or is_escaped_sign
@@ -120,15 +125,18 @@ def _mark_of_characters(unit: str) -> str:
 
 
 def unknown_parts(device: Device) -> tuple[str, ...]:
-    """Return the names of the open parts whose unlisted values the table lacks, since none can be expanded."""
+    """Return the names of the parts for which the header knows only the listed values.
+
+    The manual leaves these parts open, but the table of patterns cannot express which other values they can have.
+    """
     return tuple(part.name for part in device.order_code.parts if part.open and not written_out(part.open))
 
 
 def open_codes(device: Device) -> tuple[OpenCode, ...]:
     """Return the patterns for order codes with open parts and for labels in other spellings. The first match decides.
 
-    A pattern with an open part also matches listed values. If their combination is not an order code, a refused
-    pattern comes before it.
+    A pattern with an open part also matches listed values. If their combination is not an order code, a pattern that
+    rejects it comes first.
 
     Raises:
         TargetError: The spellings have more than ``_MOST_COMBINATIONS`` combinations of listed values and patterns.
@@ -167,10 +175,10 @@ class _Spelling:
 
 
 def _build_spelling(pattern: str, choices: Mapping[str, Sequence[_Choice]], *, is_listed: bool) -> _Spelling:
-    """Return a spelling with these choices for each part, by name.
+    """Return a spelling of labels with these choices for each part, by name.
 
-    If a digit may follow a part, C would take that digit for an optional one of the part. The part then has a pattern
-    for each number of digits.
+    If a digit may follow a part, an optional digit at the end of the part (``~``) would match it. Such a part has a
+    separate pattern for each number of digits instead.
     """
     choices_of_parts = []
     for name, part_choices in choices.items():
@@ -189,16 +197,18 @@ def _may_precede_digit(name: str, pattern: str, choices: Mapping[str, Sequence[_
 
 
 def _count_digits(choices: Sequence[_Choice]) -> Sequence[_Choice]:
-    """Return choices without optional digits, the longest first: ``##`` and ``#`` for ``#~``."""
-    counted = []
+    """Return the choices with a pattern for each number of optional digits: ``##`` and ``#`` for ``#~``."""
+    choices_with_fixed_length: list[_Choice] = []
     for choice in choices:
         if not choice.is_open:
-            counted.append(choice)
+            choices_with_fixed_length.append(choice)
             continue
-        fixed_text = choice.text.rstrip("~")
-        for digits in range(len(choice.text) - len(fixed_text), -1, -1):
-            counted.append(_Choice(fixed_text + "#" * digits, is_open=True))
-    return counted
+        text_without_optional_digits = choice.text.rstrip("~")
+        number_of_optional_digits = len(choice.text) - len(text_without_optional_digits)
+        for digits in range(number_of_optional_digits, -1, -1):
+            pattern = text_without_optional_digits + "#" * digits
+            choices_with_fixed_length.append(_Choice(pattern, is_open=True))
+    return choices_with_fixed_length
 
 
 class _Codes:
@@ -211,23 +221,23 @@ class _Codes:
         self._indices: dict[tuple[str, ...], dict[tuple[str, ...], list[int]]] = {}
 
     def first(self, chosen: Mapping[str, _Choice]) -> int | None:
-        """Return the index of the first order code with the listed parts that allows the open parts, or None.
+        """Return the index of the first order code that has the listed texts in ``chosen``, or None.
 
-        ``chosen`` contains a string for each part of the order code.
+        ``chosen`` contains a text or a pattern for each part. An order code is skipped if its values do not allow an
+        open part to have other values.
         """
         part_names = tuple(name for name, choice in chosen.items() if not choice.is_open)
         listed_texts = tuple(chosen[name].text for name in part_names)
         for index in self._indices_by_texts(part_names).get(listed_texts, ()):
             variant = self._device.variants[index]
-            conditions = _open_combinations(self._device.order_code.parts, chosen, variant)
-            if all(conditions):
+            if all(_conditions_of_open_parts(self._device.order_code.parts, chosen, variant)):
                 return index
         return None
 
     def _indices_by_texts(self, part_names: tuple[str, ...]) -> Mapping[tuple[str, ...], list[int]]:
-        """Return the indices of all order codes, by their texts of these parts: ``{("24", "B"): [0, 3]}``.
+        """Return the indices of all order codes by their texts for these parts, such as ``{("24", "B"): [0, 3]}``.
 
-        They are computed once for each set of parts.
+        The result is computed once for each set of parts.
         """
         if part_names not in self._indices:
             indices_by_texts: dict[tuple[str, ...], list[int]] = defaultdict(list)
@@ -238,10 +248,10 @@ class _Codes:
 
 
 def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
-    """Return the patterns of one spelling, with the fewest open parts first.
+    """Return the patterns of one spelling. Those with the fewest open parts come first.
 
-    Order codes without open parts need no pattern in the listed spelling. A combination that is not an order code needs
-    a pattern, which refuses it, only if a pattern with open parts would match it.
+    In the spelling of the manual's list, order codes without open parts need no pattern. A combination that is not an
+    order code needs a pattern that rejects it only if a pattern with open parts would match it.
     """
     combinations = [dict(zip(codes.names, choices, strict=True)) for choices in itertools.product(*spelling.choices)]
     choices_and_indices = [(chosen, codes.first(chosen)) for chosen in combinations]
@@ -266,15 +276,20 @@ def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
 
 
 def _open_parts(chosen: Mapping[str, _Choice]) -> tuple[str, ...]:
+    """Return the names of the parts for which a pattern is chosen."""
     return tuple(name for name, choice in chosen.items() if choice.is_open)
 
 
 def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
+    """Return the choices that are patterns."""
     return [choice for choice in choices if choice.is_open]
 
 
 def _choices_of_spelling(part: CodePart, spelling: Spelling) -> list[_Choice]:
-    """Return the choices for a part in another spelling: the spelling's texts for the values, or else the part's."""
+    """Return the choices for a part in another spelling of labels.
+
+    They are the texts that this spelling has for the values of the part, or else the usual choices for the part.
+    """
     has_own_texts = any(value.part == part.name for value in spelling.values)
     if has_own_texts:
         texts_on_label = values_by_spelling(part, spelling).items()
@@ -292,21 +307,23 @@ def _list_choices(part: CodePart) -> list[_Choice]:
     return choices
 
 
-def _open_combinations(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant) -> Iterator[bool]:
-    """Yield, for each condition of an open part on another part, whether an order code meets it.
+def _conditions_of_open_parts(
+    parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant
+) -> Iterator[bool]:
+    """Yield True or False for each condition under which a part may have unlisted values (``open_only_with``).
 
-    The condition is that the other part is open too, or has certain values.
+    Such a condition is met if the other part is open too, or if the order code has one of the given values for it.
     """
     for part in parts:
         if chosen[part.name].is_open:
-            for other_part, allowed in part.open_only_with.items():
-                yield chosen[other_part].is_open or variant.parts[other_part] in allowed
+            for other_part, allowed_values in part.open_only_with.items():
+                yield chosen[other_part].is_open or variant.parts[other_part] in allowed_values
 
 
 def _is_matched_by_open_pattern(
     chosen: tuple[_Choice, ...], patterns: Sequence[Sequence[_Choice]], allowed: Set[tuple[_Choice, ...]]
 ) -> bool:
-    """Return True if a label with the strings ``chosen`` would match an allowed combination with more open parts.
+    """Return True if a label with the texts ``chosen`` would match a combination that has patterns for more parts.
 
     ``patterns`` contains the patterns of each part, and ``allowed`` the combinations that lead to an order code. If
     ``A-#`` is allowed, it would match the label ``A-7``.
@@ -314,12 +331,12 @@ def _is_matched_by_open_pattern(
     if not allowed:
         return False
     choices_and_patterns = zip(chosen, patterns, strict=True)
-    wider = (_wider_choices(choice, part_patterns) for choice, part_patterns in choices_and_patterns)
-    return any(values in allowed for values in itertools.product(*wider))
+    matching_choices = (_matching_choices(choice, part_patterns) for choice, part_patterns in choices_and_patterns)
+    return any(combination in allowed for combination in itertools.product(*matching_choices))
 
 
-def _wider_choices(choice: _Choice, patterns: Sequence[_Choice]) -> list[_Choice]:
-    """Return a choice, and the patterns that match its text if it is a listed value."""
+def _matching_choices(choice: _Choice, patterns: Sequence[_Choice]) -> list[_Choice]:
+    """Return a choice, followed by the patterns that match its text if it is a listed value."""
     if choice.is_open:
         return [choice]
     return [choice, *(pattern for pattern in patterns if _compile_pattern(pattern.text).fullmatch(choice.text))]

@@ -37,8 +37,8 @@ TEMPLATE = "ASSUMPTIONS.md.jinja"
 
 
 @dataclass(frozen=True)
-class Frames:
-    """Frames of one length whose CRCs have the same polynomial, and the errors that the CRC misses in them."""
+class FramesWithCrc:
+    """Frames of one length whose CRCs have the same polynomial, and the errors that the CRC does not detect in them."""
 
     crc: Crc
     names: tuple[str, ...]
@@ -47,7 +47,7 @@ class Frames:
 
 class Assumptions(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
-    frames: Annotated[list[Frames], "the frames with a CRC, by CRC and length"]
+    frames: Annotated[list[FramesWithCrc], "the frames with a CRC, by CRC and length"]
     silent: Annotated[list[str], "the frames with a position whose verdict is always unknown"]
     unprotected: Annotated[list[str], "the SSI words with a position that have no CRC"]
     interfaces: Annotated[frozenset[str], "the interfaces of the encoders"]
@@ -59,12 +59,12 @@ class Assumptions(TypedDict):
 def assumptions_files(
     makers: Iterable[tuple[Manufacturer, tuple[Device, ...]]], render: Callable[[str, Mapping[str, object]], str]
 ) -> Iterator[tuple[str, str]]:
-    """Yield the page of each manufacturer, by its path in the C folder."""
+    """Yield the path in the C folder and the text of each manufacturer's page with assumptions, for safety reviews."""
     for maker, devices in makers:
         interfaces = [interface for device in devices for interface in device.interfaces]
         values: Assumptions = {
             "maker": maker,
-            "frames": list(_yield_frames(devices)),
+            "frames": list(_group_frames_by_crc(devices)),
             "silent": list(_frames_without_verdict(devices)),
             "unprotected": list(_yield_unprotected(devices)),
             "interfaces": frozenset(interface.name for interface in interfaces),
@@ -75,8 +75,8 @@ def assumptions_files(
         yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
 
 
-def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
-    """Yield the frames whose CRCs have the same polynomial and which have the same length, with the undetected errors.
+def _group_frames_by_crc(devices: tuple[Device, ...]) -> Iterator[FramesWithCrc]:
+    """Yield the frames that have the same length and the same polynomial, with the errors that the CRC does not detect.
 
     They are in order of the width of the CRC, of its polynomial and of the length.
     """
@@ -85,19 +85,19 @@ def _yield_frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
         for interface, layout in device.layouts():
             name = _frame_name(device, interface.title, layout)
             for crc, bits in _crcs_and_lengths(device, interface.name, layout):
-                key = (crc.width, crc.poly, bits)
-                crcs_by_width_poly_and_bits.setdefault(key, {}).setdefault(name, crc)
+                crc_by_name = crcs_by_width_poly_and_bits.setdefault((crc.width, crc.poly, bits), {})
+                crc_by_name.setdefault(name, crc)
     # The undetected errors depend only on width, polynomial and length, so any CRC with these represents all.
-    for (_, _, bits), crcs_by_name in sorted(crcs_by_width_poly_and_bits.items()):
-        first_crc = next(iter(crcs_by_name.values()))
-        yield Frames(first_crc, tuple(crcs_by_name), residual_of(first_crc, bits))
+    for (_, _, bits), crc_by_name in sorted(crcs_by_width_poly_and_bits.items()):
+        first_crc = next(iter(crc_by_name.values()))
+        yield FramesWithCrc(first_crc, tuple(crc_by_name), residual_of(first_crc, bits))
 
 
 def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
-    """Yield each CRC of a layout with each length of its frames in bits. The same pair can come several times.
+    """Yield each CRC of a frame with each length in bits that the frame can have. A pair can come several times.
 
-    The length is the length for each order code and answer, and if all have a CRC, also the longest that registers can
-    cause.
+    The lengths are those for each order code and each answer to an open question. If all frames have the CRC, the
+    longest frame that registers of the encoder can select is included.
     """
     if layout.always_has_crc:
         for crc in device.crcs_of(layout):
@@ -114,12 +114,8 @@ def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with a position whose verdict is always unknown: no flag or unused bit affects it."""
     for device in devices:
         for reporting in reportings(device).values():
-            verdict_rules = reporting.verdict_rules
-            if (
-                verdict_rules is not None
-                and verdict_rules.otherwise is Verdict.UNKNOWN
-                and not verdict_rules.worst_first
-            ):
+            rules = reporting.verdict_rules
+            if rules is not None and rules.otherwise is Verdict.UNKNOWN and not rules.worst_first:
                 yield _frame_name(device, reporting.interface.title, reporting.codec.layout)
 
 
@@ -142,7 +138,7 @@ def _frames_with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
 
 
 def _frames_with_comparison(devices: tuple[Device, ...]) -> Iterator[str]:
-    """Yield the frames with several data channels whose positions are compared."""
+    """Yield the frames with several data channels whose positions must agree."""
     for device in devices:
         for interface in device.interfaces:
             frame = channel_frame(interface)
@@ -152,16 +148,20 @@ def _frames_with_comparison(devices: tuple[Device, ...]) -> Iterator[str]:
 
 
 def _of_some_codes(layout: Layout) -> str:
-    """Return the remark that only some order codes lack a CRC, or an empty string if all do."""
+    """Return the remark that only some order codes have no CRC, or an empty string if this applies to all."""
     return " (some order codes)" if layout.crc_fields else ""
 
 
 def _frame_name(device: Device, interface: str, layout: Layout) -> str:
+    """Return the name of a frame on a page for all families, such as ``AMM5 BiSS: position``."""
     return f"{device.name.upper()} {interface}: {name_in_words(layout.name)}"
 
 
 class ReceiverCode:
-    """The values that the template prints: the order code with the longest frame, and the example of that frame."""
+    """The values for the template of a program that receives frames by DMA.
+
+    The program is for the order code with the longest frame.
+    """
 
     def __init__(self, example: ExampleCode) -> None:
         view = example.view
@@ -188,7 +188,7 @@ class ReceiverCode:
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
-    """Yield a program for each example over BiSS whose only frame has a verdict and a position."""
+    """Yield a program that receives by DMA for each example over BiSS with one frame, whose position has a verdict."""
     for example in examples:
         has_verdict = example.reports is not None and bool(example.reports.verdict)
         has_position = bool(example.counts) and example.position is not None
@@ -244,7 +244,10 @@ class Package(Named):
 def package_files(
     views: Sequence[DeviceView], runtime: Iterable[str], tests: Iterable[str], render: Render
 ) -> dict[str, str]:
-    """Return the files of the package that belong to no family nor to ``tests``, by their path in the C folder."""
+    """Return the files of the package that all families share, such as the README, by their path in the C folder.
+
+    ``runtime`` and ``tests`` are the paths of files that other functions return, for lists of files in the package.
+    """
     examples = [example for view in views for example in example_codes(view)]
     programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
     makers = manufacturers(view.device for view in views)
@@ -258,8 +261,8 @@ def package_files(
         "guide": choose_guide(examples),
         "families": list(dict.fromkeys(view.device.name for view in views)),
         "views": views,
-        "with_tables": _makers_with_crc(views, lambda crc: not crc.by_bits and bool(crc.table)),
-        "with_bitwise": _makers_with_crc(views, lambda crc: crc.by_bits),
+        "with_tables": _makers_with_crc(views, lambda crc: not crc.can_be_bitwise and bool(crc.table)),
+        "with_bitwise": _makers_with_crc(views, lambda crc: crc.can_be_bitwise),
         "longest": _longest_procedure(views),
         "headers": [*_headers_of_families(views), *(f"{FOLDER}/{name}" for name in runtime)],
         "runtime": list(runtime),
@@ -278,7 +281,7 @@ def package_files(
 
 
 def _longest_procedure(views: Iterable[DeviceView]) -> ProcedureCode | None:
-    """Return the procedure with arguments that has the most steps, or None without any."""
+    """Return the procedure with arguments that has the most steps, or None if no procedure has arguments."""
     procedures: list[ProcedureCode] = []
     for view in views:
         procedures += [procedure for procedure in view.procedures if procedure.arguments]
@@ -294,9 +297,9 @@ def _headers_of_families(views: Iterable[DeviceView]) -> list[str]:
 
 
 def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
-    """Return the names of a package with the headers of these manufacturers: ``acme-encoders`` for ``acme``.
+    """Return the names of a package with the headers of these manufacturers, such as ``acme-encoders`` for ``acme``.
 
-    Its version is the highest of theirs.
+    The version of the package is the highest version of a manufacturer.
     """
     package = f"{namespace}-encoders"
     titles = " and ".join(maker.title for maker in makers)
@@ -310,21 +313,24 @@ def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
 
 
 def own_programs(
-    view: DeviceView, later: Callable[[str, Mapping[str, object]], Callable[[], str]]
+    view: DeviceView, render_later: Callable[[str, Mapping[str, object]], Callable[[], str]]
 ) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path in the C folder of each example program of an interface, and a function for its text."""
+    """Yield the path in the C folder of each example program of an interface, and a function that returns its text.
+
+    ``render_later`` takes a template and its values, and returns such a function.
+    """
     maker = view.maker
     examples = list(example_codes(view))
     programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
     for program in programs:
         values = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": program}
-        yield f"examples/{program.name}.c", later(_program_template(program), values)
+        yield f"examples/{program.name}.c", render_later(_program_template(program), values)
         if isinstance(program, ReceiverCode):
-            yield f"examples/{program.sketch}/{program.sketch}.ino", later("sketch.ino.jinja", values)
+            yield f"examples/{program.sketch}/{program.sketch}.ino", render_later("sketch.ino.jinja", values)
 
 
 def _program_template(program: ExampleCode | ReceiverCode) -> str:
-    """Return the template of a program: a receiver, a main loop that polls, or worked examples one after the other."""
+    """Return the template of a program: a receiver with DMA, a main loop that polls, or a list of worked examples."""
     if isinstance(program, ReceiverCode):
         return "receiver.c.jinja"
     return "poller.c.jinja" if program.can_poll else "example.c.jinja"
@@ -338,13 +344,16 @@ def _makers_with_crc(views: Iterable[DeviceView], is_wanted: Callable[[CrcCode],
 
 @dataclass(frozen=True)
 class Guide:
-    """The example that the README shows. All its names exist, so the code compiles."""
+    """The example program that the README shows, with a register to read and a procedure to carry out, or None.
+
+    All names in it exist, so the code compiles.
+    """
 
     example: ExampleCode
-    reads: ShownRegister | None
-    runs: ShownRun | None
+    shown_register: ShownRegister | None
+    shown_run: ShownRun | None
     #: The programs of the same family, one for each interface, the example first.
-    wires: tuple[ExampleCode, ...]
+    programs_of_family: tuple[ExampleCode, ...]
 
     @property
     def over_biss(self) -> bool:
@@ -362,9 +371,9 @@ class Guide:
 
     @property
     def number(self) -> str:
-        """The position or else the first number of the frame, by its name in the spec. Without any, ``no_data``."""
+        """The name in the spec of the position, or else of the first number of the frame, or else ``no_data``."""
         plan = self.example.struct.plan
-        number_names = [whole.join.name for whole in plan.joined_numbers]
+        number_names = [joined_number.join.name for joined_number in plan.joined_numbers]
         number_names += [part.field.name for part in plan.parts]
         for name in number_names:
             if c_name(name) == self.example.counts:
@@ -383,23 +392,23 @@ class Guide:
 
     @property
     def result(self) -> object:
-        """The value of this number in the example, or None if the example does not give it, or has a frame in bytes."""
+        """The value of this number in the example, or None if it has no value for it or a frame in bytes."""
         return self.example.frame.values.get(self.number) if not self.example.data else None
 
 
 def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
-    """Choose the program for the README, or None without any: from the family with the most programs.
+    """Return the program that the README shows, or None if there are no programs.
 
-    It is the program whose procedure has the most steps. The README also shows its register with the most members, and
-    the procedure unless it reads values.
+    It is a program from the family with the most programs, and among these the one whose procedure has the most steps.
+    The README also shows its register with the most members, and its procedure unless that reads values.
     """
     if not examples:
         return None
-    family_sizes = Counter(program.view.device.name for program in examples)
+    programs_by_family = Counter(program.view.device.name for program in examples)
 
     def preference(program: ExampleCode) -> tuple[int, int]:
         number_of_steps = program.run.code.count if program.run else 0
-        return family_sizes[program.view.device.name], number_of_steps
+        return programs_by_family[program.view.device.name], number_of_steps
 
     example = max(examples, key=preference)
     family = example.view.device.name
@@ -409,13 +418,14 @@ def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     example_first = sorted(examples, key=lambda program: program is not example)
     return Guide(
         example=example,
-        reads=max(registers_with_struct, key=lambda register: register.members, default=None),
-        runs=example.run if only_writes else None,
-        wires=tuple(program for program in example_first if program.view.device.name == family),
+        shown_register=max(registers_with_struct, key=lambda register: register.members, default=None),
+        shown_run=example.run if only_writes else None,
+        programs_of_family=tuple(program for program in example_first if program.view.device.name == family),
     )
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:
+    """Return a version as numbers that can be compared, such as (1, 10, 0) for ``1.10.0``."""
     return tuple(map(int, version.split(".")))
 
 

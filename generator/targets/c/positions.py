@@ -14,10 +14,11 @@ from .names import CCast, CExpression, CNumber, DeclaredName, ParameterSpelling
 
 @dataclass(frozen=True, slots=True)
 class RangeFunctions:
-    """The functions about the range of positions: the modulus, and the distance between two positions.
+    """The functions for one range of positions: the modulus, and the distance between two positions.
 
-    ``scope`` precedes their names: it is empty, or the name of a frame with a range that other frames do not have.
-    ``modulus`` is None for an angle, and for a position that never wraps around.
+    If frames have different ranges, ``scope`` is the name of a frame in the names of the functions. Otherwise it is
+    empty. ``modulus`` is the function for the counts after which a length wraps around. It is None for an angle, and
+    for a position that never wraps around.
     """
 
     prefix: str
@@ -39,7 +40,7 @@ class RangeFunctions:
 
 @dataclass(frozen=True, slots=True)
 class AnglePositions:
-    """Positions of a rotary encoder."""
+    """The functions for positions of a rotary encoder. ``where`` cites the manual."""
 
     prefix: str
     where: str
@@ -61,7 +62,10 @@ class AnglePositions:
 
 @dataclass(frozen=True, slots=True)
 class LengthPositions:
-    """Positions of a linear encoder."""
+    """The functions for positions of a linear encoder. ``where`` cites the manual.
+
+    A count is ``step`` in ``unit``, or ``step`` per ``per_counts`` counts. ``per_mm`` units are a millimeter.
+    """
 
     prefix: str
     where: str
@@ -88,7 +92,7 @@ Positions = AnglePositions | LengthPositions
 
 
 def positions(context: HeaderContext) -> Positions | None:
-    """Return the functions that convert the positions of the interface, if the manual gives their unit."""
+    """Return the functions that convert positions to turns or lengths, or None if the manual gives no unit."""
     measurement = context.device.measurement_of(context.interface.name)
     return _build_positions(context, measurement) if measurement is not None else None
 
@@ -143,9 +147,9 @@ def _length_positions(
 
 
 def _range_functions(context: HeaderContext, ranges: Sequence[PositionRange]) -> Iterator[RangeFunctions]:
-    """Yield the functions of the only range, or the functions of each frame if there are several ranges.
+    """Yield the functions for the only range of positions. If there are several, each frame has its own functions.
 
-    A range in which the distance between two positions is unknown has no functions.
+    There are no functions for a range in which the distance between two positions is unknown.
     """
     for position_range in ranges:
         if not position_range.has_difference:
@@ -160,7 +164,7 @@ def _range_functions(context: HeaderContext, ranges: Sequence[PositionRange]) ->
 def _functions_of_range(
     context: HeaderContext, position_range: PositionRange, *, scope: str, layouts: tuple[Layout, ...]
 ) -> RangeFunctions:
-    """Return the functions for one range. ``scope`` is a part of their names: ``acme_x_ssi_`` and then ``scope``."""
+    """Return the functions for one range. ``scope`` is a part of their names, as in ``acme_x_ssi_{scope}modulus``."""
     turns = position_range.measurement.turns
     return RangeFunctions(
         prefix=context.prefix,
@@ -175,7 +179,7 @@ def _functions_of_range(
 
 
 def _build_modulus(context: HeaderContext, position_range: PositionRange, name: str) -> CFunction | None:
-    """Return the function for the number of counts after which a length wraps around, or None if there is no number."""
+    """Return the function for the counts after which a length wraps around, or None if it does not wrap around."""
     measurement = position_range.measurement
     is_signed = position_range.signed_field is not None
     if measurement.modulus is None:

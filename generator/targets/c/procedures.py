@@ -6,7 +6,6 @@ from collections.abc import Collection, Iterator, Mapping
 from itertools import count
 
 from ...model import BitSlice, Procedure, Register, assert_never
-from ...model.record import dataclass
 from ...plan.limits import TooWide
 from ...plan.procedures import plan_procedure
 from ...plan.steps import (
@@ -22,6 +21,7 @@ from ...plan.steps import (
     ReadRegister,
     SendRequest,
     Undecodable,
+    ValueSource,
     VerifyWrite,
     WaitTime,
     WriteRegister,
@@ -44,6 +44,7 @@ from .names import (
     size_of,
     unsigned,
 )
+from .procedure_rows import ZERO, ArgumentCode, FilledRegister, FilledRows, ReadMember, StepRow, WholeRegister
 from .registers import RegisterCode
 
 #: Names of arguments and locals in the generated functions.
@@ -52,85 +53,15 @@ _NAMES_OF_LOCALS = frozenset(
 )
 
 
-_ZERO = CNumber(0)
-
-
-@dataclass(frozen=True, slots=True)
-class StepRow:
-    """An elementary step at index ``at`` of the list: one byte of a register, a wait, a request.
-
-    ``address`` is an expression with the macro of the register. ``more`` is true if the byte is accessed together with
-    the byte of the step before.
-    """
-
-    at: int
-    op: PlannedStep
-    note: str
-    address: str = ""
-    mask: int = 0
-    value: CExpression = _ZERO
-    more: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class FilledRegister:
-    """The local variables of a register that takes an argument: ``local`` for its struct, ``bytes`` for its bytes."""
-
-    code: RegisterCode
-    argument: str
-    member: str
-    local: str
-    bytes: str
-
-    @property
-    def needs_setter(self) -> bool:
-        """True if other members repeat it, so that a function must set it."""
-        return self.code.codec is not None and self.member in self.code.codec.set_names
-
-
-@dataclass(frozen=True, slots=True)
-class WholeRegister:
-    """The bytes of a register whose whole number is an argument, and the struct that they decode to."""
-
-    code: RegisterCode
-    local: str
-    bytes: str
-    values: tuple[CExpression, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class FilledRows:
-    """The steps that write the bytes of a register or read them back. ``at`` is the index of the first step."""
-
-    at: int
-    kind: str
-    filled: FilledRegister
-    note: str
-
-
-@dataclass(frozen=True, slots=True)
-class ArgumentCode:
-    """An argument, its comment, and the reasons to refuse it."""
-
-    checked: CheckedArgument
-    type: str
-    name: str
-    about: str
-    refusals: tuple[ArgumentRefusal, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class ReadMember:
-    """A member for ``length`` of the bytes read, starting with the ``first``."""
-
-    name: str
-    first: int
-    length: int
-    note: str
+#: A step that accesses the bytes of a register.
+RegisterAccess = WriteRegister | ReadRegister | PollRegister | VerifyWrite
 
 
 class ProcedureCode:
-    """A procedure. ``function`` is the function that carries it out, ``steps`` the function that returns its steps."""
+    """The C code of a procedure, such as setting a preset.
+
+    ``function`` is the name of the function that carries it out, and ``steps`` of the function that returns its steps.
+    """
 
     def __init__(
         self, context: HeaderContext, registers: Mapping[str, RegisterCode], read_state: str, procedure: Procedure
@@ -144,24 +75,25 @@ class ProcedureCode:
         self._names = {
             parameter.argument.name: c_name(parameter.argument.name, _NAMES_OF_LOCALS) for parameter in run.arguments
         }
-        #: Both by argument and register.
-        self._filled = dict(self._structs_to_fill())
-        self._wholes = dict(self._whole_numbers())
-        #: Registers with parameters on which the limits of later steps depend.
-        self._teaching = {
+        #: Registers that take an argument in a member, and as a whole, each by argument and register.
+        self._filled_registers = dict(self._yield_filled_registers())
+        self._whole_registers = dict(self._yield_whole_registers())
+        #: The registers whose written value changes the limits of later steps.
+        self._registers_setting_limits = {
             step.register.name for step in run.operations if isinstance(step, WriteRegister) and step.determines_limits
         }
         self.arguments = [self._build_argument(parameter) for parameter in run.arguments]
         self.rows = list(self._yield_rows())
         self.count = sum(map(_number_of_rows, run.operations))
-        self.reads = list(self._read_members())
+        self.reads = list(self._yield_read_members())
         self.about = about_procedure(context.device, procedure)
-        #: The comment on the function that carries it out.
-        self.whole_about = [*self.about, *about_run(context.device, run, read_state), *self._document_parameters()]
+        #: The comment on ``function``.
+        self.run_about = [*self.about, *about_run(context.device, run, read_state), *self._document_parameters()]
 
     @property
     def filled(self) -> list[FilledRegister]:
-        return list(self._filled.values())
+        """The registers whose structs take an argument."""
+        return list(self._filled_registers.values())
 
     @property
     def read_type(self) -> str:
@@ -170,33 +102,42 @@ class ProcedureCode:
 
     @property
     def read_bytes(self) -> int:
+        """The number of bytes that the procedure reads."""
         return sum(member.length for member in self.reads)
 
     @property
-    def wholes(self) -> list[WholeRegister]:
-        return list(self._wholes.values())
+    def whole_registers(self) -> list[WholeRegister]:
+        """The registers that an argument sets as one number, and that are decoded to check it."""
+        return list(self._whole_registers.values())
 
-    def whole(self, argument: ArgumentCode, register: Register) -> WholeRegister:
-        return self._wholes[argument.checked.argument.name, register.name]
+    def whole_register(self, argument: ArgumentCode, register: Register) -> WholeRegister:
+        """Return the register that an argument sets as one number."""
+        return self._whole_registers[argument.checked.argument.name, register.name]
 
     @property
     def variant(self) -> str:
-        """The variant that functions receive, which is a copy if limits depend on values written earlier."""
-        return self.context.passing.argument("written") if self._teaching else "variant"
+        """The order code (variant) to pass to functions.
 
-    def taker(self, written: FilledRegister | WholeRegister) -> str:
-        """Return the function that updates the copy from written bytes, or an empty string if no limit needs it."""
+        If limits depend on values that the procedure has written before, it is a copy that contains these values.
+        """
+        return self.context.passing.argument("written") if self._registers_setting_limits else "variant"
+
+    def update_function(self, written: FilledRegister | WholeRegister) -> str:
+        """Return the function that updates the copy of the variant from the bytes written to a register.
+
+        The result is an empty string if no limit depends on the register.
+        """
         name = written.code.register.name
-        return f"{self.context.prefix}_take_{name}" if name in self._teaching else ""
+        return f"{self.context.prefix}_take_{name}" if name in self._registers_setting_limits else ""
 
-    def is_late(self, refusal: ArgumentRefusal) -> bool:
-        """Return True if an argument is checked only after the copy was updated, which can change its limits."""
-        return bool(self._teaching) and _has_variable_limits(refusal)
+    def is_checked_after_update(self, refusal: ArgumentRefusal) -> bool:
+        """Return True if a check of an argument must wait until the copy of the variant is updated."""
+        return bool(self._registers_setting_limits) and _has_variable_limits(refusal)
 
     @property
     def needs_variant(self) -> bool:
         """True if the function needs the order code to fill registers or to check arguments."""
-        if self._filled or self._teaching:
+        if self._filled_registers or self._registers_setting_limits:
             return True
         for argument in self.arguments:
             for refusal in argument.refusals:
@@ -205,12 +146,13 @@ class ProcedureCode:
         return False
 
     def declared(self) -> Iterator[DeclaredName]:
+        """Yield the names at file scope, each with the path of the procedure in the spec."""
         for name in (self.steps, self.count_macro, self.function, self.read_type):
             if name:
                 yield name, ("procedures", self.run.procedure.name)
 
     def _document_parameters(self) -> Iterator[Paragraph]:
-        """Yield the parameters of the procedure's function, or nothing if the procedure has no arguments."""
+        """Yield the comment on each parameter of ``function``, or nothing if the procedure has no arguments."""
         if self.arguments:
             yield "@param transport ", "Your bus access functions."
             yield "@param variant ", "The order code."
@@ -222,7 +164,10 @@ class ProcedureCode:
     # -- arguments
 
     def _build_argument(self, parameter: CheckedArgument) -> ArgumentCode:
-        """Return an argument with the reasons to refuse it, each once. Those that its type excludes are left out."""
+        """Return an argument with the reasons to reject its value.
+
+        Reasons that cannot occur, because the C type of the argument has no such value, are left out.
+        """
         all_refusals = list(parameter.refusals)
         for write in parameter.written:
             all_refusals += self._byte_refusals(write)
@@ -239,14 +184,14 @@ class ProcedureCode:
         )
 
     def _byte_refusals(self, write: WriteRegister) -> Iterator[ArgumentRefusal]:
-        """Yield the reasons to refuse an argument that is a whole register of one byte, which has no encoder."""
+        """Yield the reasons to reject an argument that is a register of one byte, which has no encoder to check it."""
         match write.value:
             case AsMember(argument, member) if self.registers[write.register.name].is_plain:
                 field = write.register.layout.field(member)
                 yield from field_refusals(self.context.device, write.register, field, argument)
 
     def _argument_type(self, write: WriteRegister) -> str:
-        """Return the type of the argument that a step writes: the type of the field, the member or the register."""
+        """Return the C type of the argument that a step writes, which is that of a field, a member or a register."""
         match write.value:
             case InField(field=field):
                 return unsigned(field.widest)
@@ -257,10 +202,10 @@ class ProcedureCode:
             case _:
                 assert_never(write.value)
 
-    def _structs_to_fill(self) -> Iterator[tuple[tuple[str, str], FilledRegister]]:
-        """Yield the structs that take arguments, with their key ``(argument, register)``.
+    def _yield_filled_registers(self) -> Iterator[tuple[tuple[str, str], FilledRegister]]:
+        """Yield the registers whose structs take an argument, each under ``(argument, register)``.
 
-        A register has a struct if the argument is a field or join of it, and the register is not one plain byte.
+        A register has a struct unless it is one plain byte.
         """
         for parameter in self.run.arguments:
             argument = parameter.argument.name
@@ -281,10 +226,10 @@ class ProcedureCode:
                 )
                 yield (argument, register), filled_register
 
-    def _whole_numbers(self) -> Iterator[tuple[tuple[str, str], WholeRegister]]:
-        """Yield the registers whose whole number is an argument, with their key ``(argument, register)``.
+    def _yield_whole_registers(self) -> Iterator[tuple[tuple[str, str], WholeRegister]]:
+        """Yield the registers that an argument sets as one number, each under ``(argument, register)``.
 
-        Only those are needed whose decoder can reject the number, or on which the limit of a later step depends.
+        A register is included only if its decoder can reject the number, or if a later limit depends on the register.
         """
         for parameter in self.run.arguments:
             argument = parameter.argument.name
@@ -294,18 +239,18 @@ class ProcedureCode:
                 register = write.register.name
                 is_checked = register in checked_registers or write.determines_limits
                 if isinstance(write.value, AsNumber) and is_checked:
-                    whole = WholeRegister(
+                    whole_register = WholeRegister(
                         code=self.registers[register],
                         local=c_name(f"{argument}_{register}_held", self._names),
                         bytes=c_name(f"{argument}_{register}_sent", self._names),
                         values=tuple(self._byte_value(write, bit_slice) for bit_slice in write.bit_slices),
                     )
-                    yield (argument, register), whole
+                    yield (argument, register), whole_register
 
     # -- steps
 
     def _yield_rows(self) -> Iterator[StepRow | FilledRows]:
-        """Yield the steps with their index in the list. A step on several bytes of a register takes several indices."""
+        """Yield the rows of the list of steps. A step on several bytes of a register has a row for each byte."""
         index = 0
         for step in self.run.operations:
             note = note_of_step(self.context.device, step)
@@ -315,12 +260,11 @@ class ProcedureCode:
                 yield from self._rows_of_register(index, step, note)
             index += _number_of_rows(step)
 
-    def _rows_of_register(
-        self, first_index: int, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, note: str
-    ) -> Iterator[StepRow | FilledRows]:
-        """Yield the steps on the bytes of a register. Only the first has a note.
+    def _rows_of_register(self, first_index: int, step: RegisterAccess, note: str) -> Iterator[StepRow | FilledRows]:
+        """Yield the rows for the bytes of a register. Only the first row has the comment ``note``.
 
-        If a struct is filled for the register, one item represents all its bytes, unless it reads back only some bits.
+        If an argument fills the struct of the register, one ``FilledRows`` stands for all rows, unless the step reads
+        back only some bits.
 
         Raises:
             TargetError: The bytes depend on the order code, or would be polled one after the other.
@@ -340,12 +284,12 @@ class ProcedureCode:
     def _build_row(
         self,
         index: int,
-        step: WriteRegister | ReadRegister | PollRegister | VerifyWrite,
+        step: RegisterAccess,
         note: str,
         bit_slice: BitSlice,
         value: CExpression,
     ) -> StepRow:
-        """Return the step on one byte of a register. ``value`` has the bits at their places in the byte."""
+        """Return the row for one byte of a register. ``value`` has the bits at their places in the byte."""
         return StepRow(
             at=index,
             op=step,
@@ -357,7 +301,7 @@ class ProcedureCode:
         )
 
     def _address(self, register: Register, byte: int) -> str:
-        """Return the address of a byte of a register, as its macro and the distance from it."""
+        """Return the address of a byte of a register as C, such as ``ACME_X_REG_PRESET_ADDRESS + 1U``."""
         macro = f"{self.registers[register.name].stem}_ADDRESS"
         distance = register.address_of(byte) - register.address
         return f"{macro} + {distance}U" if distance else macro
@@ -365,50 +309,51 @@ class ProcedureCode:
     def _read_back(
         self, first_index: int, step: VerifyWrite, filled_register: FilledRegister, note: str
     ) -> Iterator[StepRow | FilledRows]:
-        """Yield one row for all bytes if every bit of them counts, else one row per byte."""
+        """Yield the rows that read back a filled register: one ``FilledRows`` if all written bits must be the same.
+
+        Otherwise, there is a row for each byte, which compares only some bits.
+        """
         if step.bit_slices == step.write.bit_slices:
             yield FilledRows(first_index, kind="verify", filled=filled_register, note=note)
             return
         for index, bit_slice in enumerate(step.bit_slices):
             written_byte = CName(f"{filled_register.bytes}[{bit_slice.byte}]")
             # A mask of 0 is a byte of reserved bits, which is read but not compared.
-            expected = masked(written_byte, bit_slice.mask) if bit_slice.mask else _ZERO
+            expected = masked(written_byte, bit_slice.mask) if bit_slice.mask else ZERO
             yield self._build_row(first_index + index, step, note if index == 0 else "", bit_slice, expected)
 
-    def _filled_by(self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite) -> FilledRegister | None:
-        """Return the register whose struct a step writes or reads back, or None if it has no struct."""
+    def _filled_by(self, step: RegisterAccess) -> FilledRegister | None:
+        """Return the filled register that a step writes or reads back, or None if no argument fills its struct."""
         write = step.write if isinstance(step, VerifyWrite) else step
         if isinstance(write, WriteRegister) and isinstance(write.value, AsMember):
-            return self._filled.get((write.value.argument.name, write.register.name))
+            return self._filled_registers.get((write.value.argument.name, write.register.name))
         return None
 
-    def _byte_value(
-        self, step: WriteRegister | ReadRegister | PollRegister | VerifyWrite, bit_slice: BitSlice
-    ) -> CExpression:
+    def _byte_value(self, step: RegisterAccess, bit_slice: BitSlice) -> CExpression:
         """Return the value that a step writes to a byte, waits for, or reads back, or 0 for a step that only reads.
 
         It has the bits of ``bit_slice`` at their place in the byte. The other bits of the byte are 0.
         """
         if isinstance(step, ReadRegister) or not bit_slice.mask:
-            return _ZERO
-        write_or_poll = step.write if isinstance(step, VerifyWrite) else step
-        value = (
-            FixedNumber(write_or_poll.step.value) if isinstance(write_or_poll, PollRegister) else write_or_poll.value
-        )
+            return ZERO
+        if isinstance(step, PollRegister):
+            value: ValueSource = FixedNumber(step.step.value)
+        else:
+            value = step.write.value if isinstance(step, VerifyWrite) else step.value
         # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
         if isinstance(value, FixedNumber):
-            bits_of_piece = (value.number >> bit_slice.low_in_number) & bit_slice.mask
-            return CNumber(bits_of_piece << bit_slice.low_in_byte, hexadecimal=True)
+            bits_of_slice = (value.number >> bit_slice.low_in_number) & bit_slice.mask
+            return CNumber(bits_of_slice << bit_slice.low_in_byte, hexadecimal=True)
         bits = shifted_right(CName(self._names[value.argument.name]), bit_slice.low_in_number)
         if bit_slice.mask != 0xFF:
             return CCast("uint8_t", shifted_left(masked(bits, bit_slice.mask), bit_slice.low_in_byte))
         is_whole_byte = isinstance(value, AsNumber) and len(step.bit_slices) == 1
         return bits if is_whole_byte else CCast("uint8_t", bits)
 
-    def _read_members(self) -> Iterator[ReadMember]:
-        """Yield a member for each register or field that is read. Repeated names are numbered.
+    def _yield_read_members(self) -> Iterator[ReadMember]:
+        """Yield a member of the struct with the bytes read for each register or field that the procedure reads.
 
-        The name includes the field if not all bytes of the register are read.
+        The name includes the field if not all bytes of the register are read. Repeated names are numbered.
         """
         used_names: set[str] = set()
         first_byte = 0
@@ -425,7 +370,7 @@ class ProcedureCode:
 
 
 def _unused_name(name: str, used_names: Collection[str]) -> str:
-    """Return ``name``, or with the first free number at its end if it is used already: ``status_2``, ``status_3``."""
+    """Return ``name``, with the first free number at its end if it is used already, such as ``status_2``."""
     numbered_name = name
     for number in count(2):
         if numbered_name not in used_names:
@@ -434,7 +379,7 @@ def _unused_name(name: str, used_names: Collection[str]) -> str:
     return numbered_name
 
 
-def _refuse_unsupported(step: WriteRegister | ReadRegister | PollRegister | VerifyWrite) -> None:
+def _refuse_unsupported(step: RegisterAccess) -> None:
     """Raise an error if the bytes of a step depend on the order code, or would be polled one after the other."""
     if not step.bit_slices:
         raise TargetError(
@@ -447,14 +392,14 @@ def _refuse_unsupported(step: WriteRegister | ReadRegister | PollRegister | Veri
 
 
 def _has_variable_limits(refusal: ArgumentRefusal) -> bool:
-    """Return True if an argument is refused outside limits that depend on the order code."""
+    """Return True if a check rejects an argument outside limits that depend on the order code."""
     if not isinstance(refusal, OutsideArgumentLimits):
         return False
     return any(not bound.is_constant for _, bound in refusal.limits.binding)
 
 
 def _number_of_rows(step: PlannedStep) -> int:
-    """Return the number of elementary steps: one for each byte of a register."""
+    """Return the number of rows for a step: one for each byte of a register, and one for a wait or a request."""
     return 1 if isinstance(step, (WaitTime, SendRequest)) else len(step.bit_slices)
 
 
@@ -463,5 +408,6 @@ def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 
-def _place_text(step: WriteRegister | ReadRegister | PollRegister | VerifyWrite) -> str:
+def _place_text(step: RegisterAccess) -> str:
+    """Return the register and field that a step accesses, such as ``status.error``."""
     return f"{step.register.name}.{step.field.name if step.field is not None else ''}"

@@ -1,4 +1,4 @@
-"""From a buffer to a usable position, with the order code named once: the functions and macros of an interface."""
+"""The macros of an interface that read a position from a buffer, in which users name the order code only once."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from .variants import CodeRow, LengthCode
 class ReadCode:
     """The values that the templates print for the macros that read a position.
 
-    ``frame`` is the frame with the position, None if the interface has no such frame with a known verdict.
-    ``reads_twice`` is true if no CRC protects it, so that two frames must agree.
+    ``frame`` is the frame with the position, or None if no frame has a position and a verdict. ``reads_twice`` is True
+    if no CRC protects the frame, so that two frames must agree.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class ReadCode:
 
     @property
     def questions(self) -> tuple[AlternativeCode, ...]:
-        """The choices that the macros take after the order code."""
+        """The questions left open by the manual, whose answers the macros take after the order code."""
         return self.frame.alternatives if self.frame is not None else ()
 
     @property
@@ -82,7 +82,7 @@ class ReadCode:
 
     @property
     def _word_bytes(self) -> int:
-        """Number of bytes of a word over SPI, 0 if the order code decides or the frame is received otherwise."""
+        """Number of bytes of a word over SPI. It is 0 if it depends on the order code, or without such a word."""
         if self.frame is None or not self._is_spi_word:
             return 0
         sent_bits = self.frame.struct.layout.sent_bits
@@ -90,9 +90,10 @@ class ReadCode:
         return (sent_bits.constant + 7) // 8 if sent_bits.is_constant else 0
 
     def buffer_macro(self, frame: StructCodec) -> str:
-        """Return the name of the size of a buffer, which a macro pastes: ``ACME_X_SSI_##code##_##width##_RX_BYTES``.
+        """Return the name of the macro for the size of a buffer, as the preprocessor pastes it.
 
-        ``code`` and ``width`` are arguments of the macro: the order code, and the answer to a choice.
+        In ``ACME_X_SSI_##code##_##width##_RX_BYTES``, ``code`` and ``width`` are arguments: the order code, and the
+        user's answer to an open question.
         """
         # If there are several frames, the name includes the name of the frame.
         layout_names = [frame.struct.layout.name.upper()] if len(self._lengths.layouts) > 1 else []

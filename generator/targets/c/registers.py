@@ -25,7 +25,7 @@ from ...plan.operations import IsOneOf
 from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, UnsignedNumber, meaning_of
 from ...say.names_and_places import full_title, name_in_words, title_of
 from .. import TargetError
-from .about import about_access, about_alarm, about_member, about_register, table
+from .about import about_access, about_alarm, about_member, about_register, field_table
 from .codec import StructCodec
 from .comments import Paragraph
 from .context import CFunction, CMacro, HeaderContext, number_function
@@ -35,9 +35,11 @@ from .structs import LayoutStruct
 
 
 class RegisterFunctions:
-    """The functions that read and write a register. A name is empty if the register does not allow that access.
+    """The functions that read and write a register over the user's transport.
 
-    Registers reserved for the manufacturer are only read. ``struct`` is empty if the register is one plain byte.
+    ``read`` and ``write`` are their names, empty if the register does not allow that access. Registers reserved for the
+    manufacturer are only read. ``struct`` is empty if the register is one plain byte. ``outside`` are the limits of the
+    register.
     """
 
     def __init__(self, layout: LayoutStruct, *, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
@@ -48,9 +50,9 @@ class RegisterFunctions:
         self.outside = outside
         self.stem = layout.name.upper()
         self.struct = layout.name if has_struct else ""
-        self._layout = layout
+        self._struct = layout
         #: The only field of a plain byte.
-        self._field = register.layout.fields[0]
+        self._byte_field = register.layout.fields[0]
         #: The named values of the byte, empty if it can have any value.
         self.values: tuple[int, ...] = ()
         for check in layout.plan.checks:
@@ -71,34 +73,33 @@ class RegisterFunctions:
 
     def _type_of_byte(self) -> str:
         """Return the type of a plain byte: the type of its named values, if it has any."""
-        choice = self._layout.choice(self._field)
+        choice = self._struct.choice(self._byte_field)
         return choice.type if choice is not None else "uint8_t"
 
     def _build_comment(self, *, writes: bool) -> tuple[Paragraph, ...]:
         """Return the comment on the function that reads, or on the function that writes.
 
-        If the register holds a part of the variant, the comment on writing tells users to read that part again.
+        If frames depend on the register, the comment on writing asks users to update the variant afterwards.
         """
-        context = self._layout.context
+        context = self._struct.context
         changes_variant = writes and self.register.name in state_registers(context.device)
         read_state = f"{context.prefix}_read_state" if changes_variant else ""
-        return tuple(about_access(context.device, self.register, writes, read_state))
+        return tuple(about_access(context.device, self.register, writes=writes, read_state=read_state))
 
     def _set_bank(self, selector: Register) -> None:
         """Set the address and the byte that select the bank of the register."""
         if selector.length > 1:
-            problem = f"'{selector.name}' selects banks with {selector.length} bytes"
-            raise TargetError(f"{problem}; the C target writes one")
-        self.bank_address = f"{self._layout.context.PREFIX}_REG_{selector.name}_ADDRESS".upper()
+            raise TargetError(f"'{selector.name}' selects banks with {selector.length} bytes; the C target writes one")
+        self.bank_address = f"{self._struct.context.PREFIX}_REG_{selector.name}_ADDRESS".upper()
         # One byte, as checked above.
         (self.bank,) = number_to_bytes(selector.layout, self.register.bank or 0, 8)
 
     def is_unknown(self, name: str, is_raw: bool) -> CExpression:
-        """Return the condition that a byte differs from all named values, such as ``kind != 1U && kind != 2U``.
+        """Return the condition that a byte has none of the named values, such as ``kind != 1U && kind != 2U``.
 
-        ``is_raw`` is True if the variable ``name`` holds the byte as read, rather than a value of the enumeration.
+        ``is_raw`` is True if the variable ``name`` contains the byte as read, rather than a value of the enumeration.
         """
-        return self._layout.is_none_of(self._field, CName(name), self.values, is_raw)
+        return self._struct.is_none_of(self._byte_field, CName(name), self.values, is_raw)
 
     @property
     def write_depends(self) -> bool:
@@ -107,7 +108,10 @@ class RegisterFunctions:
 
 
 def state_registers(device: Device) -> list[str]:
-    """Return the readable registers that hold a part of the variant, each once."""
+    """Return the readable registers whose contents change what frames look like, each once.
+
+    A variant, which is an order code with its parameters, must be updated from them.
+    """
     names = dict.fromkeys(parameter.register for parameter in device.run_time_parameters)
     return [name for name in names if device.register(name).readable]
 
@@ -121,6 +125,7 @@ class AlarmCode:
         self.macros = tuple(_alarm_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
 
     def declared(self) -> Iterator[DeclaredName]:
+        """Yield the names of the macros, each with the path of the alarm in the spec."""
         for macro in self.macros:
             yield macro.name, ("alarms", self.alarm.name)
 
@@ -135,30 +140,30 @@ def _alarm_macros(device: Device, alarm: Alarm, stem: str) -> Iterator[CMacro]:
 
 
 def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
-    """Return the mask of an alarm in its byte or register, and a note on that byte, which is often empty.
+    """Return the mask of an alarm in its byte of a frame, or else in its register, and a note on the mask.
 
-    A flag in a frame counts before one in a register. The mask is 0 if the alarm has no bits at a fixed place.
+    The mask is 0 if the alarm has no bits at a fixed place. The note is empty unless the frame has several bytes of
+    flags, in which the same mask can occur again.
     """
     frame_field = _frame_field_of(device, alarm)
     if frame_field is not None and len(frame_field.bit_slices) == 1:
         (bit_slice,) = frame_field.bit_slices
         group = member_named(device.field_groups, alarm.group, "field group")
-        # A group of several bytes has several bits with the same mask.
         note = "in its byte" if group.bits > 8 else ""
         return bit_slice.mask << bit_slice.low_in_byte, note
     if not alarm.register:
         return 0, ""
     layout = device.register(alarm.register).layout
     register_field = layout.field(alarm.field) if alarm.field else layout.fields[0]
-    # A flag that moves with the order code has no mask. The register's codec finds it.
+    # A flag whose place depends on the order code has no mask. The decoder of the register finds it.
     mask = register_field.mask_in_place if register_field.is_fixed else 0
     return mask, ""
 
 
 def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
-    """Return the first field of a frame that is the alarm.
+    """Return the field of a frame that reports the alarm, from the first frame that has it at a fixed place.
 
-    The result is None if the alarm is in no group of flags, or if no frame has such a field at a fixed place.
+    The result is None if no frame has it, or if the alarm is in no group of flags.
     """
     if not alarm.group:
         return None
@@ -171,7 +176,10 @@ def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
 
 @dataclass(frozen=True, slots=True)
 class RegisterBounds:
-    """The limits that are the same for all order codes, as macros with their values, and the others as functions."""
+    """The lowest and the highest value of a register.
+
+    ``macros`` are the limits that are the same for all order codes, with their values. ``functions`` are the others.
+    """
 
     macros: tuple[tuple[str, CExpression], ...]
     functions: tuple[CFunction, ...]
@@ -179,7 +187,7 @@ class RegisterBounds:
 
 @dataclass(frozen=True, slots=True)
 class ExplainingBits:
-    """The bits of a register that say why a field in another register is set."""
+    """The bits of ``register`` that give the reason why a flag in another register is set, as a mask in a macro."""
 
     name: str
     bits: int
@@ -187,7 +195,10 @@ class ExplainingBits:
 
 
 class RegisterCode:
-    """The values that the templates print for a register. ``codec`` is None if the byte itself is the value."""
+    """The values that the templates print for a register.
+
+    ``codec`` is its struct with the decoder and the encoder, or None if the register is one plain byte.
+    """
 
     def __init__(self, context: HeaderContext, register: Register) -> None:
         self.context = context
@@ -199,14 +210,14 @@ class RegisterCode:
         self.stem = self.name.upper()
         self.struct = LayoutStruct(context, self.layout, self.name, f"{self.stem}_LENGTH", register)
         self.enumerations = context.enumerations.of("registers", register.name)
-        # The check for the limits, or None if they limit no single field or join, or if no value is outside them.
+        # None if no value is outside the limits, or if they do not apply to a single member.
         outside_limits = outside(self.struct.plan, limits_of(self.device, register))
-        refused = (outside_limits,) if outside_limits is not None else ()
-        self.codec = None if self.is_plain else StructCodec(self.struct, outside=refused)
-        self.access = RegisterFunctions(self.struct, has_struct=self.codec is not None, outside=refused)
+        limit_checks = (outside_limits,) if outside_limits is not None else ()
+        self.codec = None if self.is_plain else StructCodec(self.struct, outside=limit_checks)
+        self.access = RegisterFunctions(self.struct, has_struct=self.codec is not None, outside=limit_checks)
         #: Its own limits, and the limits of each of its meanings.
         self.limits = tuple(self._find_limits(meaning) for meaning in (None, *register.meanings))
-        self.explained = tuple(self._yield_explaining_bits())
+        self.explaining_bits = tuple(self._yield_explaining_bits())
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with its path in the spec."""
@@ -227,7 +238,7 @@ class RegisterCode:
         if self.register.wait_at_least_ms is not None:
             yield f"{self.stem}_WAIT_AT_LEAST_MS"
         yield from self._names_of_places()
-        yield from (explanation.name for explanation in self.explained)
+        yield from (bits.name for bits in self.explaining_bits)
         if self.codec is None:
             yield from (scale.name for scale in self.struct.scales)
         for bounds in self.limits:
@@ -240,11 +251,11 @@ class RegisterCode:
 
     def _names_of_places(self) -> Iterator[str]:
         """Yield the macros and the functions for the places of fields."""
-        for field in self.masked:
+        for field in self.masked_fields:
             if self.has_shift(field):
                 yield f"{self.name}_{field.name}_SHIFT".upper()
             yield f"{self.name}_{field.name}_MASK".upper()
-        for field in self.moving:
+        for field in self.moving_fields:
             yield f"{self.name}_{field.name}_shift"
             yield f"{self.name}_{field.name}_mask"
 
@@ -268,25 +279,25 @@ class RegisterCode:
 
     @property
     def about(self) -> list[Paragraph]:
-        """The comment.
+        """The comment on the register, with the facts about a plain byte.
 
-        It contains the facts of a plain byte, or the table of the fields if some of them have no macros.
+        It contains a table of the fields if some of them have no macros.
         """
         paragraphs = about_register(self.device, self.register)
         if self.is_plain:
             paragraphs.append(about_member(self.struct, self.layout.fields[0]))
-        elif len(self.masked) < len(self.layout.fields):
-            paragraphs += table(self.struct)
+        elif len(self.masked_fields) < len(self.layout.fields):
+            paragraphs += field_table(self.struct)
         return paragraphs
 
     # -- places of its fields
 
     @cached_property
-    def _with_masks(self) -> tuple[Field, ...]:
-        """The fields that have masks: those that are neither constant nor a text.
+    def _fields_with_masks(self) -> tuple[Field, ...]:
+        """The fields for which the header has a mask: all fields except constants and texts.
 
-        There are none in a register of one plain byte or of more than 8 bytes, or if its only field has no named
-        values, because such a field is the register itself.
+        There are none in a register of one plain byte, of more than 8 bytes, or with a single field without named
+        values, which is the register itself.
         """
         fields = self.layout.fields
         is_whole_register = len(fields) == 1 and not isinstance(meaning_of(fields[0]), NamedChoice)
@@ -301,19 +312,20 @@ class RegisterCode:
         return not isinstance(meaning_of(field), ActiveFlag)
 
     @property
-    def masked(self) -> tuple[Field, ...]:
+    def masked_fields(self) -> tuple[Field, ...]:
         """The fields with masks that are at the same place for every order code."""
-        return tuple(field for field in self._with_masks if field.is_fixed)
+        return tuple(field for field in self._fields_with_masks if field.is_fixed)
 
     @property
-    def moving(self) -> tuple[Field, ...]:
+    def moving_fields(self) -> tuple[Field, ...]:
         """The fields with masks whose place depends on the order code."""
-        return tuple(field for field in self._with_masks if field not in self.masked)
+        return tuple(field for field in self._fields_with_masks if field not in self.masked_fields)
 
     def _yield_explaining_bits(self) -> Iterator[ExplainingBits]:
-        """Yield the bits of other registers that give the reason why a field of ``register`` is set.
+        """Yield the bits of other registers that give the reason why a flag of this register is set.
 
-        For ``explained_by: [errors.crc, errors.parity]`` these are both bits of ``errors``, as one mask.
+        The spec lists them as ``explained_by``. For ``explained_by: [errors.crc, errors.parity]``, the result is one
+        mask with both bits of the register ``errors``.
         """
         for field in self.layout.fields:
             mask_by_register: dict[str, int] = {}
@@ -332,9 +344,9 @@ class RegisterCode:
     # -- limits
 
     def _find_limits(self, meaning: RegisterMeaning | None) -> RegisterBounds:
-        """Return the limits of the register, or of one of its meanings, under names that end in ``min`` and ``max``.
+        """Return the limits of the register, or of one of its meanings, which are uses with limits of their own.
 
-        A limit that the manual does not give is left out.
+        The names of the limits end in ``min`` and ``max``. A limit that the manual does not give is left out.
         """
         limits = limits_of(self.device, self.register, meaning)
         name_of_limited = self.register.limits_of if meaning is None else name_in_words(meaning.name)
@@ -355,8 +367,8 @@ class RegisterCode:
     def _limit_function(self, name: str, about: str, limit: Expression, *, is_signed: bool) -> CFunction:
         """Return the function for a limit that depends on the order code.
 
-        With ``is_signed`` it returns an ``int64_t``. Otherwise the largest limit of all order codes, with all
-        parameters that they can have at run time, gives the type: ``uint32_t`` or ``uint64_t``.
+        Its type is ``int64_t`` for a limit with a sign. Otherwise, it is ``uint32_t`` if the limits of all order codes
+        fit, whatever the registers contain, or else ``uint64_t``.
         """
         if is_signed:
             value = self.scope.signed(limit)
@@ -369,9 +381,9 @@ class RegisterCode:
 
 
 def _is_byte(plan: LayoutPlan) -> bool:
-    """Return True if the first field is a whole byte, as a number or as a named value.
+    """Return True if the first field of a register is a whole byte, as a number or as a named value.
 
-    A field that only allows powers of two does not count, since the byte needs a check.
+    The result is False for a number that must be a power of two, since an encoder must check it.
     """
     if not plan.parts or any(isinstance(refusal, NoPowerOfTwo) for refusal in refusals(plan)):
         return False
@@ -381,7 +393,10 @@ def _is_byte(plan: LayoutPlan) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class IdentityCode:
-    """The identifying registers of one interface. One with a codec is decoded, one without is compared as a byte."""
+    """The registers that identify an encoder over one interface, such as a device ID.
+
+    A register with a codec is decoded and compared with the manual. One without is compared as a byte.
+    """
 
     prefix: str
     interface: Interface
@@ -399,6 +414,7 @@ class IdentityCode:
         return False
 
     def declared(self) -> Iterator[DeclaredName]:
+        """Yield the names of the struct and of the functions."""
         for ending in ("identity", "could_be", "next_candidate", "read_identity"):
             yield f"{self.prefix}_{ending}", ()
 

@@ -16,15 +16,15 @@ _RUNTIME_INCLUDE = re.compile(rf'^#include "(?:{FOLDER}/)?(\w+\.hp*)"', re.MULTI
 
 
 def needed_runtime(views: Iterable[DeviceView]) -> dict[str, str]:
-    """Return the texts of the headers of the runtime that these interfaces need, by their file names.
+    """Return the headers of the runtime that these interfaces need: their texts by file name.
 
-    These are the headers for all encoders, for each interface, and for the self-tests, and the headers that these
-    include in turn.
+    They are the headers for all encoders, for each interface, and for the self-tests, with the headers that these
+    include.
     """
     texts_by_header = runtime_headers()
     unvisited_headers = list(_FOR_ALL)
     for view in views:
-        unvisited_headers += _for_interface(view)
+        unvisited_headers += _headers_for_interface(view)
     for test_text in runtime_tests().values():
         unvisited_headers += _RUNTIME_INCLUDE.findall(test_text)
     needed_headers: set[str] = set()
@@ -36,8 +36,8 @@ def needed_runtime(views: Iterable[DeviceView]) -> dict[str, str]:
     return {header: text for header, text in texts_by_header.items() if header in needed_headers}
 
 
-def _for_interface(view: DeviceView) -> Iterator[str]:
-    """Yield the headers that the files of an interface include, and those that its users need with them.
+def _headers_for_interface(view: DeviceView) -> Iterator[str]:
+    """Yield the headers of the runtime that the headers of an interface include, or that users need with them.
 
     Users need a receiver for its frames, and helpers for its registers and procedures.
     """

@@ -40,17 +40,21 @@ from .runtime_texts import runtime_tests
 
 
 @dataclass(frozen=True, slots=True)
-class Expected:
-    """A member of a struct and its expected value. ``text`` is True if it is a string."""
+class ExpectedMember:
+    """A member of a struct and its expected value as C. ``is_text`` is True for a string."""
 
     member: str
     value: str
-    text: bool = False
+    is_text: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class FrameCheck:
-    """A frame or register that decodes to the expected values and encodes to the same bits, or fails with ``fault``."""
+    """A frame or register of a worked example, as ``data`` in bytes or as a ``word``.
+
+    It must decode to the expected values and encode to the same bits. With a ``fault``, the decoder must return this
+    fault instead. ``answers`` are the arguments for questions that the manual leaves open.
+    """
 
     codec: StructCodec
     variant: str
@@ -59,13 +63,13 @@ class FrameCheck:
     word: str
     #: The number of bits in the word, if its decoder takes it.
     length: str
-    expected: tuple[Expected, ...]
+    expected: tuple[ExpectedMember, ...]
     fault: str
 
 
 @dataclass(frozen=True, slots=True)
 class CrcCheck:
-    """A CRC over bytes."""
+    """A function that must return ``crc`` for the bytes ``data``, or for a ``word``."""
 
     function: str
     data: tuple[str, ...]
@@ -75,7 +79,7 @@ class CrcCheck:
 
 @dataclass(frozen=True, slots=True)
 class ProcedureCheck:
-    """The writes of a procedure in order: address and byte."""
+    """A procedure that must write these bytes in order: pairs of address and byte."""
 
     code: ProcedureCode
     variant: str
@@ -85,7 +89,7 @@ class ProcedureCheck:
 
 @dataclass(frozen=True, slots=True)
 class MeasureCheck:
-    """A position in counts, as a length."""
+    """A function that must convert a position in counts to this length."""
 
     function: str
     variant: str
@@ -95,7 +99,7 @@ class MeasureCheck:
 
 @dataclass(frozen=True, slots=True)
 class ConstantCheck:
-    """A macro with its value."""
+    """A macro that must have this value."""
 
     macro: str
     value: str
@@ -114,26 +118,28 @@ class SelfTestCheck:
 
 
 class SelfTest:
-    """The checks of an interface, without the examples for which its headers have no function."""
+    """The checks of an interface, one for each worked example whose function is in the headers."""
 
     def __init__(self, view: DeviceView) -> None:
         self.view = view
         self.name = f"{view.prefix}_selftest"
         self.path = f"selftest/{view.stem}.c"
-        works = [*self._example_checks(), *self._vector_checks()]
-        self.checks = [SelfTestCheck(index, about, work) for index, (about, work) in enumerate(works, 1)]
+        descriptions_and_works = [*self._example_checks(), *self._vector_checks()]
+        self.checks: list[SelfTestCheck] = []
+        for number, (about, work) in enumerate(descriptions_and_works, 1):
+            self.checks.append(SelfTestCheck(number, about, work))
 
     @property
     def is_used(self) -> Mapping[str, bool]:
-        """The helpers for comparing bytes, texts and writes, each with True if a check needs it."""
+        """For each helper function, which compares bytes, texts or writes, True if a check needs it."""
         frames = [check.work for check in self.checks if isinstance(check.work, FrameCheck)]
-        expected_members: list[Expected] = []
+        expected_members: list[ExpectedMember] = []
         for frame in frames:
             expected_members += frame.expected
         return {
             # A frame that is rejected is not encoded, so that there are no bytes to compare.
             "bytes": any(frame.data and not frame.fault for frame in frames),
-            "texts": any(member.text for member in expected_members),
+            "texts": any(member.is_text for member in expected_members),
             "writes": any(isinstance(check.work, ProcedureCheck) for check in self.checks),
         }
 
@@ -145,7 +151,10 @@ class SelfTest:
                 yield about, work
 
     def _vector_checks(self) -> Iterator[tuple[str, Work]]:
-        """Yield a description and a check for each vector of a CRC and each control field from a public source."""
+        """Yield a description and a check for each test vector from a public source.
+
+        The vectors are for the CRCs of words, and for the control fields of RS-485.
+        """
         for codec in self.view.interface.codecs:
             word_crc = codec.word_crc
             if word_crc is None:
@@ -180,7 +189,7 @@ class SelfTest:
                 assert_never(example)
 
     def _procedure_check(self, example: ProcedureExample) -> ProcedureCheck:
-        """Return the check that a procedure writes the bytes of the example."""
+        """Return the check that a procedure writes the bytes of its worked example."""
         code_by_procedure = {code.run.procedure.name: code for code in self.view.procedures}
         code = code_by_procedure[example.procedure]
         argument_names = [argument.checked.argument.name for argument in code.arguments]
@@ -195,10 +204,10 @@ class SelfTest:
         )
 
     def _written_bytes(self, write: Write) -> Iterator[tuple[str, str]]:
-        """Yield the bytes of a write as ``(address, byte)``, such as ``("0x10U", "0x02U")``.
+        """Yield the bytes of a write as pairs of address and byte, such as ``("0x10U", "0x02U")``.
 
-        It is one byte if the interface addresses bytes. Otherwise, the write covers all bytes of the register, with the
-        same address.
+        A write is one byte if the interface addresses bytes. Otherwise, it covers all bytes of the register, which then
+        have the same address.
         """
         length = 1
         if self.writes_whole:
@@ -211,7 +220,7 @@ class SelfTest:
 
     @property
     def writes_whole(self) -> bool:
-        """True if a write covers all bytes of a register."""
+        """True if a write covers all bytes of a register, because the interface does not address single bytes."""
         return not self.view.context.interface.byte_addresses
 
     def _find_variant(self, order_code: str) -> str:
@@ -230,21 +239,21 @@ class SelfTest:
                 yield codec
 
     def _frame_checks(self, example: FrameExample) -> Iterator[Work]:
-        """Yield a check for each frame that the example can be, if the example is in the form of that frame.
+        """Yield a check for each frame whose decoder accepts the example.
 
-        A frame in bytes needs an example in bytes. A word accepts bits, and bytes unless their length is wrong. Without
-        a layout, only an example with a wrong length is checked.
+        A decoder of bytes accepts an example in bytes. A decoder of words accepts bits, and also bytes unless their
+        length is wrong. An example without a layout is checked only if its length is wrong.
         """
         has_wrong_length = example.refused == "length"
         if not example.layout and not has_wrong_length:
             return
         for codec in self._yield_codecs(example):
             if codec.plan.in_bytes:
-                is_in_form_of_codec = bool(example.bytes)
+                is_accepted = bool(example.bytes)
             else:
                 # An example states bits or bytes.
-                is_in_form_of_codec = bool(example.bits) or not has_wrong_length
-            if is_in_form_of_codec:
+                is_accepted = bool(example.bits) or not has_wrong_length
+            if is_accepted:
                 yield self._frame_check(codec, example)
 
     def _frame_check(self, codec: StructCodec, example: FrameExample) -> FrameCheck:
@@ -276,13 +285,16 @@ class SelfTest:
         return f"{codec.name}_bits({arguments})"
 
     def _format_answers(self, questions: Sequence[AlternativeCode], example: FrameExample) -> str:
-        """Return the answers for the example as arguments, such as ``CODE_GRAY, ``. The default is the first."""
+        """Return the answers to open questions as arguments, such as ``CODE_GRAY, ``.
+
+        They are the answers that the example states, or else the first answers.
+        """
         arguments = ""
         for question in questions:
             answer_names = [answer.name for answer in question.alternative.answers]
             chosen_name = example.alternatives.get(question.alternative.name, answer_names[0])
             # The enumeration has a constant for each answer, in the same order.
-            constant = question.enumeration.entries[answer_names.index(chosen_name)]
+            constant = question.enumeration.constants[answer_names.index(chosen_name)]
             arguments += f"{constant.name}, "
         return arguments
 
@@ -303,40 +315,45 @@ class SelfTest:
             )
 
     def _expected_members(
-        self, codec: StructCodec, key: str, values: Mapping[str, int | str | bool]
-    ) -> Iterator[Expected]:
-        """Yield the members and their values. ``key`` is the layout name, or ``reg_`` and the name of a register.
+        self, codec: StructCodec, owner: str, values: Mapping[str, int | str | bool]
+    ) -> Iterator[ExpectedMember]:
+        """Yield the members of a struct with the values of a worked example.
 
-        Fields without a member are constant. They are checked by decoding and encoding the frame.
+        ``owner`` is the name of the layout, or ``reg_`` and the name of a register. Constant fields have no member, and
+        are checked by decoding and encoding the frame.
         """
         member_names = set(_member_names(codec))
         part_by_field = {part.field.name: part for part in codec.plan.parts}
         for name, value in values.items():
             if name in member_names:
-                yield self._expected_member(key, name, value, part_by_field.get(name))
+                yield self._expected_member(owner, name, value, part_by_field.get(name))
 
-    def _expected_member(self, key: str, name: str, value: int | str | bool, part: FieldToDecode | None) -> Expected:
-        """Return the expected value of a member, as C. ``part`` is None for a join or a run of digits: a plain number.
+    def _expected_member(
+        self, owner: str, name: str, value: int | str | bool, part: FieldToDecode | None
+    ) -> ExpectedMember:
+        """Return a member with its expected value as C, for a named value its constant.
 
-        A named value has its constant, if C has one.
+        ``part`` is the field of the member, or None for a plain number that several fields form (a join) or that is
+        some decimal digits of a field.
         """
+        member = c_name(name)
         match part.meaning if part is not None else UnsignedNumber():
             case Latin1Text():
-                return Expected(c_name(name), string(value), text=True)
+                return ExpectedMember(member, string(value), is_text=True)
             case NamedChoice(values) if isinstance(value, str):
                 named_value = member_named(values, value, f"value of '{name}'").value
-                choice = self.view.context.choices.get((key, name))
+                choice = self.view.context.choices.get((owner, name))
                 constants = choice.names if choice else {}
-                return Expected(c_name(name), constants.get(named_value, c_number(named_value)))
+                return ExpectedMember(member, constants.get(named_value, c_number(named_value)))
             case ActiveFlag():
-                return Expected(c_name(name), "true" if value else "false")
+                return ExpectedMember(member, "true" if value else "false")
             case TwosComplement() if int(value) < 0:
-                return Expected(c_name(name), signed_number(int(value)))
+                return ExpectedMember(member, signed_number(int(value)))
             case _:
-                return Expected(c_name(name), c_number(int(value)))
+                return ExpectedMember(member, c_number(int(value)))
 
     def _crc_checks(self, example: CrcExample) -> Iterator[Work]:
-        """Yield the checks of a CRC over the bytes of the example, and over them as a word that ends in its CRC."""
+        """Yield the checks of a CRC example: over its bytes, and over its bytes as a word that ends in the CRC."""
         for function in self.view.crcs:
             if function.crc.name == example.crc and function.is_called and function.in_bytes:
                 yield CrcCheck(
@@ -349,7 +366,7 @@ class SelfTest:
                 yield from _word_check(word_crc, covered_bits, example.check)
 
     def _measure_checks(self, example: MeasureExample) -> Iterator[Work]:
-        """Yield the check of a position in counts as a length, for a linear encoder."""
+        """Yield the check that converts a position in counts to a length, or nothing for a rotary encoder."""
         if isinstance(self.view.positions, LengthPositions):
             yield MeasureCheck(
                 function=f"{self.view.prefix}_micrometres",
@@ -361,17 +378,17 @@ class SelfTest:
 
 def _member_names(codec: StructCodec) -> Iterator[str]:
     """Yield the names of the members of a struct, as in the spec."""
-    yield from (whole.join.name for whole in codec.plan.joined_numbers)
+    yield from (joined_number.join.name for joined_number in codec.plan.joined_numbers)
     for part in codec.plan.parts:
         yield from (part.field.name, *(run.name for run in part.field.runs))
 
 
-def _word_check(crc: WordCrc, data: int, check: int) -> Iterator[Work]:
-    """Yield the check that the CRC function returns 0 for a word that ends in its CRC, if a frame can be as long.
+def _word_check(crc: WordCrc, covered_bits: int, check: int) -> Iterator[Work]:
+    """Yield the check that the CRC function returns 0 for a word that ends in its CRC.
 
-    ``data`` are the bits that the CRC covers, and ``check`` is the CRC.
+    ``check`` is the CRC of ``covered_bits``. Nothing is yielded if the word is longer than a frame.
     """
-    word = (data << crc.crc.width) | check
+    word = (covered_bits << crc.crc.width) | check
     if word.bit_length() <= crc.bits:
         yield CrcCheck(crc.name, data=(), word=_format_hex(word, 64), crc=_format_hex(0))
 
@@ -394,13 +411,17 @@ class AllTests(TypedDict):
 
 
 def own_test(
-    view: DeviceView, later: Callable[[str, Mapping[str, object]], Callable[[], str]]
+    view: DeviceView, render_later: Callable[[str, Mapping[str, object]], Callable[[], str]]
 ) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path in the C folder of the self-test of an interface, if there is one, and a function for its text."""
+    """Yield the path in the C folder of the self-test of an interface, and a function that returns its text.
+
+    Nothing is yielded if the interface has no checks. ``render_later`` takes a template and its values, and returns
+    such a function.
+    """
     test = SelfTest(view)
     if test.checks:
         family: FamilyTest = {"maker": view.maker, "t": test}
-        yield test.path, later("selftest.c.jinja", family)
+        yield test.path, render_later("selftest.c.jinja", family)
 
 
 def selftest_files(
@@ -408,13 +429,10 @@ def selftest_files(
 ) -> dict[str, str]:
     """Return the self-test files that do not belong to a family, by their path in the C folder."""
     files = {}
-    makers = manufacturers(view.device for view in views)
-    maker_names = [maker.name for maker in makers]
-    values: AllTests = {"makers": {name: _tests_of_manufacturer(name, tests) for name in maker_names}}
+    tests_by_maker: dict[str, list[SelfTest]] = {}
+    for maker in manufacturers(view.device for view in views):
+        tests_by_maker[maker.name] = [test for test in tests if test.view.maker.name == maker.name]
+    values: AllTests = {"makers": tests_by_maker}
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)
     return files | {f"selftest/{name}": text for name, text in runtime_tests().items()}
-
-
-def _tests_of_manufacturer(maker: str, tests: Sequence[SelfTest]) -> list[SelfTest]:
-    return [test for test in tests if test.view.maker.name == maker]

@@ -1,4 +1,4 @@
-"""One header for one order code: all that reads a position, cut from the headers of its interface and of the runtime.
+"""A single header for one order code, with everything that reads a position.
 
 The headers of the interface are those of a family with only this order code, whose quantities are numbers: fields and
 flags that the order code does not have are absent. All names begin with the order code, so that several headers can be
@@ -43,7 +43,7 @@ _RECEIVING_HEADERS = ("bits.h", "receive.h", "receive_frame.h", "channels.h", "s
 _SHARED_HEADER = "result.h"
 #: Macros of the runtime that mark functions and constants. Every header defines them alike.
 _MARKS = ("CW_CONSTEXPR", "CW_CONST")
-#: The macros of an interface that only accesses to registers need.
+#: A part of the names of macros that only register access needs.
 _FOR_REGISTERS = "_CONTROL_"
 #: Suffixes of the functions of a frame that are needed to read its position.
 _READING_SUFFIXES = ("bits", "decode", "verdict", "position", "read")
@@ -56,9 +56,9 @@ _OTHER_PARAGRAPHS = (
     *("Control data: ", "Description file: ", "For register access with ", "How it folds: ", "In the manual: "),
     *("Network: ", "Profile: "),
 )
-#: What sentences about the tree contain: other headers, the examples, reports, and the argument of a macro.
+#: Words in sentences about parts that the single header does not have, such as other headers and example programs.
 _ABOUT_ABSENT = re.compile(r"\b\w+\.h\b|examples/|_reports\(\)|order code is named once|[Cc]ode can be ")
-#: Sentences of the same kind.
+#: The beginnings of further sentences about such parts.
 _OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC")
 _C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
 #: A condition on one line, after which the function only returns a result.
@@ -73,7 +73,10 @@ class SingleHeader(TypedDict):
 
 
 class SingleCode:
-    """The parts of the header for the only order code of a view. ``header`` is the text of the tree's header."""
+    """The parts of the single header for the only order code of a view.
+
+    ``header`` is the text of the normal header, from which the declarations are taken.
+    """
 
     def __init__(self, view: DeviceView, header: str) -> None:
         self.view = view
@@ -98,12 +101,13 @@ class SingleCode:
 
     @property
     def shared(self) -> str:
-        """The declarations of the results and verdicts, which other headers share."""
+        """The declarations of the results and verdicts, which all single headers share."""
         declarations = declarations_in(runtime_headers()[_SHARED_HEADER])
         return "\n".join(first_paragraph(declaration.comment) + declaration.code for declaration in declarations)
 
     @property
     def runtime_version(self) -> tuple[int, int]:
+        """The major and minor version of the runtime that the declarations come from."""
         return runtime_version()
 
     @property
@@ -117,11 +121,14 @@ class SingleCode:
 
     @property
     def request(self) -> StructCodec | None:
-        """The frame of the position request, over SPI the one that the macro names, or None without a struct."""
+        """The frame that requests the position, or None if there is no such frame.
+
+        Over SPI, it is the frame that the macro of the request names.
+        """
         usage = self.view.usage
         if usage is not None and usage.request_for_reply is not None:
             return usage.request_for_reply.codec
-        exchanged = self.view.interface.exchanged.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
+        exchanged = self.view.interface.position_request.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
         requests = (codec for codec in self.view.interface.codecs if codec.struct.layout.name == exchanged)
         return next(requests, None)
 
@@ -131,20 +138,22 @@ class SingleCode:
         usage = self.view.usage
         if usage is None:
             return 0
+        parameters = self.view.device.variants[0].parameters
+        bits = usage.frame.struct.layout.bits.value(parameters)
         # Bits to bytes, rounded up.
-        return -(-usage.frame.struct.layout.bits.value(self.view.device.variants[0].parameters) // 8)
+        return (bits + 7) // 8
 
     @property
     def replies_later(self) -> bool:
-        """True if a reply comes with the word after its request."""
+        """True if a reply over SPI comes with the word after its request."""
         interface = self.view.context.interface
         return isinstance(interface, Spi) and interface.reply == "next_word"
 
     @property
     def body(self) -> str:
-        """The declarations, with their names in this header.
+        """The declarations, with their names in this header, separated by blank lines.
 
-        A blank line is before each, except a function with a comment of one line, and a further macro without any.
+        There is no blank line before a function with a comment of one line, nor between macros without comments.
         """
         texts: list[str] = []
         follows_macro = False
@@ -159,20 +168,20 @@ class SingleCode:
         return "".join(texts)
 
     def named(self, text: str) -> str:
-        """Return text with the names of this header instead of the names in the tree."""
+        """Return a text with the names of this header in place of those in the normal header and the runtime."""
         return _C_IDENTIFIER.sub(lambda word: self._renamed.get(word[0], word[0]), text)
 
     def _is_helper(self, declaration: Declaration) -> bool:
-        """Return True if a declaration is one of the runtime."""
+        """Return True if a declaration comes from the runtime."""
         return not self._runtime_names.isdisjoint(declaration.names)
 
     # -- what is needed
 
     def _yield_roots(self, known_names: Collection[str]) -> Iterator[str]:
-        """Yield the names of the tree that a program uses to read positions. Some may not exist.
+        """Yield the names in the normal header that a program uses to read positions. Some of them may not exist.
 
-        They are the macros of the interface, except macros for registers and times, the functions of the frames with
-        the position, and the dependencies of the request.
+        They are the macros of the interface, except those for registers and times, the functions of the frames with the
+        position, and the functions for the request.
         """
         view = self.view
         timings = view.context.interface.timings
@@ -194,7 +203,7 @@ class SingleCode:
 
     def _roots_of_requests(self) -> Iterator[str]:
         """Yield the names that a program uses to request positions over RS-485 or SPI."""
-        usage, exchanged = self.view.usage, self.view.interface.exchanged
+        usage = self.view.usage
         if usage is not None and usage.request:
             yield usage.request
         if usage is not None and (usage.request or usage.request_for_reply is not None):
@@ -202,7 +211,7 @@ class SingleCode:
         if self.request is not None:
             yield f"{self.request.name}_encode"
             yield f"{self.request.name}_bits"
-            if exchanged:
+            if self.view.interface.position_request:
                 yield "cw_spi_store"
                 yield "cw_spi_load"
 
@@ -219,18 +228,22 @@ class SingleCode:
     # -- names
 
     def _new_names(self, kept_names: Iterable[str]) -> Mapping[str, str]:
-        """Return the names in this header by those in the tree, or raise an error if two of them are equal."""
+        """Return the names in this header, by the names in the normal header and the runtime.
+
+        Raises:
+            TargetError: Two declarations would have the same name.
+        """
         new_names = {name: self._new_name(name) for name in kept_names}
-        for new_name, number_of_parts in Counter(new_names.values()).items():
-            if number_of_parts > 1:
+        for new_name, number_of_declarations in Counter(new_names.values()).items():
+            if number_of_declarations > 1:
                 raise TargetError(f"{self.order_code}: two parts of its header have the C name {new_name}")
         return new_names
 
     def _new_name(self, name: str) -> str:
-        """Return a name of the tree with the prefix of this header, such as ``acme_x_24_read`` for ``cw_read``."""
+        """Return a name with the prefix of this header, such as ``acme_x_24_read`` for ``cw_read``."""
         view = self.view
         if name in self._runtime_names:
-            # If the order code is the name of the family, acme_x_ssi_receive is a function of the tree.
+            # If the order code is the name of the family, acme_x_ssi_receive is a function of the normal header.
             is_name_of_family = view.prefix == f"{self.stem}_{view.context.interface.name}"
             kept_prefix = "cw_" if is_name_of_family else ""
             new_name = re.sub("^cw_", f"{self.stem}_{kept_prefix}", name)
@@ -245,7 +258,7 @@ class SingleCode:
     # -- texts
 
     def _format_declaration(self, declaration: Declaration) -> str:
-        """Return a declaration with its comment, with the names of this header and its lines broken anew."""
+        """Return a declaration and its comment as text, with the names of this header and its lines broken again."""
         comment, code = declaration.comment, declaration.code
         is_used_by_programs = not _USED_BY_PROGRAMS.isdisjoint(declaration.names)
         if is_used_by_programs:
@@ -253,7 +266,7 @@ class SingleCode:
         elif self._is_helper(declaration):
             comment = first_paragraph(comment)
         if declaration.has_macro:
-            comment, code = self._without_argument(comment, code)
+            code = self._without_code_parameter(code)
         # The pattern is a comment on the lines above a member.
         clear_code = re.sub(r"^ +/\*\*\n.*?\*/\n", self._member_comment, code, flags=re.MULTILINE | re.DOTALL)
         new_code = "".join(map(self._rename_pasted, clear_code.splitlines(keepends=True)))
@@ -263,30 +276,30 @@ class SingleCode:
         if declaration.has_macro:
             named_code = _refilled_macro(named_code)
         new_comment = self._in_comment(comment, with_arguments=is_used_by_programs)
-        return new_comment + break_lines(_with_guards_in_line(_with_head_in_line(named_code)))
+        return new_comment + break_lines(_with_short_conditions(_with_signature_on_one_line(named_code)))
 
-    def _without_argument(self, comment: str, c_code: str) -> tuple[str, str]:
-        """Return the comment and the code of a macro without its parameter ``c_code``, since there is one order code.
+    def _without_code_parameter(self, c_code: str) -> str:
+        """Return the code of a macro without its parameter ``code``, since the header is for one order code.
 
         ``RECEIVE(code, rx)``, which pastes ``ACME_X_##code##_BITS``, becomes ``RECEIVE(rx)`` with ``ACME_X_24_BITS``.
         """
         if "(code, " not in c_code:
-            return comment, c_code
-        constant = self.view.row.macro.removeprefix(f"{self.view.PREFIX}_")
-        bound = c_code.replace("(code, ", "(", 1).replace("##code", constant)
+            return c_code
+        order_code = self.view.row.macro.removeprefix(f"{self.view.PREFIX}_")
+        code_without_parameter = c_code.replace("(code, ", "(", 1).replace("##code", order_code)
         # In MACRO##_BITS nothing is left to paste. MACRO##_##name still pastes another parameter.
-        return comment, re.sub(rf"({self.view.row.macro})##(?=_\w)(?!_##)", r"\1", bound)
+        return re.sub(rf"({self.view.row.macro})##(?=_\w)(?!_##)", r"\1", code_without_parameter)
 
     def _rename_pasted(self, line: str) -> str:
-        """Return a line with the new prefix in names that a macro pastes together: ``ACME_X_`` in ``ACME_X_##name``."""
+        """Return a line with the prefix of this header in names that a macro pastes, as in ``ACME_X_##name``."""
         # A prefix that is followed by letters and ##.
         pattern = rf"\b(?:{self.view.row.macro}|{self.view.PREFIX})_(?=\w*##)"
         return re.sub(pattern, f"{self.STEM}_", line)
 
     def _in_comment(self, comment: str, *, with_arguments: bool) -> str:
-        """Return a comment with new names, without sentences on what the header lacks.
+        """Return a comment with the names of this header, without sentences about parts that the header does not have.
 
-        Without arguments, it ends before its first ``@param``.
+        Unless ``with_arguments`` is True, it ends before its first ``@param``.
         """
         lines: list[str] = []
         for paragraph in split_paragraphs(comment_lines(comment)):
@@ -296,7 +309,7 @@ class SingleCode:
         return as_comment(lines)
 
     def _member_comment(self, comment: re.Match[str]) -> str:
-        """Return the comment above a member, without sentences about what the header lacks."""
+        """Return the comment above a member, without sentences about parts that the header does not have."""
         margin = " " * (len(comment[0]) - len(comment[0].lstrip()))
         comment_text = " ".join(comment_lines(comment[0].strip())).strip()
         sentences = SENTENCE_END.split(comment_text)
@@ -304,9 +317,9 @@ class SingleCode:
         return member_comment(self.named(" ".join(kept_sentences)), margin)
 
     def _shorten_paragraph(self, lines: list[str]) -> list[str]:
-        """Return the lines of a paragraph without sentences about what the header lacks, none if nothing is left.
+        """Return the lines of a paragraph without sentences about parts that the header does not have.
 
-        In an indented line, such as one of a picture, only the names change.
+        The result is empty if no sentence is left. In an indented line, such as one of a picture, only names change.
         """
         paragraph = " ".join(lines)
         if lines[0].startswith((" ", "@")) or not paragraph:
@@ -320,19 +333,18 @@ class SingleCode:
         return wrap_text(new_text)
 
     def _is_about_absent(self, sentence: str) -> bool:
-        """Return True if a sentence mentions another header, the argument of a macro, or a name left out.
+        """Return True if a sentence is about a part that this header does not have.
 
-        Sentences about register access and about a CRC of 0 also count (``_OTHER_SENTENCES``).
+        Examples are other headers, the parameter ``code`` of a macro, and names that were left out.
         """
-        if sentence.startswith(_OTHER_SENTENCES):
+        if sentence.startswith(_OTHER_SENTENCES) or _ABOUT_ABSENT.search(sentence) is not None:
             return True
-        is_elsewhere = _ABOUT_ABSENT.search(sentence)
-        return is_elsewhere is not None or any(map(self._is_absent, _C_IDENTIFIER.findall(sentence)))
+        return any(map(self._is_absent, _C_IDENTIFIER.findall(sentence)))
 
     def _is_absent(self, name: str) -> bool:
-        """Return True if a name occurs in the tree but not in this header."""
-        is_of_tree = name.startswith((f"{self.view.prefix}_", f"{self.view.PREFIX}_", "cw_"))
-        return is_of_tree and name not in self._renamed and name not in self._shared_names
+        """Return True if a name of the normal header or the runtime is not in this header."""
+        has_known_prefix = name.startswith((f"{self.view.prefix}_", f"{self.view.PREFIX}_", "cw_"))
+        return has_known_prefix and name not in self._renamed and name not in self._shared_names
 
 
 def _without_order_code(header: str, view: DeviceView) -> str:
@@ -374,44 +386,49 @@ def single_views(device: Device, passing: StructPassing) -> Iterator[DeviceView]
 
 
 def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]], str], header: str) -> str:
-    """Return the header for the only order code of a view. ``header`` is the header of the tree."""
+    """Return the text of the single header for the only order code of a view. ``header`` is the normal header."""
     single = SingleCode(view, header)
     values: SingleHeader = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view, "s": single}
     return render(TEMPLATE, values)
 
 
-def _with_head_in_line(c_code: str) -> str:
-    """Return a function with its head on one line, after the macros that mark it if they and the name fit there."""
-    # The marks, and the head up to the bracket that closes its parameters.
-    function = re.match(r"((?:CW_[A-Z]+[ \n])*)(static inline [^{;]*\))\n\{", c_code)
+def _with_signature_on_one_line(c_code: str) -> str:
+    """Return a C function with its signature on one line, from the macros that mark it to its parameters.
+
+    The macros are on a separate line if they and the name of the function are too long for one line. ``break_lines``
+    breaks the parameters again if necessary. Other code is returned unchanged.
+    """
+    function = re.match(r"(?P<marks>(?:CW_[A-Z]+[ \n])*)(?P<signature>static inline [^{;]*\))\n\{", c_code)
     if function is None:
         return c_code
-    marks = function[1].replace("\n", " ")
-    head = re.sub(r"\n +", " ", function[2].replace("(\n    ", "("))
-    before_arguments = marks + head.partition("(")[0]
-    if len(before_arguments) >= COLUMNS:
-        return f"{marks.rstrip()}\n{head}{c_code[function.end(2) :]}"
-    return f"{marks}{head}{c_code[function.end(2) :]}"
+    marks = function["marks"].replace("\n", " ")
+    with_first_parameter = function["signature"].replace("(\n    ", "(")
+    signature = re.sub(r"\n +", " ", with_first_parameter)
+    body = c_code[function.end("signature") :]
+    type_and_name, _, _ = signature.partition("(")
+    if len(marks + type_and_name) >= COLUMNS:
+        return f"{marks.rstrip()}\n{signature}{body}"
+    return f"{marks}{signature}{body}"
 
 
-def _with_guards_in_line(c_code: str) -> str:
-    """Return a function in which each condition that only returns a result is one line, if it fits."""
-    return _GUARD.sub(_guard_in_line, c_code)
+def _with_short_conditions(c_code: str) -> str:
+    """Return a C function in which each condition that only returns a result is on one line, if it fits."""
+    return _GUARD.sub(_on_one_line, c_code)
 
 
-def _guard_in_line(guard: re.Match[str]) -> str:
+def _on_one_line(guard: re.Match[str]) -> str:
     """Return a condition and its result on one line, or unchanged if that is too long or has a comment."""
     line = f"{guard['condition']} {guard['result']} }}"
     return guard[0] if len(line) > COLUMNS or "/*" in line else f"{line}\n"
 
 
 def _refilled_macro(c_code: str) -> str:
-    """Return a macro with its first line as it is, and the others joined and broken again at the width of a header."""
-    head, *body = (line.removesuffix("\\").rstrip() for line in c_code.splitlines())
+    """Return a macro whose lines after the first are joined and broken again at the width of a header."""
+    first_line, *body = (line.removesuffix("\\").rstrip() for line in c_code.splitlines())
     # A single further line cannot be merged.
     if len(body) < 2:
         return c_code
     joined_body = " ".join(line.strip() for line in body)
     # 2 characters are the space and the backslash at the end of a line.
     lines = wrap_text(joined_body, COLUMNS - 2, first_margin=" " * 4, margin=" " * 8)
-    return " \\\n".join((head, *lines)) + "\n"
+    return " \\\n".join((first_line, *lines)) + "\n"

@@ -1,4 +1,4 @@
-"""Comments of a header for one order code: taken from the comments of other headers, and broken into lines again."""
+"""The comments of a single header for one order code, which are shortened from other headers and wrapped again."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ SENTENCE_END = re.compile(r"(?<=[.:])\s(?=[A-Z])")
 
 
 def member_comment(text: str, margin: str) -> str:
-    """Return the comment on a member, with its marks on the first and the last line of the text."""
+    """Return the comment on a member of a struct, with ``/*`` and ``*/`` on the lines of the text."""
     single_line = f"{margin}/* {text} */\n"
     # Its line break counts too, which leaves room for Doxygen's mark, longer by one character.
     if len(single_line) <= COLUMNS:
         return single_line
-    # A joint instead of a space keeps the mark at the end on the line of the last word.
-    joint = "\0"
-    lines = wrap_text(f"{text}{joint}*/", COLUMNS - 1, first_margin=f"{margin}/* ", margin=f"{margin} * ")
-    return "".join(f"{line}\n" for line in lines).replace(joint, " ")
+    # A placeholder instead of a space keeps the mark at the end on the line of the last word.
+    unbreakable_space = "\0"
+    lines = wrap_text(f"{text}{unbreakable_space}*/", COLUMNS - 1, first_margin=f"{margin}/* ", margin=f"{margin} * ")
+    return "".join(f"{line}\n" for line in lines).replace(unbreakable_space, " ")
 
 
 def first_paragraph(comment: str) -> str:
-    """Return the start of a comment of the runtime: its first sentence, or all text up to a picture and the picture.
+    """Return the first sentence of a comment from the runtime, or if it has a picture, its text up to the picture.
 
-    A picture follows ``:`` and a blank line. If it is an example that calls the runtime, it is left out.
+    A picture follows ``:`` and a blank line. It is included unless it is an example that calls the runtime.
     """
     text_before_picture, _, picture_and_rest = "\n".join(comment_lines(comment)).partition(":\n\n")
     # An empty line ends a picture, and a paragraph.
@@ -46,7 +46,7 @@ def first_paragraph(comment: str) -> str:
 
 
 def without_example(comment: str) -> str:
-    """Return a comment of the runtime without the example that follows its first sentence, if there is one."""
+    """Return a comment from the runtime without the example that follows its first sentence, if there is one."""
     first_sentence, example_begins, example_and_rest = "\n".join(comment_lines(comment)).partition(":\n\n")
     if not example_begins:
         return comment
@@ -62,7 +62,7 @@ def wrap_text(text: str, width: int = COMMENT_WIDTH, first_margin: str = "", mar
 
 
 def comment_lines(comment: str) -> list[str]:
-    """Return the lines of a comment without ``/**``, ``*/`` and the ``*`` in front. Further spaces stay."""
+    """Return the lines of a comment without ``/**``, ``*/`` and the ``*`` in front. Indentation is kept."""
     if not comment:
         return []
     lines = comment.rstrip().removeprefix("/**").removesuffix("*/").strip("\n").splitlines()
@@ -70,9 +70,9 @@ def comment_lines(comment: str) -> list[str]:
 
 
 def split_paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
-    """Yield the lines of each paragraph. Lines that begin with a space or @ are separate paragraphs.
+    """Yield the lines of each paragraph of a comment. A line that begins with a space or @ is a separate paragraph.
 
-    A line ends a paragraph if the first word of the next line would have fit.
+    A line is the last one of its paragraph if the first word of the next line would have fit on it.
     """
     paragraph: list[str] = []
     for line in lines:

@@ -19,7 +19,7 @@ from ...plan.values import (
     widest_value,
 )
 from .. import TargetError
-from .bits import BitReader, UnusedMember
+from .bits import BitReader
 from .context import CMacro, HeaderContext, scale_macros
 from .enumerations import CEnumeration
 from .names import (
@@ -38,10 +38,14 @@ from .names import (
     size_of,
     unsigned,
 )
+from .unused import UnusedMember
 
 
 class LayoutStruct:
-    """One layout, its names and its types. A register of one plain byte also has a struct, which is not printed."""
+    """The struct of a frame or register, with the names and the C types of its members.
+
+    A register of one plain byte also has this object, but its struct is not part of the header.
+    """
 
     def __init__(
         self, context: HeaderContext, layout: Layout, name: str, length_macro: str, register: Register | None = None
@@ -78,9 +82,11 @@ class LayoutStruct:
                 self.path,
             )
         if self.unused.width > 64:
-            # Rounded up.
-            bytes_ = -(-self.unused.width // 8)
-            raise TargetError(f"{name} has unused bits in {bytes_} bytes; the C target supports at most 8", self.path)
+            # Bits to bytes, rounded up.
+            unused_bytes = (self.unused.width + 7) // 8
+            raise TargetError(
+                f"{name} has unused bits in {unused_bytes} bytes; the C target supports at most 8", self.path
+            )
         for part in self.plan.parts:
             field = part.field
             # Called for its error if the field has more than 64 bits.
@@ -105,23 +111,22 @@ class LayoutStruct:
 
     @property
     def number_type(self) -> str:
-        """The type of the word as a number, which an encoder stores."""
+        """The C type of the frame as one number."""
         return unsigned(self.reader.word_size)
 
     def covered(self, crc: FrameCrc) -> CExpression:
-        """Return the bits of the word that a CRC covers, as they are sent, with bit 0 the last of them.
+        """Return the bits of the word that a CRC covers, as they are sent. Bit 0 is the last one.
 
         An example is ``(uint32_t)(word >> 6)``.
         """
-        word_size = self.reader.word_size
         # The bit above the covered bits. ``covered`` is their number.
-        end = crc.low + crc.covered.constant if covers_32_bits(crc) else word_size
+        end = crc.low + crc.covered.constant if covers_32_bits(crc) else self.reader.word_size
         bits = shifted_right(self.reader.before_conversion.lower(end), crc.low)
         is_across_halves = covers_32_bits(crc) and end > 32
         return CCast("uint32_t", bits) if is_across_halves else bits
 
     def received(self, crc: FrameCrc) -> CExpression:
-        """Return the CRC in a word as it is sent, in its lowest bits."""
+        """Return the CRC that a word contains in its lowest bits, as it is sent."""
         width = crc.crc.width
         return masked(self.reader.before_conversion.lower(width), (1 << width) - 1)
 
@@ -160,30 +165,30 @@ class LayoutStruct:
 
     def member_type(self, name: str) -> str:
         """Return the type of the member of a field or join, by its name in the spec."""
-        whole = next((candidate for candidate in self.plan.joined_numbers if candidate.join.name == name), None)
-        return unsigned(whole.widest) if whole is not None else self.type_of(self.layout.field(name))
+        joined_number = next((candidate for candidate in self.plan.joined_numbers if candidate.join.name == name), None)
+        return unsigned(joined_number.widest) if joined_number is not None else self.type_of(self.layout.field(name))
 
     def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
-        """Return the initialiser of a struct without its braces, such as ``true, 0x1BU, 0U``.
+        """Return the initializer of a struct without its braces, such as ``true, 0x1BU, 0U``.
 
-        ``values`` are numbers by the names of fields and joins. Other fields get the default of the spec, or else a
-        value that an encoder accepts, mostly 0. ``parameters`` are the parameters of an order code. The bits of a
-        member ``unused`` that is 0 are as documented.
+        ``values`` are numbers by the names of fields and joined numbers. Other fields get the default of the spec, or
+        else a value that an encoder accepts, mostly 0. ``parameters`` are the parameters of an order code. The member
+        ``unused`` is 0, which means that all unused bits are as documented.
         """
         numbers: dict[str, int] = {}
         for part in self.plan.parts:
             numbers[part.field.name] = values.get(part.field.name, _default_value(part.field))
-        for whole in self.plan.joined_numbers:
-            if whole.join.name in values:
-                numbers.update(whole.parts(values[whole.join.name], parameters))
+        for joined_number in self.plan.joined_numbers:
+            if joined_number.join.name in values:
+                numbers.update(joined_number.parts(values[joined_number.join.name], parameters))
         # C sets all members after the first one to 0.
         if not any(numbers.values()):
             return "0U"
         initial_values: list[str] = []
         for part in self.plan.parts:
             initial_values += self._initial_values(part.field, numbers[part.field.name])
-        for whole in self.plan.joined_numbers:
-            initial_values.append(c_number(whole.joined(numbers, parameters), hexadecimal=True))
+        for joined_number in self.plan.joined_numbers:
+            initial_values.append(c_number(joined_number.joined(numbers, parameters), hexadecimal=True))
         if self.unused:
             initial_values.append("0U")
         return ", ".join(initial_values)
@@ -216,27 +221,26 @@ class LayoutStruct:
     def is_none_of(self, field: Field, name: CExpression, values: Sequence[int], is_raw: bool = False) -> CExpression:
         """Return the condition that ``name`` has none of these values, such as ``kind != 0x01U && kind != 0x02U``.
 
-        ``is_raw`` is True if ``name`` contains the bits as read, as a number rather than as a member of the
-        enumeration.
+        ``is_raw`` is True if ``name`` contains the bits as read, rather than a value of the enumeration. Constants of
+        the enumeration are then cast to the type of the bits.
         """
         choice = self.choice(field)
         constants = choice.names if choice is not None else {}
-        # The type to which constants are cast, empty if they need no cast.
-        type_of_bits = ""
-        if is_raw and self.enumeration(field) is not None:
-            type_of_bits, _ = self.reader.value(self.plan.bits_of(field.name))
+        needs_cast = is_raw and self.enumeration(field) is not None
+        type_of_bits, _ = self.reader.value(self.plan.bits_of(field.name))
         conditions: list[CExpression] = []
         for value in values:
-            compared: CExpression = CNumber(value, hexadecimal=True)
             if value in constants:
                 constant = CName(constants[value])
-                compared = CCast(type_of_bits, constant) if type_of_bits else constant
-            conditions.append(COperation("!=", (name, compared)))
+                expected: CExpression = CCast(type_of_bits, constant) if needs_cast else constant
+            else:
+                expected = CNumber(value, hexadecimal=True)
+            conditions.append(COperation("!=", (name, expected)))
         return join_operands("&&", tuple(conditions))
 
 
 def covers_32_bits(crc: FrameCrc) -> bool:
-    """Return whether a CRC covers at most 32 bits with every order code."""
+    """Return True if a CRC covers at most 32 bits, with every order code."""
     return crc.covered.is_constant and crc.covered.constant <= 32
 
 
@@ -251,10 +255,10 @@ def word_size(context: HeaderContext, layout: Layout) -> int:
 
 
 def _default_value(field: Field) -> int:
-    """Return the default of a field, or else a value that its encoder accepts, mostly 0.
+    """Return the default of a field in the spec, or else a value that the generated encoder accepts, mostly 0.
 
-    It is 1 for a power of two, and the lowest of named values. A field whose bits 0 mean a number, such as 256, rejects
-    the value 0. It gets that number.
+    The value is 1 for a power of two, and the lowest of named values. In some fields, the bits 0 stand for a number
+    such as 256, and the value 0 is rejected. Such a field gets that number.
     """
     if field.default is not None:
         return field.default

@@ -17,7 +17,7 @@ from ...say.order_code import initial, timeouts_with_codes
 from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
-from .bits import of_bytes
+from .bits import type_and_bits_in
 from .context import CFunction, CMacro, HeaderContext, number_function
 from .names import (
     CCast,
@@ -40,7 +40,11 @@ _NAMES_OF_LOCALS = frozenset(("failure", "result", "taken", "transport", "varian
 
 
 class HeldValue:
-    """A parameter held by a register, and its local."""
+    """A parameter that is read from a register, and the local variables that it is computed in.
+
+    ``local`` is the variable with its value, and ``member`` its member in the variant. ``is_coded`` is True if the
+    register contains a code that stands for the value.
+    """
 
     def __init__(self, context: HeaderContext, parameter_in_register: HeldParameter) -> None:
         parameter = parameter_in_register.parameter
@@ -59,7 +63,7 @@ class HeldValue:
         self.type, self.code, _ = self.locals[-1]
 
     def for_code(self, code: int) -> str:
-        """Return the value of the parameter for one of its codes."""
+        """Return the value, as C, that a code in the register stands for."""
         value = self.held_parameter.parameter.held_value(code)
         assert value is not None
         return str(CNumber(value))
@@ -67,10 +71,10 @@ class HeldValue:
     def _yield_locals(self) -> Iterator[tuple[str, str, CExpression]]:
         """Yield the type, the name and the initial value of each local, such as ``("uint8_t", "turns", bytes[0])``.
 
-        If 0 represents another number, a local with the bits as read comes first. A code has a local that ends in
-        ``_code``.
+        If the bits 0 stand for a number, such as 256, a local with the bits as read comes first. A code has a local
+        that ends in ``_code``.
         """
-        type_, bits = of_bytes(self.held_parameter.bits.bit_slices)
+        type_, bits = type_and_bits_in(self.held_parameter.bits.bit_slices)
         match self.held_parameter.meaning:
             case ZeroMeans(number):
                 raw_local = CName(f"{self.local}_raw")
@@ -86,7 +90,7 @@ class HeldValue:
 
     @property
     def is_outside(self) -> CExpression | None:
-        """Condition that the parameter cannot have the value, or None if it can have any value."""
+        """Condition that the register contains a value outside the limits, or None if there are no limits."""
         lowest, highest = self.held_parameter.low, self.held_parameter.high
         comparisons: list[CExpression] = []
         if lowest is not None:
@@ -98,9 +102,10 @@ class HeldValue:
 
 @dataclass(frozen=True, slots=True)
 class CodeSwitch:
-    """The values for each code in a register field: the local with the code, and the assignments for each code.
+    """A ``switch`` over the code in a register field, which assigns the values that the code stands for.
 
-    A case is like ``("2U", (("position_bits", "24U"),))``.
+    ``local`` is the variable with the code. A case is a code with its assignments, such as
+    ``("2U", (("position_bits", "24U"),))``.
     """
 
     local: str
@@ -125,6 +130,7 @@ def _yield_switches(held_values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
 
 
 def _codes_of_held_value(held_value: HeldValue) -> set[int]:
+    """Return the codes that stand for a value of the parameter."""
     return {row.code for row in held_value.held_parameter.parameter.by_code}
 
 
@@ -149,12 +155,13 @@ class VariantUpdater:
         self.access = access
 
     def declared(self) -> Iterator[DeclaredName]:
+        """Yield the name of the function."""
         yield self.name, ()
 
     def _yield_locals(self) -> Iterator[tuple[str, str, CExpression]]:
-        """Yield the locals of all values: type, name and initial value.
+        """Yield the local variables for all values: type, name and initial value.
 
-        Values that one field holds as a code share the local of its switch, which is the local of the first value.
+        If a code in the register stands for several values, they share the local with the code.
         """
         switch_locals = {switch.local for switch in self.switches}
         for value in self.values:
@@ -166,7 +173,11 @@ class VariantUpdater:
 
 @dataclass(frozen=True, slots=True)
 class CodeRow:
-    """An order code, its name in C with and without the prefix, and its values."""
+    """An order code in C.
+
+    ``macro`` is its initializer, such as ``ACME_X_24_A``, and ``code`` the end of that name, such as ``24_A``.
+    ``values`` are the members of the variant.
+    """
 
     variant: Variant
     code: str
@@ -181,10 +192,10 @@ class VariantCode:
         self.context = context
         self.device = context.device
         self.parameters = self.device.set_parameters
-        #: Without those that the functions of positions return.
         measured = parameters_in_measurement(self.device)
-        self._named = [parameter for parameter in self._in_order_of_use() if parameter.name not in measured]
-        self.derived: Sequence[CFunction] = [self._build_derived(parameter) for parameter in self._named]
+        #: The derived parameters with a function. The functions for positions return the others.
+        self._with_function = [parameter for parameter in self._in_order_of_use() if parameter.name not in measured]
+        self.derived: Sequence[CFunction] = [self._build_derived(parameter) for parameter in self._with_function]
         self.rows = [self._build_row(variant) for variant in self.device.variants]
         #: A macro with one bit for each open part of the order code.
         self.unlisted = list(self._unlisted_macros())
@@ -192,16 +203,17 @@ class VariantCode:
         self.about = about_order_codes(self.device)
 
     def declared(self) -> Iterator[DeclaredName]:
-        """Yield the names at file scope, each with its path in the spec. Names that every header has have none."""
+        """Yield the names at file scope, each with its path in the spec, which is empty for names in every header."""
         yield self.context.prefix, ()
         for name in ("order_code", "order_codes", "find_order_code"):
             yield f"{self.context.prefix}_{name}", ()
-        for parameter in self._named:
+        for parameter in self._with_function:
             yield f"{self.context.prefix}_{parameter.name}", ("parameters", parameter.name)
         yield from ((row.macro, ("order_code",)) for row in self.rows)
         yield from ((macro.name, ("order_code", "parts")) for macro in self.unlisted)
 
     def about_parameter(self, parameter: Parameter) -> str:
+        """Return the comment on a parameter."""
         return about_parameter(self.device, self.context.prefix, parameter)
 
     @property
@@ -210,7 +222,10 @@ class VariantCode:
         return any(pattern.code is None for pattern in self.patterns)
 
     def bits(self, pattern: OpenCode) -> str:
-        """Return the parts that a pattern leaves open as bits in C, such as ``ACME_X_UNLISTED_BITS``, or ``0U``."""
+        """Return the parts of an order code that a pattern leaves open, as bits in C, or ``0U`` if there are none.
+
+        An example is ``ACME_X_UNLISTED_BITS | ACME_X_UNLISTED_CABLE``.
+        """
         return " | ".join(map(self._unlisted_macro, pattern.unlisted)) or "0U"
 
     def _unlisted_macros(self) -> Iterator[CMacro]:
@@ -223,10 +238,15 @@ class VariantCode:
                 bit <<= 1
 
     def _unlisted_macro(self, part: str) -> str:
+        """Return the macro of a part of the order code, such as ``ACME_X_UNLISTED_BITS``."""
         return f"{self.context.PREFIX}_UNLISTED_{part.upper()}"
 
     def _in_order_of_use(self) -> list[Parameter]:
-        """Return the derived parameters, each after those that it needs. Parameters in a cycle are an error."""
+        """Return the parameters with a formula (``equals``), each after those that its formula uses.
+
+        Raises:
+            LookupError: Parameters use each other in a cycle.
+        """
         waiting = {parameter.name: parameter for parameter in self.device.parameters if parameter.equals is not None}
         ordered: list[Parameter] = []
         while waiting:
@@ -250,7 +270,7 @@ class VariantCode:
     def _build_row(self, variant: Variant) -> CodeRow:
         """Return an order code with its name in C, such as ``24_A`` for ``X-24/A`` of the family X.
 
-        The name of the family is only left out if all order codes begin with it.
+        The name of the family is left out only if all order codes begin with it.
         """
         family = self.device.name.upper()
         order_code = variant.code.upper()
@@ -280,7 +300,10 @@ def _parameter_value(parameter: Parameter, variant: Variant) -> str:
 
 
 class LengthCode:
-    """The lengths of one interface, empty if a peripheral receives its frames."""
+    """The macros for the lengths of the frames of one interface, by order code.
+
+    There are none if a peripheral, such as a serial port, receives the frames.
+    """
 
     def __init__(
         self, context: HeaderContext, interface: Interface, code_rows: Sequence[CodeRow], sample_row: CodeRow
@@ -303,7 +326,7 @@ class LengthCode:
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(context.device, interface, received_frames))
-        self._codes = {id(row.variant): row.code for row in code_rows}
+        self._name_by_variant = {id(row.variant): row.code for row in code_rows}
         self._prefix = f"{context.PREFIX}_"
         #: Frames of the order code in all samples.
         self._sample_frames = [frame for frame in received_frames if frame.variant is sample_row.variant]
@@ -311,7 +334,7 @@ class LengthCode:
 
     @property
     def receive(self) -> str:
-        """The macro that receives with the lengths of an order code, empty unless there is exactly one frame."""
+        """The macro that extracts a frame with the lengths of an order code. Empty unless there is only one frame."""
         return f"{self._prefix}RECEIVE" if len(self.layouts) == 1 else ""
 
     @property
@@ -321,13 +344,13 @@ class LengthCode:
         return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
 
     def for_layout(self, layout: Layout) -> LengthCode:
-        """Return a copy whose variables and arguments belong to one frame, as a word or as bytes."""
+        """Return a copy in which variables and arguments are for this frame, which is a word or bytes."""
         length_code = copy(self)
         length_code.length = self._context.length_macro(layout) if layout.in_bytes else ""
         return length_code
 
     def holder(self, index: str = "") -> str:
-        """Declare the variable that receives a frame, or an array of them."""
+        """Return the declaration of the variable that receives a frame, or of an array of frames with ``index``."""
         return f"uint8_t bytes{index}[{self.length}]" if self.length else f"uint64_t word{index}"
 
     def receiver_argument(self, index: str = "") -> str:
@@ -339,11 +362,12 @@ class LengthCode:
         return f"bytes{index}, {self.length}" if self.length else f"word{index}"
 
     def code_of(self, frame: FrameSize) -> str:
-        """Return the name of an order code in names of lengths, such as ``X24`` or ``X24_POSITION_WIDE``.
+        """Return the part of a macro's name that stands for a frame of an order code, such as ``X24_POSITION_WIDE``.
 
-        The frame follows if there are several, and then the answers on which the length depends.
+        The name of the frame is included if there are several frames, and then the user's answers to open questions on
+        which the length depends.
         """
-        name_parts = [self._codes[id(frame.variant)]]
+        name_parts = [self._name_by_variant[id(frame.variant)]]
         if len(self.layouts) > 1:
             name_parts.append(frame.layout.name)
         name_parts += [answer.name for answer in frame.answers]
@@ -358,17 +382,17 @@ class LengthCode:
             yield self.receive, path
 
     def macros_of(self, frame: FrameSize) -> Iterator[CMacro]:
-        """Yield the macros of the number of bits and of the bytes of a buffer."""
+        """Yield the macros for the number of bits in a frame, and for the number of bytes in its buffer."""
         stem = f"{self._prefix}{self.code_of(frame)}"
         yield CMacro(f"{stem}_BITS", c_number(frame.bits), "number of bits in its frame")
         yield CMacro(f"{stem}_RX_BYTES", c_number(frame.bytes), "number of bytes in its buffer")
 
 
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
-    """Yield the pieces of a text about the deadlines for the control bit of a master, or nothing unless it is BiSS.
+    """Yield the pieces of a text on when a BiSS master must set the control bit of a frame (CDM).
 
-    The numbers apply to the shortest frame, at the highest and lowest clock, or else at the last clock in use. If the
-    clock depends on the order code, they are in clock periods only.
+    The times apply to the shortest frame, at the highest and lowest clock, or else at the last clock in use. If the
+    clock depends on the order code, they are in clock periods only. Nothing is yielded for other interfaces.
     """
     if not isinstance(interface, Biss) or not frames:
         return
@@ -390,7 +414,7 @@ def _register_access(device: Device, interface: Interface, frames: Sequence[Fram
     yield "For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before the last "
     yield f"clock of the same frame. It comes {delay_text}. The bit of "
     yield "cw_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
-    yield "sends it. MA carries the inverse of the bit for the whole time-out"
+    yield "sends it. MA carries the inverse of the bit for the whole timeout"
     if interface.timeouts:
         yield f" ({timeouts_with_codes(interface.timeouts)})"
     yield "."

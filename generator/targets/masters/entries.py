@@ -19,9 +19,10 @@ Value = int | bool | str
 
 @dataclass(frozen=True, slots=True)
 class FileValue:
-    """A value and its location on one channel. ``name`` is the name of the setting, and ``key`` its name in the file.
+    """The value of a setting in a file, and its location on one channel of a device.
 
-    ``word`` is the value in the notation of the file, and ``mark`` says whether the value is derived or a bound.
+    ``name`` is the name of the setting, and ``key`` its name in the file. ``word`` is the value in the notation of the
+    file. ``mark`` says whether the value is derived or only a bound.
     """
 
     name: str
@@ -33,11 +34,13 @@ class FileValue:
 
     @property
     def size(self) -> int:
-        """Size of the data in bytes, rounded up."""
-        return -(-(self.place.bits or 0) // 8)
+        """The size of the data in bytes, rounded up."""
+        bits = self.place.bits or 0
+        return (bits + 7) // 8
 
     @property
     def number(self) -> int:
+        """The value as a number."""
         return int(self.value)
 
     @property
@@ -47,20 +50,25 @@ class FileValue:
 
     @property
     def symbol(self) -> tuple[str, str]:
-        """Structure and member of a symbol that contains a dot."""
+        """The structure and the member that a symbol such as ``settings.clock`` consists of."""
         structure, _, member = self.place.symbol.rpartition(".")
         return structure, member
 
     @property
     def mask(self) -> int:
-        return ((1 << (self.place.bits or 0)) - 1) << (self.place.low_bit or 0)
+        """The mask of the bits in the register."""
+        width = self.place.bits or 0
+        low_bit = self.place.low_bit or 0
+        return ((1 << width) - 1) << low_bit
 
     @property
     def shifted(self) -> int:
+        """The value shifted to its bits in the register."""
         return self.number << (self.place.low_bit or 0)
 
     @property
     def register(self) -> str:
+        """The name of the register, or a name made of its address."""
         return self.place.register or f"ADDRESS_{self.place.address}"
 
 
@@ -90,12 +98,17 @@ class Channel:
 
 
 def _first_bit(file_value: FileValue) -> int:
+    """Return the lowest bit of a value in its register."""
     return file_value.place.low_bit or 0
 
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """The content of a file: the values of each channel, and the sentences about them."""
+    """The content of a file: the values of each channel.
+
+    ``left_out`` are sentences about settings that the file does not contain, and ``conditions`` are sentences about the
+    order and the conditions of writing.
+    """
 
     channels: tuple[Channel, ...]
     left_out: tuple[str, ...]
@@ -108,10 +121,10 @@ class Content:
 
 
 def content_of_file(sheet: SettingsSheet, rule: Raw, device: str) -> Content:
-    """Return the content of a file for a device. ``rule`` is the entry of ``files`` in the description of the master.
+    """Return the content of a file for a device of a master, whose description of the file is ``rule``.
 
-    A setting that the file leaves out gets a sentence with the reason. The same applies to a value without a place in
-    the format.
+    For each setting that the file leaves out, and for each value that the format cannot express, the content has a
+    sentence with the reason.
     """
     format_ = FILE_FORMATS[rule["format"]]
     file_values: list[FileValue] = []
@@ -123,33 +136,33 @@ def content_of_file(sheet: SettingsSheet, rule: Raw, device: str) -> Content:
             continue
         to_write: tuple[Setting | ObjectWrite, ...] = (*writes_before, setting, *writes_after)
         for setting_or_write in to_write:
-            reason = _reason_for_misfit(setting_or_write, rule, format_, device)
+            reason = _reason_not_expressible(setting_or_write, rule, format_, device)
             if reason:
                 omissions.append(f"{_setting_name(setting_or_write)} = {setting_or_write.text}: {reason}.")
             else:
                 file_values += _file_values(setting_or_write, rule, device)
     return Content(
-        _channels_of_device(sheet, device, file_values), tuple(omissions), tuple(map(condition_text, sheet.writing))
+        channels=_channels_of_device(sheet, device, file_values),
+        left_out=tuple(omissions),
+        conditions=tuple(map(condition_text, sheet.writing)),
     )
 
 
 def _settings_in_write_order(sheet: SettingsSheet) -> Iterator[tuple[Setting, list[ObjectWrite], list[ObjectWrite]]]:
     """Yield the settings in the order of writing, each with the values to write before and after it.
 
-    A rule applies to the settings named in ``rule.of``. The values in ``rule.needs`` come before the first of these
-    settings, and the values in ``rule.then`` after the last.
+    A rule for writing applies to the settings named in its ``of``, or without names to all. The values in its ``needs``
+    are written before the first of these settings, and the values in its ``then`` after the last.
     """
     names_in_order = write_order([setting.name for setting in sheet.settings], sheet.writing)
     settings = sorted(sheet.settings, key=lambda setting: names_in_order.index(setting.name))
-    # Like the settings, these are in the order of writing, so that a rule has its first and last name in this order.
     setting_names = [setting.name for setting in settings]
     for setting in settings:
         writes_before: list[ObjectWrite] = []
         writes_after: list[ObjectWrite] = []
         for rule in sheet.writing:
-            # Without names, a rule applies to all settings. A rule with names contains at least one name from the
-            # sheet.
             applies_to = rule.of or setting_names
+            # In the order of writing. At least one setting of the sheet is among them.
             names_of_rule = [name for name in setting_names if name in applies_to]
             if setting.name == names_of_rule[0]:
                 writes_before += rule.needs
@@ -159,9 +172,10 @@ def _settings_in_write_order(sheet: SettingsSheet) -> Iterator[tuple[Setting, li
 
 
 def _reason_to_leave_out(setting: Setting, sheet: SettingsSheet, format_: FileFormat) -> str:
-    """Return the reason that no file contains a setting, or an empty string if files contain it.
+    """Return the reason that files leave out a setting, or an empty string if they contain it.
 
-    Reasons are an unknown value, an open bound, and a factory default that could be written only after other values.
+    Files leave out a setting without a value or with only a bound that it must be below, and a factory default that
+    can be written only after other values.
     """
     if setting.value is None:
         return setting.text
@@ -174,22 +188,25 @@ def _reason_to_leave_out(setting: Setting, sheet: SettingsSheet, format_: FileFo
 
 
 def _setting_name(setting_or_write: Setting | ObjectWrite) -> str:
+    """Return the name of a setting, or the title of another value to write."""
     return setting_or_write.name if isinstance(setting_or_write, Setting) else setting_or_write.title
 
 
-def _reason_for_misfit(setting_or_write: Setting | ObjectWrite, rule: Raw, format_: FileFormat, device: str) -> str:
-    """Return the reason for the first place on a device to which a format cannot write a value, or an empty string."""
+def _reason_not_expressible(
+    setting_or_write: Setting | ObjectWrite, rule: Raw, format_: FileFormat, device: str
+) -> str:
+    """Return the reason that a format cannot express a value for some location on a device, or an empty string."""
     key = _key_in_file(setting_or_write, rule)
     for place in setting_or_write.places:
         if place.device == device:
-            reason = _reason_for_misfit_at(place, _setting_value(setting_or_write), key, format_)
+            reason = _reason_not_expressible_at(place, _setting_value(setting_or_write), key, format_)
             if reason:
                 return reason
     return ""
 
 
 def _file_values(setting_or_write: Setting | ObjectWrite, rule: Raw, device: str) -> list[FileValue]:
-    """Return a value with each of its locations on a device."""
+    """Return a value of a file for each location that a setting has on a device."""
     marks = _setting_marks(setting_or_write) if isinstance(setting_or_write, Setting) else []
     file_values = []
     for place in setting_or_write.places:
@@ -207,7 +224,7 @@ def _file_values(setting_or_write: Setting | ObjectWrite, rule: Raw, device: str
 
 
 def _value_word(setting_or_write: Setting | ObjectWrite, rule: Raw) -> str:
-    """Return a value in the notation of the file: a word from the rule, or else a number or text."""
+    """Return a value in the notation of the file: the word for it in the master's description, or a number or text."""
     value = _setting_value(setting_or_write)
     words_by_value = rule.get("words", {}).get(_setting_name(setting_or_write), {})
     number_or_text = int(value) if isinstance(value, bool) else value
@@ -223,20 +240,21 @@ def _setting_marks(setting: Setting) -> list[str]:
 
 
 def _key_in_file(setting_or_write: Setting | ObjectWrite, rule: Raw) -> str:
-    """Return the name of a setting in the file, or an empty string."""
+    """Return the name of a setting in the file, or an empty string if the master's description gives none."""
     key: str = rule.get("names", {}).get(_setting_name(setting_or_write), "")
     return key
 
 
 def _setting_value(setting_or_write: Setting | ObjectWrite) -> Value:
+    """Return the value of a setting that is known to have one."""
     assert setting_or_write.value is not None
     return setting_or_write.value
 
 
-def _reason_for_misfit_at(place: SettingPlace, value: Value, key: str, format_: FileFormat) -> str:
-    """Return the reason that a format cannot write a value to this location, or an empty string.
+def _reason_not_expressible_at(place: SettingPlace, value: Value, key: str, format_: FileFormat) -> str:
+    """Return the reason that a format cannot express a value for this location, or an empty string if it can.
 
-    ``key`` is the name of the setting in the file. For a format with names, only the name counts.
+    ``key`` is the name of the setting in the file, which is all that a format with names needs.
     """
     if format_.needs == "name":
         return "" if key else "the file has no name for it"
@@ -253,9 +271,9 @@ def _reason_for_misfit_at(place: SettingPlace, value: Value, key: str, format_: 
 
 
 def _channels_of_device(sheet: SettingsSheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
-    """Return the channels of a device with their values, or one channel if all values are shared, or none without any.
+    """Return the channels of a device with their values, or nothing without values.
 
-    This one channel has a name only if the device has a single channel.
+    If all channels share all values, the result is one channel. It has a name only if the device has a single channel.
     """
     if not file_values:
         return ()
@@ -270,4 +288,5 @@ def _channels_of_device(sheet: SettingsSheet, device: str, file_values: Sequence
 
 
 def _values_of_channels(file_values: Sequence[FileValue], names: Collection[str]) -> tuple[FileValue, ...]:
+    """Return the values whose channel is among ``names``. The name of values for all channels is empty."""
     return tuple(file_value for file_value in file_values if file_value.place.channel in names)

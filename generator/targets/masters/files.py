@@ -1,4 +1,4 @@
-"""Files that BiSS and SSI masters load, for each order code or in bulk.
+"""The files that BiSS and SSI masters load, for each order code or in bulk.
 
 The description of a master lists its file formats. A format is a row of ``FILE_FORMATS`` and a template with its name.
 """
@@ -101,7 +101,7 @@ def _first_paragraphs(
 def _paragraphs_on_origin(
     device: Device, sheets: Sequence[SettingsSheet], rule: Raw, master_device: str
 ) -> Iterator[str]:
-    """Yield the manual with the grade of the evidence, the cited documents of the master, and the state of tests."""
+    """Yield the paragraphs on the evidence for a file: the manual, the cited documents of the master, and the tests."""
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
     yield from map(PLAIN_STYLE.sentence, grade_below_manual(device))
@@ -126,7 +126,10 @@ def _places_on_device(sheet: SettingsSheet, master_device: str) -> Iterator[Sett
 
 
 def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[str]:
-    """Yield which values are derived, only a start, or left out, and unless ``is_short``, the conditions on writing."""
+    """Yield the paragraphs on values that are derived, that are only a start, or that the file leaves out.
+
+    Unless ``is_short`` is True, the conditions on writing follow.
+    """
     derived = _names_with_mark(file_content, "derived")
     if derived:
         yield f"Derived, not stated in a document: {join_words(derived)}."
@@ -141,7 +144,7 @@ def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[st
 
 
 def _names_with_mark(file_content: Content, mark: str) -> list[str]:
-    """Return the names of the values whose mark, such as ``derived, start with``, contains ``mark``, each once."""
+    """Return the names of the values that have a mark, such as ``derived``, each once."""
     return list(dict.fromkeys(file_value.name for file_value in file_content.entries if mark in file_value.mark))
 
 
@@ -160,18 +163,21 @@ def comment(paragraphs: Sequence[str], prefix: str) -> str:
 
 
 def comment_text(text: object) -> str:
-    """Return text that cannot end a one-line comment in XML or C, without double hyphens, which XML does not allow."""
+    """Return a text in a form that is safe in a comment on one line in XML or C.
+
+    It does not end the comment, and it has no double hyphens, which XML does not allow.
+    """
     comment_line = text_on_one_line(text).replace("*/", "* /")
-    # Of three hyphens, one pass leaves two next to each other.
+    # One pass leaves two adjacent hyphens if there were three.
     while "--" in comment_line:
         comment_line = comment_line.replace("--", "- -")
     return comment_line
 
 
 def fill_pattern(pattern: str, file_content: Content) -> str:
-    """Return the pattern with each key in braces replaced by its value: ``-b {bits}`` becomes ``-b 24``.
+    """Return a pattern in which each key in braces is replaced by its value, so that ``-b {bits}`` becomes ``-b 24``.
 
-    The keys and values come from the first channel.
+    The keys and values are those of the first channel.
     """
     for file_value in file_content.entries:
         pattern = pattern.replace(f"{{{file_value.key}}}", file_value.word)
@@ -179,10 +185,11 @@ def fill_pattern(pattern: str, file_content: Content) -> str:
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """Return ``masters/<master>/<format>/<device>-<family>`` in bulk, or a file for each order code.
+    """Return the files for masters by path, with a README and the license.
 
-    A bulk file contains the files of all order codes of a family as comments, so that no tool loads the wrong one by
-    accident. A bulk file in XML has them as elements. The folder also has a README and the licence.
+    By default, ``masters/<master>/<format>/<device>-<family>`` is a bulk file with the files for all order codes of a
+    family. They are comments in it, or elements in XML, so that no tool loads the wrong one by accident. With the
+    option ``order-codes=each``, each order code has a file that the tool loads.
     """
     files: dict[str, str] = {}
     for device in library.devices:
@@ -191,7 +198,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 
 def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of each file of a family, and a function for its text."""
+    """Yield the path of each file of a family, and a function that returns its text."""
     is_one_file_each = options.get(_ORDER_CODES_OPTION.name, _ORDER_CODES_OPTION.default) == _ONE_FILE_EACH
     files_of_device = _file_of_each_order_code if is_one_file_each else _bulk_file
     masters = shipped_masters()
@@ -213,9 +220,9 @@ def _files_of_family(device: Device, library: Library, options: Options) -> Iter
 
 
 def _start_of_path(master: Master, rule: Raw, master_device: str) -> str:
-    """Return the folder and the beginning of a file name, such as ``masters/acme/c_struct/m100-``.
+    """Return the folder and the beginning of the names of files, such as ``masters/acme/c_struct/m100-``.
 
-    If the master has only one device, it is the folder alone.
+    If the master has only one device, the names have no such beginning, and the result is only the folder.
     """
     folder = f"masters/{master.name}/{rule['format']}/"
     if len(master.devices) == 1:
@@ -224,20 +231,21 @@ def _start_of_path(master: Master, rule: Raw, master_device: str) -> str:
     return f"{folder}{device_name}-"
 
 
-def _usable_sheets(interface_sheets: Sequence[GroupSheets], number: int) -> Iterator[SheetOfCodes]:
-    """Yield the settings of the master with this number, with the record and the order codes that share them.
+def _usable_sheets(interface_sheets: Sequence[GroupSheets], master_index: int) -> Iterator[SheetOfCodes]:
+    """Yield the settings of a master, each with the record and the order codes that share them.
 
-    Groups of order codes that the master cannot use are left out.
+    Order codes that the master cannot read are left out. ``master_index`` is the index of the master in the list of
+    all masters.
     """
     for group_sheets in interface_sheets:
-        _, sheets = group_sheets.sheets[number]
+        _, sheets = group_sheets.sheets[master_index]
         for sheet, group in zip(sheets, group_sheets.groups, strict=True):
             if not sheet.refusals:
                 yield sheet, group.record, group.codes
 
 
 def _format_page(library: Library, files: Iterable[str]) -> str:
-    """Return the page about the formats of masters. Formats without a path in ``files`` are left out."""
+    """Return the README, which lists the formats of masters. Formats without a path in ``files`` are left out."""
     folders = {path.rpartition("/")[0].removeprefix("masters/") for path in files}
     rows: list[dict[str, str]] = []
     for master in shipped_masters():
@@ -250,7 +258,7 @@ def _format_page(library: Library, files: Iterable[str]) -> str:
 
 
 def _index_row(master: Master, format_name: str) -> dict[str, str]:
-    """Return a format of a master, with its folder and the program that reads it."""
+    """Return the row of the README for a format of a master, with its folder and the program that reads it."""
     format_ = FILE_FORMATS[format_name]
     return {
         "master": master.title,
@@ -268,9 +276,9 @@ SheetOfCodes = tuple[SettingsSheet, EncoderFacts, Sequence[str]]
 def _file_of_each_order_code(
     start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
 ) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of a file for each order code, and a function for its text.
+    """Yield the path of a file for each order code, and a function that returns its text.
 
-    ``start`` is the beginning of each path. Its end is the order code, and the answers of open choices.
+    Each path is ``start``, the order code, and the answers to questions that the manual leaves open.
     """
     suffix = FILE_FORMATS[rule["format"]].suffix
     labels: list[str] = []
@@ -284,19 +292,20 @@ def _file_of_each_order_code(
 
 
 def _code_and_answers(code: str, record: EncoderFacts) -> str:
+    """Return an order code with the answers to open questions, joined by hyphens."""
     return "-".join((code, *record.answers.values()))
 
 
 def _bulk_file(
     start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
 ) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of one file for all order codes, and a function for its text."""
+    """Yield the path of the one file for all order codes, and a function that returns its text."""
     path = f"{start}{device.name}{FILE_FORMATS[rule['format']].suffix}"
     yield path, partial(_bulk_text, device, sheets, rule, master_device, library)
 
 
 def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library) -> str:
-    """Return the text of a file in which order codes with the same content and the same answers share a block."""
+    """Return the text of a bulk file. Order codes with the same content and the same answers share a block."""
     codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
     sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], SettingsSheet] = {}
     for sheet, record, codes in sheets:
@@ -316,9 +325,10 @@ def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master
 def _joined_blocks(
     device: Device, blocks: Sequence[tuple[str, str]], sheets: Sequence[SettingsSheet], rule: Raw, master_device: str
 ) -> str:
-    """Return the files as comments, or as children of one element in XML. Each block is a title and its text.
+    """Return a bulk file with these blocks as comments, or in XML as children of one element.
 
-    ``sheets`` provide the documents and conditions for the comment at the top.
+    A block is a title and the text of a file. ``sheets`` are the settings in the file, from which the documents and
+    conditions in the comment at the top are taken.
     """
     format_ = FILE_FORMATS[rule["format"]]
     head = [
@@ -345,6 +355,7 @@ def _joined_blocks(
 
 
 def _without_declaration(text: str) -> str:
+    """Return the text of an XML file without its declaration."""
     return text.partition("?>\n")[2] if text.startswith("<?xml") else text
 
 

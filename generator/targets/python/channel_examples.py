@@ -13,10 +13,10 @@ from .readme import numbers_by_name
 
 @dataclass(frozen=True)
 class ChannelExample:
-    """Example of a frame with several data channels: the call that decodes it, and its result.
+    """An example in the README that decodes a frame with several data channels.
 
     ``kinds`` are the classes of its channels, and ``position_kind`` is the one with the position. ``frame`` is the
-    frame as a number of ``bits`` bits. ``shown`` are the expressions that the example prints, and ``result`` has their
+    frame as a number of ``bits`` bits. ``shown`` are the expressions that the example prints, and ``result`` are their
     values.
     """
 
@@ -34,9 +34,9 @@ class ChannelExample:
 def channel_example(
     context: ModuleContext, interface: Interface, layout_classes: Sequence[LayoutClass]
 ) -> ChannelExample | None:
-    """Return an example made of the samples of all channels, or None if they do not form a usable frame.
+    """Return an example that joins the samples of all channels, or None if they do not form a usable frame.
 
-    ``layout_classes`` are the classes of the frames of the interface.
+    ``layout_classes`` are the classes of the frames over the interface.
     """
     frame = channel_frame(interface)
     samples = _samples_of_channels(context.device, frame) if frame is not None else []
@@ -46,8 +46,8 @@ def channel_example(
     placed = frame.place(context.device.variant(order_code).parameters)
     if frame.compared and not placed.agree([sample.values for sample in samples]):
         return None
-    coder_by_layout = {layout_class.layout.name: layout_class for layout_class in layout_classes}
-    channels = [(coder_by_layout[sample.layout], sample) for sample in samples]
+    class_by_layout = {layout_class.layout.name: layout_class for layout_class in layout_classes}
+    channels = [(class_by_layout[sample.layout], sample) for sample in samples]
     position_kinds = [layout_class.name for layout_class, _ in channels if layout_class.position_attribute]
     expressions_and_values = list(_printed_numbers(context, channels))
     return ChannelExample(
@@ -64,7 +64,7 @@ def channel_example(
 
 
 def _samples_of_channels(device: Device, frame: ChannelFrame) -> list[Sample]:
-    """Return the sample of each channel, or none if they are not samples of one order code."""
+    """Return the sample of each channel, or an empty list if not all have one, for the same order code."""
     samples = [sample for layout in frame.layouts if (sample := device.sample_of(layout)) is not None]
     order_codes = {sample.order_code for sample in samples}
     is_complete = len(samples) == len(frame.layouts) and len(order_codes) == 1
@@ -76,11 +76,11 @@ def _printed_numbers(
 ) -> Iterator[tuple[str, str]]:
     """Yield the expression and the value of the position, and of the first number in each other channel."""
     for layout_class, sample in channels:
-        numbers = {
-            layout_class.names.attribute(name): number for name, number in numbers_by_name(layout_class, sample).items()
-        }
+        number_by_attribute: dict[str, object] = {}
+        for name, number in numbers_by_name(layout_class, sample).items():
+            number_by_attribute[layout_class.names.attribute(name)] = number
         if layout_class.position_attribute:
-            yield "frame.position", str(numbers[layout_class.position_attribute])
-        elif numbers:
-            attribute, number = next(iter(numbers.items()))
+            yield "frame.position", str(number_by_attribute[layout_class.position_attribute])
+        elif number_by_attribute:
+            attribute, number = next(iter(number_by_attribute.items()))
             yield f"frame.of({context.module}.{layout_class.name}).{attribute}", str(number)

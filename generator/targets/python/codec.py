@@ -1,4 +1,4 @@
-"""Class of a frame or register: its names and attributes, and how they depend on the order code."""
+"""The class of a frame or register in Python: its names and attributes, and how they depend on the order code."""
 
 from __future__ import annotations
 
@@ -24,21 +24,20 @@ from ...plan.values import (
     is_number,
     meaning_of,
 )
-from ...say.names_and_places import name_in_words
 from ...say.text import as_sentence
 from . import docstrings
 from .bits import BitsEncoder
 from .decode import Decoder, attribute_values
-from .limits import LimitsFunction, limit_expressions, limits_depend
-from .literals import Atom, ParameterExpressions, PythonExpression, coded, quoted
+from .limits import LimitsFunction, limits_depend, limits_functions
+from .literals import Atom, ParameterExpressions, PythonExpression, coded, quoted, value_in_words
 from .named_values import NamedValues
-from .names import ClassNames, ModuleContext, OpenQuestion, encoder_name, interface_name, meaning_limits
+from .names import ClassNames, ModuleContext, OpenQuestion, encoder_name, interface_name
 from .reports import FrameReports
 
 
 @dataclass(frozen=True)
 class Attribute:
-    """Attribute of a frame or register. ``default`` is its default value, empty if it has none."""
+    """Attribute of the class of a frame or register. ``default`` is its default value, empty if it has none."""
 
     name: str
     type: str
@@ -47,7 +46,7 @@ class Attribute:
 
 
 class LayoutClass:
-    """Class for one layout, as used by its template."""
+    """The class of a frame, or with ``register`` of a register, as its template prints it."""
 
     def __init__(
         self, context: ModuleContext, interface: str, layout: Layout, register: Register | None = None
@@ -61,10 +60,12 @@ class LayoutClass:
         self.encoding = BitsEncoder(context.scope, self.plan, self.names)
         scope = NamedValues(context.scope.names, self.answered_parameters) if register is None else context.scope
         self.decoding = Decoder(scope, self.plan, self.names, self.enum)
-        #: Questions whose answers the decoder accepts: the questions of all frames among which it is chosen.
+        #: The open questions whose answers the decoder takes. If several decoders are tried for a frame, each takes the
+        #: answers for all of them.
         self.passed_arguments = self.questions
 
     def number(self, expression: Expression) -> PythonExpression:
+        """Return an expression of the spec in Python."""
         return self.context.scope.expression_of(expression)
 
     # -- dependencies
@@ -117,13 +118,16 @@ class LayoutClass:
 
     @property
     def can_raise_range_error(self) -> bool:
-        """True if ``decode`` can raise RangeError: a check can, or a field has named values."""
+        """True if ``decode`` can raise RangeError, because a check can, or because a field has named values."""
         has_named_values = any(is_named(part.meaning) for part in self.plan.parts)
         return has_named_values or Fault.RANGE in self.plan.faults()
 
     @property
     def named_value_parts(self) -> list[FieldToDecode]:
-        """Parts with named values, except the selector. ``decode`` looks up their members after all checks."""
+        """The fields with named values, except the one by which frames differ (the selector).
+
+        ``decode`` looks up the members of their enumerations after all checks.
+        """
         parts = self.plan.parts
         return [part for part in parts if is_named(part.meaning) and not self.selects(part.field)]
 
@@ -134,7 +138,7 @@ class LayoutClass:
 
     @property
     def bases(self) -> str:
-        """Bases of the class, except the NamedTuple of its fields, such as ``Sent, BitsOf["SsiEncoder"]``."""
+        """The base classes, except the NamedTuple of the fields, such as ``Sent, BitsOf["SsiEncoder"]``."""
         bases = ["Sent"] if self.reports is not None else []
         if self.questions:
             if self.takes_variant:
@@ -152,15 +156,16 @@ class LayoutClass:
 
     @cached_property
     def attributes(self) -> list[Attribute]:
+        """The attributes of all fields with a value, and of the unused bits."""
         return self._attributes_of(part.field for part in self.plan.parts)
 
     @property
     def _unused_attributes(self) -> list[Attribute]:
-        """The attribute ``unused``, alone in a list, or no attribute. It contains the bits without a field or a use."""
+        """The attribute ``unused`` in a list, or an empty list if all bits have a field and a use."""
         if self.plan.keeps_others:
-            return [Attribute("unused", type="int", meaning=docstrings.OF_OTHERS, default="0")]
+            return [Attribute("unused", type="int", meaning=docstrings.ABOUT_OTHERS, default="0")]
         if self.plan.reserved:
-            return [Attribute("unused", type="int", meaning=docstrings.OF_UNUSED, default="0")]
+            return [Attribute("unused", type="int", meaning=docstrings.ABOUT_UNUSED, default="0")]
         return []
 
     def others(self, joined_number: JoinedNumber) -> list[Attribute]:
@@ -175,56 +180,67 @@ class LayoutClass:
         return _with_trailing_defaults(attributes + self._unused_attributes)
 
     def _field_attributes(self, field: Field) -> Iterator[Attribute]:
-        """Yield the attribute of a field, or one for each run of digits. The value in the manual is its default."""
+        """Yield the attributes of a field: one, or for decimal digits one for each digit run.
+
+        A number that the manual states for a frame is the default of the attribute. So is the default of a request.
+        """
         match meaning_of(field):
             case UnsignedNumber():
-                stated = self._stated_number(field)
-                yield self._number_attribute(field, stated if stated is not None else self._request_default(field))
+                stated_number = self._stated_number(field)
+                default = stated_number if stated_number is not None else self._request_default(field)
+                yield self._number_attribute(field, default)
             case ActiveFlag():
                 yield self._field_attribute(field, "bool", default=str(bool(self._request_default(field))))
             case NamedChoice():
                 yield self._field_attribute(field, self.enum(field))
             case DecimalDigits(runs):
                 for run in runs:
-                    yield Attribute(self.names.attribute(run.name), type="int", meaning=self._of_run(field, run))
+                    yield Attribute(self.names.attribute(run.name), type="int", meaning=self._about_run(field, run))
             case Latin1Text():
                 yield self._field_attribute(field, "str")
             case _:  # Any other conversion of a number.
                 yield self._number_attribute(field, self._request_default(field))
 
     def _stated_number(self, field: Field) -> int | None:
-        """Return the value in the manual for a number in a frame, or None. The selector has none."""
+        """Return the number that the manual states for a field of a frame, or None if it states none.
+
+        The field by which frames differ (the selector) counts as having none.
+        """
         if self.register is not None or self.selects(field):
             return None
         return field.equals if isinstance(field.equals, int) else None
 
     def _request_default(self, field: Field) -> int | None:
-        """Return the default of a number or flag in a request, if it has one."""
+        """Return the default of a number or flag in a request, or None if it has none or the frame is not a request."""
         is_request = self.register is None and self.layout.sender == "master"
         return field.default if is_request else None
 
     def _number_attribute(self, field: Field, default: int | None) -> Attribute:
+        """Return the attribute of a number, with its default unless that is None."""
         return self._field_attribute(field, "int", coded(default) if default is not None else "")
 
     def _field_attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
-        """Return the attribute of a field, whose description says if some order codes lack it: their width is 0."""
+        """Return the attribute of a field. Its description says if some order codes do not have the field."""
         variants = () if field.width.is_constant else self.context.device.variants
-        may_be_absent = any(field.width.value(variant.parameters) == 0 for variant in variants)
-        return Attribute(
-            name=self.names.attribute(field.name), type=type_, meaning=self.about(field, may_be_absent), default=default
-        )
+        # An order code without the field gives it a width of 0.
+        may_be_missing = any(field.width.value(variant.parameters) == 0 for variant in variants)
+        description = self.about(field, may_be_missing=may_be_missing)
+        return Attribute(name=self.names.attribute(field.name), type=type_, meaning=description, default=default)
 
-    def _of_run(self, field: Field, digit_run: Digits) -> str:
-        """Return the description of a run of digits: the field's description if the run has its name."""
-        return self.about(field) if digit_run.name == field.name else docstrings.of_run(digit_run)
+    def _about_run(self, field: Field, digit_run: Digits) -> str:
+        """Return the description of some decimal digits: that of the field if they have its name, or their own."""
+        return self.about(field) if digit_run.name == field.name else docstrings.describe_run(digit_run)
 
-    def about(self, field: Field, may_be_missing: bool = False) -> str:
-        return docstrings.of_field(self.context.device, field, may_be_missing)
+    def about(self, field: Field, *, may_be_missing: bool = False) -> str:
+        """Return the description of a field, which with ``may_be_missing`` says that not all encoders have it."""
+        return docstrings.describe_field(self.context.device, field, may_be_missing=may_be_missing)
 
     def enum(self, field: Field) -> str:
+        """Return the name of the IntEnum with the named values of a field."""
         return self.context.enum(field)
 
     def selects(self, field: Field) -> bool:
+        """Return whether a field is the selector, whose value distinguishes this frame from other frames."""
         return field.name == self.layout.selector
 
     def crc_name(self, frame_crc: FrameCrc) -> str:
@@ -248,20 +264,17 @@ class LayoutClass:
         """Return a joined number as an expression of local variables named like the attributes."""
         return self.encoding.join_numbers(joined_number, self.encoding.scope, str)
 
-    def whole_takes_variant(self, joined_number: JoinedNumber) -> bool:
+    def join_takes_variant(self, joined_number: JoinedNumber) -> bool:
         """Return whether the expression of a joined number depends on the order code, not only on answers."""
-        return not self.answered_parameters.issuperset(self.encoding.parameters_of_whole(joined_number))
+        return not self.answered_parameters.issuperset(self.encoding.parameters_of_join(joined_number))
 
-    def whole_questions(self, joined_number: JoinedNumber) -> list[OpenQuestion]:
+    def questions_of_join(self, joined_number: JoinedNumber) -> list[OpenQuestion]:
         """Return the questions whose answers the expression of a joined number needs."""
-        needed_parameters = self.encoding.parameters_of_whole(joined_number)
-        needed_questions = []
-        for question in self.questions:
-            if any(parameter in needed_parameters for parameter, _ in question.members):
-                needed_questions.append(question)
-        return needed_questions
+        needed = self.encoding.parameters_of_join(joined_number)
+        return [question for question in self.questions if any(name in needed for name, _ in question.members)]
 
-    def whole_width(self, joined_number: JoinedNumber) -> PythonExpression:
+    def width_of_join(self, joined_number: JoinedNumber) -> PythonExpression:
+        """Return the number of bits in a joined number."""
         return self.number(sum((field.width for field in reversed(joined_number.fields)), Expression(0)))
 
     @property
@@ -271,25 +284,25 @@ class LayoutClass:
 
     @property
     def digit_fields(self) -> list[Field]:
-        """Fields of decimal digits that share their name with no run of digits."""
-        decimals = (part.field for part in self.plan.parts if part.field.runs)
-        return [field for field in decimals if not _has_run_of_its_name(field)]
+        """The fields of decimal digits whose own name is not that of an attribute with some of the digits."""
+        decimal_fields = (part.field for part in self.plan.parts if part.field.runs)
+        return [field for field in decimal_fields if not _has_run_of_its_name(field)]
 
     @property
     def is_strict(self) -> bool:
-        """True if differing unused bits make a frame undocumented. For a register, only the values are compared."""
+        """True if a frame is undocumented when an unused bit differs. In registers, only values are compared."""
         return bool(self.plan.reserved) and self.register is None
 
     @property
     def expected_in_words(self) -> str:
         """The values for which a frame is as documented, such as ``status = 0x1B, no unused bit differs``."""
-        conditions = [f"{field.name} = {_value_in_words(field.equals)}" for field in self.expected]
+        conditions = [f"{field.name} = {value_in_words(field.equals)}" for field in self.expected]
         if self.is_strict:
             conditions.append("no unused bit differs")
         return ", ".join(conditions)
 
     def documented_value(self, field: Field) -> PythonExpression:
-        """Return the value in the manual for a field."""
+        """Return the value that the manual states for a field."""
         match field.equals:
             case Expression() as value:
                 return self._scope_of_attributes(lambda name: f"self.{name}").expression_of(value)
@@ -300,7 +313,7 @@ class LayoutClass:
 
     @property
     def position_attribute(self) -> str:
-        """Attribute that is the position. Empty if the frame has no position, or only a part of it."""
+        """The attribute with the position. Empty if the frame has no position, or only a part of it."""
         measurement = self.context.device.measurement_of(self.layout_interface)
         position_name = measurement.of if measurement is not None else "position"
         number_names = {part.field.name for part in self.plan.parts if is_number(part.meaning)}
@@ -309,16 +322,19 @@ class LayoutClass:
 
     @property
     def usable_position(self) -> str:
-        """Expression for the position: its attribute or, for a join of raw numbers, the join without checks."""
+        """Expression for the position: its attribute, or if several unsigned numbers form it, their bits joined."""
         scope = self._scope_of_attributes(self.by_index)
-        for whole in self.plan.joined_numbers:
-            is_position = self.names.attribute(whole.join.name) == self.position_attribute
-            if is_position and all(isinstance(meaning_of(field), UnsignedNumber) for field in whole.fields):
-                return str(self.encoding.join_numbers(whole, scope, self.by_index))
+        for joined_number in self.plan.joined_numbers:
+            is_position = self.names.attribute(joined_number.join.name) == self.position_attribute
+            if is_position and all(isinstance(meaning_of(field), UnsignedNumber) for field in joined_number.fields):
+                return str(self.encoding.join_numbers(joined_number, scope, self.by_index))
         return self.by_index(self.position_attribute)
 
     def _scope_of_attributes(self, read: Callable[[str], str]) -> ParameterExpressions:
-        """Return the scope in which ``read`` returns the expression for ``variant`` or for an answer by its name."""
+        """Return how parameters are written if ``read`` gives the expression for an attribute of the class.
+
+        A parameter is then an attribute of ``variant``, or of the answer to an open question.
+        """
         code_of_parameter = dict(self.context.scope_of(read("variant")).names)
         for question in self.questions:
             for parameter, member in question.members:
@@ -353,12 +369,13 @@ class LayoutClass:
 
     @property
     def _names_by_index(self) -> list[str]:
+        """The names of the attributes in the order of the NamedTuple."""
         other_names = (attribute_name for attribute_name, _ in self.encoder_and_answers)
         return [*other_names, *(attribute.name for attribute in self.attributes)]
 
     @cached_property
     def reports(self) -> FrameReports | None:
-        """Reports and verdict of a frame that the encoder sends."""
+        """The reports and the verdict of a frame that the encoder sends, or None for other frames and registers."""
         if self.register is not None or self.layout.sender != "encoder":
             return None
         reporting = self.context.reportings.get(self.layout.name)
@@ -368,7 +385,7 @@ class LayoutClass:
 
     @cached_property
     def limits(self) -> NumberLimits | None:
-        """Limits of the register, or None without any. The functions of its meanings are in ``limits_functions``."""
+        """The limits of the register, or None if the manual gives none."""
         register = self.register
         if register is None or (register.min is None and register.max is None):
             return None
@@ -382,41 +399,27 @@ class LayoutClass:
 
     @property
     def limits_functions(self) -> Iterator[LimitsFunction]:
-        """The function for the limits of the register, and one for each of its meanings that has limits."""
-        if self.limits is not None:
-            low, high = limit_expressions(self.context.scope, self.limits)
-            yield LimitsFunction("limits", when="", low=low, high=high, takes_variant=self.takes_variant)
-        if self.register is None:
-            return
-        for meaning in self.register.meanings:
-            if meaning.min is not None or meaning.max is not None:
-                limits = limits_of(self.context.device, self.register, meaning)
-                low, high = limit_expressions(self.context.scope, limits)
-                yield LimitsFunction(
-                    name=meaning_limits(meaning),
-                    when=name_in_words(meaning.name),
-                    low=low,
-                    high=high,
-                    takes_variant=limits_depend(limits),
-                )
+        """The function for the limits of the register, and one for each use of it (meaning) with limits of its own."""
+        if self.register is not None:
+            yield from limits_functions(self.context, self.register, takes_variant=self.takes_variant)
 
     @property
     def doc(self) -> str:
-        """Docstring of the class."""
+        """The docstring of the class."""
         device = self.context.device
         if self.register is not None:
-            description, kind = docstrings.of_register(device, self.register), "register"
+            description, kind = docstrings.describe_register(device, self.register), "register"
         else:
             interface = device.interface_of(self.layout)
-            description, kind = docstrings.of_layout(device, interface, self.layout), "frame"
+            description, kind = docstrings.describe_layout(device, interface, self.layout), "frame"
         attributes = [(question.name, as_sentence(question.alternative.meaning)) for question in self.questions]
         attributes += [(attribute.name, attribute.meaning) for attribute in self.attributes]
         unused_bits = []
         for reserved in self.plan.reserved:
-            place = docstrings.of_unused(reserved.field, reserved.place)
+            place = docstrings.describe_unused(reserved.field, reserved.place)
             unused_bits.append((place, self.about(reserved.field)))
         checked_fields = [(field.name, self.about(field)) for field in self._checked_fields()]
-        return docstrings.of_class(
+        return docstrings.describe_class(
             description,
             kind if self.takes_variant else "",
             attributes,
@@ -425,21 +428,15 @@ class LayoutClass:
         )
 
     def _checked_fields(self) -> list[Field]:
-        """Return the fields that ``decode`` checks and that are neither attributes nor unused."""
-        reserved = {bits.field.name for bits in self.plan.reserved}
+        """Return the fields that ``decode`` checks and that are neither attributes nor unused, such as a CRC."""
+        unused_names = {reserved.field.name for reserved in self.plan.reserved}
         without_data = [field for field in self.layout.fields if not field.carries_data and not field.padding_of]
-        return [field for field in without_data if field.name not in reserved]
+        return [field for field in without_data if field.name not in unused_names]
 
 
 def _has_run_of_its_name(field: Field) -> bool:
+    """Return whether some decimal digits of a field have the name of the field."""
     return any(run.name == field.name for run in field.runs)
-
-
-def _value_in_words(value: Expression | int | str | None) -> str:
-    """Return a value of the manual in words, such as ``bits + 8``, ``'AB'`` or ``0x1B``."""
-    if isinstance(value, Expression):
-        return value.render()
-    return repr(value) if isinstance(value, str) else coded(value or 0)
 
 
 def _with_trailing_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:

@@ -1,4 +1,4 @@
-"""Decoding of a frame or register in Python: code for its checks and its values."""
+"""The decoder of a frame or register in Python: code for its checks and its values."""
 
 from __future__ import annotations
 
@@ -32,9 +32,10 @@ _MAX_BYTE_VARIABLES = 16
 
 
 class Decoder:
-    """Expressions in the decoder of a frame or register. ``enum`` returns the name of a field's IntEnum.
+    """The expressions in the decoder of a frame or register.
 
-    A frame has one decoder for each encoder, which computes the values in a NamedValues scope only once.
+    ``enum`` returns the name of the IntEnum of a field. A frame gets one decoder for each encoder, which computes the
+    values that depend on the order code only once. For this, its ``scope`` is a NamedValues.
     """
 
     def __init__(
@@ -45,7 +46,7 @@ class Decoder:
         enum: Callable[[Field], str],
     ) -> None:
         self.scope = scope
-        self.codec = layout_plan
+        self.plan = layout_plan
         self.names = class_names
         self.enum = enum
         # A register has another scope.
@@ -54,18 +55,19 @@ class Decoder:
         self.is_unpacked = is_short_frame and layout_plan.in_bytes and not layout_plan.by_word
         self.byte = "b{}" if self.is_unpacked else "data[{}]"
         self.read = BitReader(scope, layout_plan, self.byte)
-        #: Fields whose bits have a variable at this point of the function.
+        #: The names of the fields whose bits are in a variable at this point of the function.
         self.assigned: set[str] = set()
         self._first_byte = FirstByte(layout_plan, enum)
         if isinstance(scope, NamedValues):
             prefer_names_of_fields(scope, layout_plan, class_names)
 
     def number(self, expression: Expression) -> PythonExpression:
+        """Return an expression of the spec in Python."""
         return self.scope.expression_of(expression)
 
     @property
     def values_by_name(self) -> Mapping[str, str]:
-        """Values that depend on the order code, by name. Complete once the decoder has been printed."""
+        """The values that depend on the order code, by name. The map is complete once the decoder has been printed."""
         return self.scope.values_by_name if isinstance(self.scope, NamedValues) else {}
 
     @property
@@ -94,9 +96,9 @@ class Decoder:
         return ""
 
     def assign(self, field: Field, expression: PythonExpression) -> str:
-        """Return the statement that reads a field into its variable, which has the bits from then on.
+        """Return the statement that assigns the bits of a field to its variable, and note that it has been printed.
 
-        It is empty if an earlier statement has done so.
+        The result is empty if an earlier statement has assigned them.
         """
         if field.name in self.assigned:
             return ""
@@ -104,22 +106,22 @@ class Decoder:
         return f"{self.local(field)} = {expression}"
 
     @staticmethod
-    def listed(name: str, count: int) -> str:
+    def numbered_names(stem: str, count: int) -> str:
         """Return ``count`` numbered names for a tuple assignment, such as ``b0, b1, b2`` or ``b0,``."""
-        numbered_names = ", ".join(f"{name}{index}" for index in range(count))
+        numbered_names = ", ".join(f"{stem}{index}" for index in range(count))
         # A tuple of one element needs a comma.
         return f"{numbered_names}," if count == 1 else numbered_names
 
     # -- CRC
 
     def xor_before(self, frame_crc: FrameCrc) -> str:
-        """Return the XOR of all bytes before a CRC that is this XOR, such as ``b0 ^ b1 ^ 0xFF``.
+        """Return the expression for a CRC that is the XOR of all bytes before it, such as ``b0 ^ b1 ^ 0xFF``.
 
-        Empty for any other CRC, and if there are more than ``_MAX_BYTE_VARIABLES`` such bytes.
+        The result is empty for any other CRC, and if there are more than ``_MAX_BYTE_VARIABLES`` such bytes.
         """
         if not frame_crc.crc.is_xor:
             return ""
-        bytes_before_crc = self.codec.length - frame_crc.crc.width // 8
+        bytes_before_crc = self.plan.length - frame_crc.crc.width // 8
         if bytes_before_crc > _MAX_BYTE_VARIABLES:
             return ""
         operands = [self.byte.format(index) for index in range(bytes_before_crc)]
@@ -129,16 +131,17 @@ class Decoder:
 
     @property
     def crc_covers(self) -> PythonExpression | None:
-        """Number of bits before the CRC of a word, for its tables.
+        """The number of bits before the CRC of a word, for the tables that compute the CRC.
 
-        None without a CRC, for a frame of bytes, if order codes differ in the CRC, or if an answer decides the number.
-        With the start value 0, zeros before the word do not change the CRC, so the longest word has tables for all.
+        It is None without such tables: for a frame without a CRC, for a frame of bytes, if order codes differ in the
+        CRC, or if the user's answer to an open question decides the number. With the start value 0, zeros before a
+        word do not change its CRC, so that the tables for the longest word serve all.
         """
-        frame_crc = self.codec.only_crc
-        if frame_crc is None or self.codec.in_bytes:
+        frame_crc = self.plan.only_crc
+        if frame_crc is None or self.plan.in_bytes:
             return None
         if not frame_crc.crc.init and not frame_crc.is_part:
-            return number(self.codec.layout.widest - frame_crc.crc.width)
+            return number(self.plan.layout.widest - frame_crc.crc.width)
         answered = self.scope.answered_parameters if isinstance(self.scope, NamedValues) else frozenset()
         if not answered.isdisjoint(frame_crc.covered.parameters):
             return None
@@ -146,18 +149,18 @@ class Decoder:
 
     @property
     def tables(self) -> int:
-        """Number of tables for the CRC of a word, one for every ``TABLE_BITS`` bits. 0 if it has none."""
+        """The number of tables for the CRC of a word, one for every ``TABLE_BITS`` bits, or 0 if it needs none."""
         if self.crc_covers is None:
             return 0
         # Rounded up.
-        return -(-self.codec.layout.widest // TABLE_BITS)
+        return (self.plan.layout.widest + TABLE_BITS - 1) // TABLE_BITS
 
     @property
     def table_lookups(self) -> str:
-        """XOR of the tables, such as ``table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]``.
+        """The CRC check as an XOR of table entries: ``table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]``.
 
-        ``low`` contains the lowest 16 bits of the word, ``high`` the rest. The word is halved first, because operations
-        on short numbers are faster.
+        ``low`` contains the lowest 16 bits of the word, and ``high`` the rest. The word is split first, because
+        operations on short numbers are faster.
         """
         lookups = ["table_0[low]"]
         top_table = self.tables - 1
@@ -175,44 +178,48 @@ class Decoder:
 
     def selects(self, field: Field) -> bool:
         """Return whether the field is the selector, which distinguishes this frame from other frames."""
-        return field.name == self.codec.layout.selector
+        return field.name == self.plan.layout.selector
 
     def is_padded(self, field: Field) -> bool:
-        """Return whether the bits above the field have already been checked."""
-        return any(isinstance(check, ZerosAbove) and check.field is field for check in self.codec.checks)
+        """Return whether ``decode`` checks that the bits above the field, up to a whole byte, are 0."""
+        return any(isinstance(check, ZerosAbove) and check.field is field for check in self.plan.checks)
 
     def covered_field(self, check: ParityIs) -> Field | None:
-        """Return the field whose variable gives a parity, or None if the parity is read from other bits.
+        """Return the field whose variable contains all bits that a parity bit covers, or None if there is none.
 
-        The parity bit must cover all bits of this field and no other field. The field must be read in any case, without
-        padding and as sent.
+        The parity bit must cover all bits of one field and no other. The decoder must need that field anyway, without
+        padding, and as the encoder sent it.
         """
-        if len(check.of) != 1 or check.mask or self.codec.parity_covers_converted:
+        if len(check.of) != 1 or check.mask or self.plan.parity_covers_converted:
             return None
         (covered,) = check.of
         if self.is_padded(covered):
             return None
         # Fields with data, and those that are checked.
-        read_fields = [part.field for part in self.codec.parts] + [other.field for other in self.codec.checks]
+        read_fields = [part.field for part in self.plan.parts] + [other.field for other in self.plan.checks]
         is_read = any(field.name == covered.name for field in read_fields)
         return covered if is_read else None
 
     @property
     def padded_fields(self) -> list[tuple[Field, PythonExpression]]:
-        """Fields below zeros, each with the bits that include the zeros."""
-        checks = (check for check in self.codec.checks if isinstance(check, ZerosAbove))
-        return [(check.field, self.read.number_from_pieces(check.field.bit_slices)) for check in checks]
+        """The fields below bits that are always 0, each with an expression for its bits including these."""
+        checks = (check for check in self.plan.checks if isinstance(check, ZerosAbove))
+        return [(check.field, self.read.number_from_slices(check.field.bit_slices)) for check in checks]
 
     @property
-    def members(self) -> list[tuple[int, str]]:
-        """Valid first bytes, each with the code of its selector. Empty if the selector is not an attribute."""
+    def selectors_by_first_byte(self) -> list[tuple[int, str]]:
+        """The valid first bytes, each with the code for its selector: the value by which frames differ.
+
+        The list is empty if the selector is not an attribute.
+        """
         return list(self._first_byte.members_by_byte.items()) if self.is_unpacked else []
 
     @property
     def failing_conditions(self) -> list[str]:
-        """Conditions under which a check fails, if the first byte has a selector and each byte has a variable.
+        """The conditions under which a check fails, for a frame whose first byte distinguishes it from other frames.
 
-        Otherwise it is empty, and also if other bytes need checks of bits that are not constant.
+        The list is empty for other frames, for frames without a variable for each byte, and if further bytes need
+        checks of bits that are not constant.
         """
         if not self.is_unpacked or not self._first_byte.selectors_by_byte:
             return []
@@ -224,7 +231,7 @@ class Decoder:
     def _failing_condition(self, check: Check) -> str:
         """Return the condition that constant bits differ, such as ``b1 & 0x0F != 0x03``.
 
-        Bits that must be 0 are a condition themselves, such as ``status >> 4``.
+        For bits that must be 0, the bits themselves are the condition, such as ``status >> 4``.
         """
         if isinstance(check, ZerosAbove):
             # The variable has the bits of the field and all bits above it.
@@ -242,27 +249,26 @@ class Decoder:
         return Atom(self.local(part.field)) if has_variable else self.read.bits(part.bits)
 
     def values(self, part: FieldToDecode) -> list[PythonExpression]:
-        """Return the values of a field: one, or one per run of digits.
-
-        ``valid_first_bytes`` maps the first byte to the selector. A variable holds the member of a named value.
-        """
+        """Return the values of the attributes of a field: one, or for decimal digits one for each digit run."""
         field = part.field
         bits = self.bits(part)
         is_checked_with_first_byte = self.selects(field) and bool(self.failing_conditions)
         if is_checked_with_first_byte:
+            # This variable maps the first byte to the selector.
             return [Atom("valid_first_bytes[b0]")]
         match meaning_of(field):
             case UnsignedNumber():
                 return [bits]
             case TwosComplement():
                 return [call("signed", bits, self.number(field.width))]
-            case ZeroMeans(stands_for):
-                return [_or_if_zero(bits, stands_for)]
+            case ZeroMeans(number_for_zero):
+                return [_replace_zero(bits, number_for_zero)]
             case ActiveFlag(low):
                 return [self._is_active(part, low_is_active=low)]
             case NamedChoice() if self.selects(field):
                 return [call(self.enum(field), bits)]
             case NamedChoice():
+                # The variable contains the member of the enumeration.
                 return [Atom(self.local(field))]
             case DecimalDigits(runs):
                 return [run_value for _, run_value in digit_values(bits, runs)]
@@ -279,9 +285,9 @@ class Decoder:
         return _text_of_number(part.field, self.bits(part))
 
     def _is_active(self, part: FieldToDecode, *, low_is_active: bool) -> PythonExpression:
-        """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
+        """Return the condition that a flag is active. If the order code does not have the flag, it is inactive.
 
-        Such a flag has a width of 0 or 1, and its bits are 0 without it.
+        The width of a flag that only some order codes have is 1 or 0. With a width of 0, its bits are 0.
         """
         width = part.field.width
         if not width.is_constant:
@@ -291,32 +297,34 @@ class Decoder:
         return _is_flag_active(self.read.bit(part.bits, self._shorter_number(part)), low_is_active=low_is_active)
 
     def _shorter_number(self, part: FieldToDecode) -> str:
-        """Return ``low``, the lowest bits of a word, if a CRC table needs it and it has the flag. Otherwise ""."""
+        """Return ``low``, the variable with the lowest bits of a word, if it exists and contains the flag.
+
+        Otherwise, the result is an empty string. The variable exists if tables compute the CRC.
+        """
         low_bit = part.bits.low
         is_in_low_table = low_bit.is_constant and low_bit.constant < TABLE_BITS
-        return "low" if self.tables and not self.codec.is_converted and is_in_low_table else ""
+        return "low" if self.tables and not self.plan.is_converted and is_in_low_table else ""
 
     def decoded_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
-        """Return the values of all attributes, in order, beginning with the encoder and the answers.
+        """Return the values of all attributes in order: encoder, answers to open questions, fields, unused bits.
 
-        The last value is for the unused bits, if the class has an attribute for them.
+        Each has a comment, which is empty for a variable with the name of the attribute.
         """
-        # A variable with the name of the attribute needs no comment.
         decoded = DecodedValues(values=[(name, "") for name, _ in encoder_and_answers])
-        for part in self.codec.parts:
+        for part in self.plan.parts:
             self._add_values(part, decoded)
-        if self.codec.reserved:
+        if self.plan.reserved:
             differing_bits = str(self.read.differing_unused_bits())
             decoded.values.append((differing_bits, "unused, 1 where a bit differs from the manual"))
-        elif self.codec.keeps_others:
+        elif self.plan.keeps_others:
             other_bits = str(self.read.bits_without_field())
             decoded.values.append((other_bits, "unused, all other bits"))
         return decoded
 
     def _add_values(self, part: FieldToDecode, decoded: DecodedValues) -> None:
-        """Add the values of a field, and the statement for the number that several values are parts of.
+        """Add the values of a field to ``decoded``.
 
-        Each value has a comment, unless it is the variable with the name of the attribute.
+        If several values are computed from the field, a statement first assigns its bits to a variable.
         """
         runs = part.field.runs
         if len(runs) > 1 and part.field.name not in self.assigned:
@@ -328,7 +336,7 @@ class Decoder:
             decoded.values.append((code, "" if shows_its_name else self._place_comment(part, attribute)))
 
     def _place_comment(self, part: FieldToDecode, attribute: Field | Digits) -> str:
-        """Return the name of an attribute, with the place of its bits if its expression reads them.
+        """Return the comment on a value: the name of its attribute, and the place of its bits if they are read there.
 
         An example is ``warning, bit 6, active low``.
         """
@@ -343,10 +351,10 @@ class Decoder:
 
 
 class DecodedValues:
-    """Code of the values of all attributes of a frame or register, each with a comment if its code is not its name.
+    """The code for the values of all attributes of a frame or register, each with its comment.
 
-    An example is ``[("variant", ""), ("word >> 8 & 0x3FF", "position, bits 17:8")]``. ``statements`` come before the
-    values.
+    An example is ``[("variant", ""), ("word >> 8 & 0x3FF", "position, bits 17:8")]``. ``statements`` are printed before
+    the values.
     """
 
     def __init__(self, values: list[tuple[str, str]]) -> None:
@@ -355,8 +363,8 @@ class DecodedValues:
 
     @property
     def named_values(self) -> list[tuple[str, str]]:
-        """Values whose expression does not show the name of the attribute."""
-        return [(code, name) for code, name in self.values if name]
+        """The values with a comment, whose code does not show the name of the attribute."""
+        return [(code, comment) for code, comment in self.values if comment]
 
 
 def attribute_values(
@@ -369,8 +377,8 @@ def attribute_values(
             yield attribute, bits
         case TwosComplement():
             yield attribute, call("signed", bits, scope.expression_of(field.width))
-        case ZeroMeans(stands_for):
-            yield attribute, _or_if_zero(bits, stands_for)
+        case ZeroMeans(number_for_zero):
+            yield attribute, _replace_zero(bits, number_for_zero)
         case ActiveFlag(low):
             yield attribute, _is_flag_active(bits, low_is_active=low)
         case NamedChoice():
@@ -384,26 +392,31 @@ def attribute_values(
             assert_never(meaning)
 
 
-def digit_values(number_of_runs: PythonExpression, runs: Sequence[Digits]) -> Iterator[tuple[Digits, PythonExpression]]:
-    """Yield the runs of decimal digits in a number, each with its value, such as ``number // 100 % 10``."""
-    for run in runs:
-        run_value = number_of_runs
-        if run.divisor != 1:
-            run_value = PythonOperation(run_value, "//", number(run.divisor))
+def digit_values(
+    decimal_number: PythonExpression, digit_runs: Sequence[Digits]
+) -> Iterator[tuple[Digits, PythonExpression]]:
+    """Yield groups of decimal digits in a number (digit runs), each with its value, such as ``number // 100 % 10``."""
+    for digit_run in digit_runs:
+        value = decimal_number
+        if digit_run.divisor != 1:
+            value = PythonOperation(value, "//", number(digit_run.divisor))
         # No digits are before the first run.
-        if run is not runs[0]:
-            run_value = PythonOperation(run_value, "%", number(run.modulus))
-        yield run, run_value
+        if digit_run is not digit_runs[0]:
+            value = PythonOperation(value, "%", number(digit_run.modulus))
+        yield digit_run, value
 
 
-def _or_if_zero(bits: PythonExpression, stands_for: int) -> PythonExpression:
-    return Atom(f"{bits.operand} or {grouped(stands_for)}")
+def _replace_zero(bits: PythonExpression, number_for_zero: int) -> PythonExpression:
+    """Return the bits, or the number that the bits 0 stand for, such as ``data[0] or 256``."""
+    return Atom(f"{bits.operand} or {grouped(number_for_zero)}")
 
 
 def _is_flag_active(bit: PythonExpression, *, low_is_active: bool) -> PythonExpression:
+    """Return the condition that a flag with this bit is active."""
     return Atom(f"not {bit}" if low_is_active else f"{bit.operand} != 0")
 
 
 def _text_of_number(field: Field, bits: PythonExpression) -> PythonExpression:
+    """Return the text whose characters are the bytes of a number, such as ``number.to_bytes(4, "big").decode(…)``."""
     number_of_characters = field.width.constant // 8
     return Atom(f'{bits.operand}.to_bytes({number_of_characters}, "big").decode("latin-1")')

@@ -24,11 +24,11 @@ from ...model import (
 from ...model.record import dataclass
 from ...say import commands, names_and_places
 from ...say import layout as say_layout
+from ...say import order_code as say_order_code
 from ...say import register as say_register
 from ...say.errata import describe_erratum, errata
 from ...say.evidence import describe_grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title_of
-from ...say.order_code import describe_parameter
 from ...say.plain_text import count_with_unit, text_on_one_line, wrap_text
 from ...say.text import DOCSTRING_STYLE, Statement, as_sentence, spec_text, statement
 from .line_breaks import WIDTH
@@ -49,9 +49,10 @@ Block = str | Lines | tuple[str, Sequence[tuple[str, str]]]
 
 
 def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
-    """Return a docstring with its quotes. A block is a paragraph, or a title with entries. Empty blocks are omitted.
+    """Return a docstring with its quotes. Empty blocks are omitted.
 
-    An entry without a name, such as the entry of ``Returns``, is plain text.
+    A block is a paragraph, lines that are not wrapped, or a title with entries. An entry is a name with its text. The
+    name is empty for plain text, as below ``Returns``.
     """
     pad = " " * indent
     # Without blocks, the closing quotes are on the line of the summary.
@@ -103,6 +104,7 @@ def _in_docstring_line(line: str) -> str:
 
 
 def _in_docstring(text: str) -> str:
+    """Return a text on one line, with the characters escaped that have a meaning in a docstring."""
     return text_on_one_line(text).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
 
 
@@ -112,8 +114,8 @@ _END_OF_SENTENCE = re.compile(r"(?<=[.:?!]) (?=[A-Z])")
 # -- the module
 
 
-def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iterable[Block]) -> str:
-    """Return the docstring of the module. ``contents`` lists its names in groups."""
+def describe_module(device: Device, contents: Iterable[tuple[str, str]], example: Iterable[Block]) -> str:
+    """Return the docstring of the module. ``contents`` are its public names, in groups with titles."""
     manual = device.manual
     revision = f"revision {manual.revision}" + (f" of {manual.date}" if manual.date else "") + f" ({manual.language})"
     return docstring(
@@ -133,24 +135,26 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
     )
 
 
-def of_errata(device: Device, *paths: str) -> list[Block]:
-    """Return the errata for these parts of the spec. Errata about wording are only in the table."""
+def describe_errata(device: Device, *paths: str) -> list[Block]:
+    """Return the block with the errata that affect these parts of the spec. Errata about wording are left out."""
     return paragraphs(map(describe_erratum, errata(device, *paths)))
 
 
 def paragraphs(statements: Iterable[Statement]) -> list[Block]:
-    """Return a paragraph for each statement, and one list of the errata among them."""
-    all_statements = [*statements]
-    # Of these statements, only errata contain others.
-    errata_in_short = [_short_erratum(statement) for statement in all_statements if statement.below]
-    return [
-        *(DOCSTRING_STYLE.sentence(statement) for statement in all_statements if not statement.below),
-        ("Errata, with their full text in ERRATA", errata_in_short),
-    ]
+    """Return a paragraph for each statement, and a list of the errata among them in short form."""
+    sentences: list[Block] = []
+    short_errata: list[tuple[str, str]] = []
+    for printed_statement in statements:
+        # Only errata have statements below them.
+        if printed_statement.below:
+            short_errata.append(_short_erratum(printed_statement))
+        else:
+            sentences.append(DOCSTRING_STYLE.sentence(printed_statement))
+    return [*sentences, ("Errata, with their full text in ERRATA", short_errata)]
 
 
 def _in_full(statements: Iterable[Statement]) -> list[Block]:
-    """Return a heading with labelled statements below it for each statement."""
+    """Return a block for each statement: its heading, and the labeled statements below it."""
     return [(DOCSTRING_STYLE.head(statement), list(map(_split_label, statement.below))) for statement in statements]
 
 
@@ -160,10 +164,10 @@ def _split_label(statement: Statement) -> tuple[str, str]:
 
 
 def _short_erratum(statement: Statement) -> tuple[str, str]:
-    """Return the title of an erratum, and the value that is used instead.
+    """Return the title of an erratum, and the value that is used instead of the printed one.
 
-    A change by an overlay or another edition has no such value. Its first statement takes this place, with the label
-    and the first sentence.
+    A change by an overlay or another edition has no such value. Instead, the result contains the label and the first
+    sentence of its first statement.
     """
     title_of_erratum = statement.label.removeprefix("Erratum: ")
     phrases_by_label = {part.label: DOCSTRING_STYLE.phrase(part) for part in statement.below}
@@ -178,7 +182,7 @@ def _short_erratum(statement: Statement) -> tuple[str, str]:
 
 
 def notes(device: Device, interface: Interface) -> list[list[str]]:
-    """Return the errata of an interface that do not belong to a single layout, each as a list of lines."""
+    """Return the errata of an interface that do not affect a single frame only, each as a list of lines."""
     path = f"interfaces.{interface.name}"
     interface_errata = errata(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
     return [DOCSTRING_STYLE.lines(describe_erratum(listed_erratum)) for listed_erratum in interface_errata]
@@ -187,9 +191,9 @@ def notes(device: Device, interface: Interface) -> list[list[str]]:
 # -- order codes
 
 
-def of_variant(device: Device, names: dict[str, str]) -> str:
-    """Return the docstring of the class of encoders. ``names`` maps parameters to its attributes."""
-    quantities = [(names[quantity.name], _about_quantity(device, quantity)) for quantity in device.set_parameters]
+def describe_variant(device: Device, names: dict[str, str]) -> str:
+    """Return the docstring of the class of encoders. ``names`` are the attributes of its parameters."""
+    quantities = [(names[parameter.name], _about_quantity(device, parameter)) for parameter in device.set_parameters]
     parts = ", ".join(part.name for part in device.order_code.parts)
     attributes = [
         ("family", "Family of the encoder."),
@@ -209,49 +213,51 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
     )
 
 
-def _about_quantity(device: Device, quantity: Parameter) -> str:
-    """Return the description of a parameter.
+def _about_quantity(device: Device, parameter: Parameter) -> str:
+    """Return the description of a parameter that order codes set.
 
-    It includes the interface, if others lack the parameter, and the value before a register is read.
+    It names the interface if other interfaces do not have the parameter. If a register contains the parameter, it says
+    which value applies until the register is read.
     """
-    about = of_parameter(device, quantity)
-    if quantity.interface and len(device.interfaces) > 1:
-        about += f" Applies only to {device.interface(quantity.interface).title}."
-    if quantity.read_from:
-        has_factory_default = device.register(quantity.register).default is not None
+    about = describe_parameter(device, parameter)
+    if parameter.interface and len(device.interfaces) > 1:
+        about += f" Applies only to {device.interface(parameter.interface).title}."
+    if parameter.read_from:
+        has_factory_default = device.register(parameter.register).default is not None
         initial_value = "the factory default" if has_factory_default else "that of the order code"
         about += f" The value is {initial_value} unless set by with_registers()."
     return about
 
 
-def of_alternative(device: Device, alternative: Alternative) -> str:
-    """Return the docstring of a question that the manual leaves open."""
+def describe_alternative(device: Device, alternative: Alternative) -> str:
+    """Return the docstring of the class with the answers to a question that the manual leaves open."""
     question = DOCSTRING_STYLE.sentence(statement(alternative.meaning, source=alternative.source))
     decision = "The manual leaves this open, or other evidence contradicts it."
     if alternative.default:
         decision += f" The default is {alternative.default.upper()}. Variant.with_answers() chooses another answer."
     else:
         decision += " There is no default."
-    return docstring(question, decision, *of_errata(device, f"alternatives.{alternative.name}"), indent=4)
+    return docstring(question, decision, *describe_errata(device, f"alternatives.{alternative.name}"), indent=4)
 
 
-def of_answer(answer: Answer) -> str:
+def describe_answer(answer: Answer) -> str:
     """Return the meaning of an answer to a question that the manual leaves open."""
     return DOCSTRING_STYLE.sentence(statement(answer.meaning, source=answer.source))
 
 
-def of_parameter(device: Device, quantity: Parameter) -> str:
-    return DOCSTRING_STYLE.paragraph(describe_parameter(device, quantity))
+def describe_parameter(device: Device, parameter: Parameter) -> str:
+    """Return the description of a parameter of the order code."""
+    return DOCSTRING_STYLE.paragraph(say_order_code.describe_parameter(device, parameter))
 
 
 # -- frames, registers and procedures
 
 
-def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str, list[Block]]:
-    """Return the summary of a frame, and the paragraphs below it.
+def describe_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str, list[Block]]:
+    """Return the summary of a frame, and the blocks below it.
 
-    The last one lists the titles of errata about its groups of fields that are not also about the frame, such as
-    "See also these errata in ERRATA: Title; Other title." It is empty without such errata.
+    The last one lists the titles of errata that affect a group of fields in the frame but not the frame itself. It is
+    empty if there are none.
     """
     summary = DOCSTRING_STYLE.sentence(say_layout.head(interface, frame, heading(frame.name), device.alternatives))
     group_names = dict.fromkeys(field.group for field in frame.fields if field.group)
@@ -263,15 +269,15 @@ def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str,
     return summary, [*paragraphs(say_layout.describe_layout(device, interface, frame)), further_errata]
 
 
-def of_register(device: Device, device_register: Register) -> tuple[str, list[Block]]:
-    """Return the summary of a register, and the paragraphs below it: meaning, facts with the rules, note and errata.
+def describe_register(device: Device, device_register: Register) -> tuple[str, list[Block]]:
+    """Return the summary of a register, and the blocks below it: meaning, facts, note and errata.
 
-    A register that is a single choice also follows the rules of its only field.
+    The facts about a register with a single named value include those about its only field.
     """
     facts = [*say_register.describe_register_facts(device, device_register)]
     if is_one_choice(device_register):
         facts += say_register.rules(device, device_register.layout.fields[0])
-    register_errata = of_errata(device, f"registers.{device_register.name}")
+    register_errata = describe_errata(device, f"registers.{device_register.name}")
     blocks: list[Block] = [
         as_sentence(device_register.meaning),
         DOCSTRING_STYLE.paragraph(facts),
@@ -282,25 +288,26 @@ def of_register(device: Device, device_register: Register) -> tuple[str, list[Bl
     return summary, blocks
 
 
-def of_class(
-    about: tuple[str, list[Block]], of_variant: str, attributes: Iterable[tuple[str, str]], *further_blocks: Block
+def describe_class(
+    about: tuple[str, list[Block]], kind: str, attributes: Iterable[tuple[str, str]], *further_blocks: Block
 ) -> str:
     """Return the docstring of a class. ``about`` is its summary and the paragraphs after the attributes.
 
-    ``of_variant`` is ``frame`` or ``register`` if the class depends on the encoder, otherwise empty.
+    If the class has the attribute ``variant``, ``kind`` says what it is: ``frame`` or ``register``. Otherwise it is
+    empty.
     """
-    variant = [("variant", f"Encoder to which the {of_variant} belongs.")] if of_variant else []
+    variant = [("variant", f"Encoder to which the {kind} belongs.")] if kind else []
     summary, blocks = about
     return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *further_blocks, indent=4)
 
 
-def of_crc(device: Device, device_crc: Crc) -> list[Block]:
+def describe_crc(device: Device, device_crc: Crc) -> list[Block]:
     """Return the paragraphs of the function that computes a CRC."""
-    head, *more = paragraphs(say_layout.describe_crc(device, device_crc))
-    return [f"Compute the {head}", *more]
+    first_paragraph, *further_paragraphs = paragraphs(say_layout.describe_crc(device, device_crc))
+    return [f"Compute the {first_paragraph}", *further_paragraphs]
 
 
-def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
+def describe_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
     """Return the paragraphs about a procedure, beginning with its title."""
     return paragraphs(
         [
@@ -310,15 +317,19 @@ def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
     )
 
 
-def of_argument(device: Device, argument: Argument) -> str:
+def describe_argument(device: Device, argument: Argument) -> str:
+    """Return the description of an argument of a procedure."""
     return DOCSTRING_STYLE.sentence(commands.describe_argument(device, argument))
 
 
 # -- fields
 
 
-def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
-    """Return the description of an attribute: meaning, rules and note, or else the name of the field."""
+def describe_field(device: Device, data_field: Field, *, may_be_missing: bool) -> str:
+    """Return the description of a field: its meaning, rules and note, or else its name.
+
+    ``may_be_missing`` is True if some order codes do not have the field.
+    """
     missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
     statements = [
         *say_register.describe_meaning(data_field, data_field.meaning),
@@ -330,23 +341,24 @@ def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
 
 
 #: Description of the member for unused bits.
-OF_UNUSED = "Mask of the unused bits that differ from the manual. 0 if none differs."
+ABOUT_UNUSED = "Mask of the unused bits that differ from the manual. 0 if none differs."
 #: Description of the member for bits of a register that the manual does not describe.
-OF_OTHERS = "Bits that the manual does not describe, at their positions in the number that the bytes form."
+ABOUT_OTHERS = "Bits that the manual does not describe, at their positions in the number that the bytes form."
 
 
-def of_unused(unused_field: Field, at: int) -> str:
-    """Return the text for a field of unused bits, such as ``bits 5:4, reserved``.
+def describe_unused(unused_field: Field, at: int) -> str:
+    """Return the bits and the name of a field of unused bits, such as ``bits 5:4, reserved``.
 
-    ``at`` is the position of its lowest bit in the attribute ``unused``, not in the frame.
+    The bits are those in the attribute ``unused``, where its lowest bit is bit ``at``.
     """
     return f"{names_and_places.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
 
 
-def of_value(named_value: Field | Value) -> str:
-    """Return the meaning of a named value or a choice. Empty if the manual does not give one."""
+def describe_value(named_value: Field | Value) -> str:
+    """Return the meaning of a named value, or of a field with named values. It is empty if the manual gives none."""
     return DOCSTRING_STYLE.paragraph(say_register.describe_meaning(named_value, named_value.meaning))
 
 
-def of_run(digit_run: Digits) -> str:
+def describe_run(digit_run: Digits) -> str:
+    """Return the description of some decimal digits of a field, such as ``3 digits.``"""
     return as_sentence(digit_run.meaning or count_with_unit(digit_run.digits, "digit"))

@@ -1,4 +1,4 @@
-"""Facts in a generated module: tables of the device, of its interfaces, its fields and its registers."""
+"""The tables of facts in a generated module: about the device, its interfaces, its fields and its registers."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
 from ...say.plain_text import text_on_one_line
 from ...say.report import alarm_of, alarm_source, flag_state_meanings, meaning, remedy
-from .literals import CallLiteral, EnumMember, Literal, SourceText, literal_call, of_facts, quoted, record
+from .literals import CallLiteral, EnumMember, Literal, SourceText, literal_call, meaning_members, quoted, record
 from .records import record_of, records_of
 
 
 @dataclass(frozen=True)
 class FactTable:
-    """Table in a module: its comment, its name, the class of its rows, and its rows."""
+    """A table of facts in a module. ``kind`` is the class of its rows, which are records."""
 
     comment: str
     name: str
@@ -44,7 +44,7 @@ class FactTable:
 
     @property
     def section(self) -> str:
-        """Section of the model with the content of the table."""
+        """The section of the model with the content of the table."""
         return self.name.lower()
 
 
@@ -92,7 +92,7 @@ def family(device: Device) -> CallLiteral:
 
 
 def order_code(code: OrderCode) -> CallLiteral:
-    """Return the record ``OrderCode`` with the parts and their values."""
+    """Return the record ``OrderCode``, with the parts of the order code and their values."""
     part_records = []
     for part in code.parts:
         combinations = _allowed_combinations(part.open_only_with)
@@ -101,9 +101,9 @@ def order_code(code: OrderCode) -> CallLiteral:
 
 
 def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> CallLiteral | None:
-    """Return the values of other parts with which a part can be combined.
+    """Return the values of other parts of the order code with which unlisted values of a part can be combined.
 
-    An example is ``ReadOnly({"interface": ("BiSS", "SSI",)})``. None means all values.
+    An example is ``ReadOnly({"interface": ("BiSS", "SSI",)})``. The result is None if all combinations are possible.
     """
     if not allowed:
         return None
@@ -117,16 +117,17 @@ def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> CallLiteral
 
 def tables(device: Device) -> list[FactTable]:
     """Return the tables at the end of a module: tables with rows, and tables that every module has."""
-    filled_tables = [_with_register_rows(table, device) for table in _TABLES_AT_END]
+    filled_tables = [_with_rows(table, device) for table in _TABLES_AT_END]
     return [table for table in filled_tables if table.rows or table.name in _TABLES_ALWAYS_PRINTED]
 
 
-def _with_register_rows(table: FactTable, device: Device) -> FactTable:
+def _with_rows(table: FactTable, device: Device) -> FactTable:
+    """Return a table with a row for each part in its section of the model."""
     return replace(table, rows=records_of(table.kind, getattr(device, table.section)))
 
 
 def reports(device: Device) -> list[CallLiteral]:
-    """Return the reports of the encoder in frames of the family."""
+    """Return the records of the reports in the frames of the family, such as errors."""
     return [_report_record(report.name, report.field, alarm_of(device, report.field)) for report in reports_of(device)]
 
 
@@ -174,7 +175,10 @@ def interface(interface: Interface) -> CallLiteral:
 
 
 def _clock_members(interface: Clocked) -> Mapping[str, Literal]:
-    """Return the clock, which has no limits if they depend on the order code, and the clocks of the order codes."""
+    """Return the members ``clock``, for all order codes, and ``clocks``, for the order codes with another clock.
+
+    If each order code has its own clock, ``clock`` has no limits.
+    """
     clock = interface.clock if interface.clock is not None else Clock(source=())
     return {"clock": record_of("Clock", clock), "clocks": records_of("Clock", interface.clocks_by_code)}
 
@@ -185,14 +189,14 @@ def _clock_members(interface: Clocked) -> Mapping[str, Literal]:
 def _field_record(layout_plan: LayoutPlan, field: Field) -> CallLiteral:
     """Return the record ``FieldFacts`` of a field.
 
-    ``constant`` and ``unused`` are the manual's values for a constant or for unused bits.
+    ``constant`` and ``unused`` are the values that the manual states for a constant field and for unused bits.
     """
     when_active, when_inactive = flag_state_meanings(field)
     unused_values = {reserved.field.name: reserved.value for reserved in layout_plan.reserved}
     return record_of(
         "FieldFacts",
         field,
-        **of_facts(meaning_of(field)),
+        **meaning_members(meaning_of(field)),
         when_active=when_active,
         when_inactive=when_inactive,
         constant=layout_plan.constants.get(field.name),
@@ -208,7 +212,7 @@ def _field_records(layout_plan: LayoutPlan) -> tuple[CallLiteral, ...]:
 
 
 def _is_one_number(layout: Layout) -> bool:
-    """Return whether a register is only a field with its name, whose value is a number."""
+    """Return whether a register consists of one field that has its name and is a number."""
     if len(layout.fields) != 1:
         return False
     (only_field,) = layout.fields
@@ -217,11 +221,12 @@ def _is_one_number(layout: Layout) -> bool:
 
 
 def frame_rows(device: Device) -> dict[str, tuple[CallLiteral, ...]]:
-    """Return the facts of the fields of frames, by the name of the frame."""
+    """Return the facts of the fields in each frame, by the name of the frame."""
     return {layout.name: _field_records(layout_plan_of(device, layout)) for _, layout in device.layouts()}
 
 
 def register_rows(device: Device) -> dict[str, CallLiteral]:
+    """Return the facts of each register, by its name."""
     return {register.name: _register_record(device, register) for register in device.registers}
 
 

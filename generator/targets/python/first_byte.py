@@ -1,4 +1,4 @@
-"""Checks of a frame whose first byte decides most of them, so that a look-up of this byte is enough."""
+"""Checks of a frame that depend only on its first byte, so that a look-up of this byte is enough."""
 
 from __future__ import annotations
 
@@ -13,31 +13,30 @@ from .literals import coded
 
 
 class FirstByte:
-    """First byte of a frame in bytes.
+    """The first byte of a frame in bytes, which can contain the selector: the field by which frames differ.
 
-    It can contain the selector: the field that distinguishes this frame from other frames.
-
-    ``enum`` returns the name of a field's IntEnum.
+    ``enum`` returns the name of the IntEnum of a field.
     """
 
     def __init__(self, layout_plan: LayoutPlan, enum: Callable[[Field], str]) -> None:
-        self.codec = layout_plan
+        self.plan = layout_plan
         self.enum = enum
 
     @property
     def checks(self) -> list[Check]:
-        """Checks that need only the first byte."""
-        return [check for check in self.codec.checks if _needs_only_first_byte(check)]
+        """The checks that need only the first byte."""
+        return [check for check in self.plan.checks if _needs_only_first_byte(check)]
 
     @property
     def other_checks(self) -> list[Check]:
-        return [check for check in self.codec.checks if not _needs_only_first_byte(check)]
+        """The checks that need other bytes."""
+        return [check for check in self.plan.checks if not _needs_only_first_byte(check)]
 
     @cached_property
     def selectors_by_byte(self) -> dict[int, int]:
-        """Selector for each first byte that passes all checks of this byte, such as ``{0x1A: 3}``.
+        """The value of the selector for each first byte that passes all checks, such as ``{0x1A: 3}``.
 
-        Empty if the first byte has no selector.
+        The dict is empty if the first byte does not contain the selector.
         """
         checks = self.checks
         for check in checks:
@@ -48,20 +47,17 @@ class FirstByte:
 
     @property
     def members_by_byte(self) -> dict[int, str]:
-        """Code of the selector for each valid first byte, such as ``Command.READ`` or ``3``.
+        """The Python code of the selector for each valid first byte, such as ``Command.READ`` or ``3``.
 
-        Empty if the selector is not an attribute of the frame.
+        The dict is empty if the selector is not an attribute of the frame.
         """
-        for part in self.codec.parts:
+        for part in self.plan.parts:
             if self._is_selector(part.field):
                 return self._codes_by_first_byte(part.field)
         return {}
 
     def _codes_by_first_byte(self, selector: Field) -> dict[int, str]:
-        """Return the code of each value of the selector, by first byte.
-
-        A value without a name is a number.
-        """
+        """Return the Python code of the selector by first byte: the member of its enumeration, or else a number."""
         meaning = meaning_of(selector)
         choices = meaning.values if isinstance(meaning, NamedChoice) else ()
         member_by_value = {choice.value: f"{self.enum(selector)}.{choice.name.upper()}" for choice in choices}
@@ -81,7 +77,7 @@ class FirstByte:
         return f"b0 not in ({', '.join(valid_bytes)})"
 
     def _is_selector(self, field: Field) -> bool:
-        return field.name == self.codec.layout.selector
+        return field.name == self.plan.layout.selector
 
 
 def _needs_only_first_byte(check: Check) -> bool:
@@ -96,6 +92,7 @@ def _needs_only_first_byte(check: Check) -> bool:
 
 
 def _passes_all(checks: Sequence[Check], first_byte: int) -> bool:
+    """Return whether a frame with this first byte passes all of these checks."""
     return all(_check_passes(check, first_byte) for check in checks)
 
 
@@ -115,7 +112,7 @@ def _check_passes(check: Check, first_byte: int) -> bool:
 
 
 def _expected_parity(check: ParityIs, first_byte: int) -> int:
-    """Return the parity bit of the covered bits: 1 for an odd number of ones, inverted if the parity is odd."""
+    """Return the parity bit that belongs to this first byte: 1 for an odd number of ones, inverted for odd parity."""
     number_of_ones = 0
     for covered_bits in check.of_bits:
         ones = _bits_in_byte(covered_bits.bit_slices, first_byte)
@@ -131,6 +128,6 @@ def _bits_in_byte(bit_slices: Iterable[BitSlice], byte: int) -> int:
     """Return the number that these slices of a byte form."""
     number = 0
     for bit_slice in bit_slices:
-        bits_of_piece = (byte >> bit_slice.low_in_byte) & bit_slice.mask
-        number |= bits_of_piece << bit_slice.low_in_number
+        bits_of_slice = (byte >> bit_slice.low_in_byte) & bit_slice.mask
+        number |= bits_of_slice << bit_slice.low_in_number
     return number

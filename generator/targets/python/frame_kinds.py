@@ -1,4 +1,4 @@
-"""Frames that an encoder sends over an interface, as ``decode`` of its class takes them, and their data channels."""
+"""The frames that an encoder sends over an interface, as its ``decode`` accepts them, and frames with data channels."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .names import ClassNames, ModuleContext, OpenQuestion, decoder_maker
 
 
 def _column_names(layout_class: LayoutClass) -> list[str]:
-    """Return the names of the columns of a table of frames, as type checkers know them.
+    """Return the names of the columns in a table of frames, for type checkers.
 
-    They are the attributes of fields, runs of digits and joins, quantities such as ``position (µm)``, and ``unused``,
-    ``verdict`` and ``fault``.
+    They are the attributes of the frame, the numbers that several fields form (joins), quantities such as ``position
+    (µm)``, and ``unused``, ``verdict`` and ``fault``.
     """
     description = describe(layout_class.plan)
     fields_with_data = {part.field.name for part in layout_class.plan.parts}
@@ -25,7 +25,7 @@ def _column_names(layout_class: LayoutClass) -> list[str]:
     names: list[str] = []
     for column in columns:
         if column.runs:
-            # A run consists of a name, a divisor and a modulus.
+            # Some decimal digits consist of a name, a divisor and a modulus.
             names += [attribute_of(run_name) for run_name, _, _ in column.runs]
         else:
             names.append(attribute_of(column.name))
@@ -42,18 +42,22 @@ def _column_names(layout_class: LayoutClass) -> list[str]:
 
 @dataclass(frozen=True)
 class FrameKind:
-    """Frames that the encoder sends over an interface. If there are several kinds, ``dispatch`` decodes them."""
+    """The frames that an encoder sends over an interface.
+
+    If there are several, ``dispatch`` is the function that decodes any of them, and ``union`` the type of its result.
+    ``layout_class`` is the class of the frame with the position, and ``frame_classes`` are the classes of all frames.
+    """
 
     interface: str
     layout_class: LayoutClass
     dispatch: str
     union: str
     questions: Sequence[OpenQuestion] = ()
-    members: tuple[LayoutClass, ...] = ()
+    frame_classes: tuple[LayoutClass, ...] = ()
 
     @property
     def decoder(self) -> str:
-        """Function that makes the decoder for an encoder."""
+        """The function that returns the decoder for an encoder."""
         return decoder_maker(self.dispatch) if self.dispatch else f"{self.layout_class.name}._make_decoder"
 
     @property
@@ -68,6 +72,7 @@ class FrameKind:
 
     @property
     def in_bytes(self) -> bool:
+        """True if a frame consists of bytes rather than bits."""
         return self.layout_class.plan.in_bytes
 
     @property
@@ -77,21 +82,21 @@ class FrameKind:
         return not answered.isdisjoint(self.layout_class.layout.bits.parameters)
 
     @property
-    def listed(self) -> list[tuple[str, str]]:
-        """Arguments for questions that the manual leaves open, with their descriptions."""
+    def described_answers(self) -> list[tuple[str, str]]:
+        """The arguments for questions that the manual leaves open, with their descriptions."""
         return [(question.name, question.about) for question in self.questions]
 
     @property
     def arguments(self) -> list[tuple[str, str]]:
         """Arguments of ``decode``, with their descriptions."""
         if self.in_bytes:
-            return [("frame", "Bytes of the frame, in the order of transmission."), *self.listed]
+            return [("frame", "Bytes of the frame, in the order of transmission."), *self.described_answers]
         frame = (
             "Frame as a number whose most significant bit was sent first, as a string of 0 and 1, or as the bytes of "
             "the number, most significant first."
         )
         bits = "Number of bits received, if known. The number itself does not show whether bits are missing."
-        return [("frame", frame), ("bits", bits), *self.listed]
+        return [("frame", frame), ("bits", bits), *self.described_answers]
 
     @property
     def returned(self) -> str:
@@ -106,10 +111,11 @@ class FrameKind:
 
 @dataclass(frozen=True)
 class ChannelCode:
-    """Frame with several data channels: the classes of its channels, and the index of the channel with the position.
+    """A frame with several data channels.
 
-    ``compared`` contains the index of the channel, the attribute and the width of each compared field. The highest
-    ``compared_bits`` bits of these fields must not differ by more than ``tolerance``.
+    ``kinds`` are the classes of its channels, and ``position`` is the index of the channel with the position.
+    ``compared`` are fields that must agree, such as two positions: the index of the channel, the attribute and the
+    width of each. Their highest ``compared_bits`` bits must not differ by more than ``tolerance``.
     """
 
     kinds: tuple[str, ...]
@@ -120,9 +126,9 @@ class ChannelCode:
 
 
 def channel_code(context: ModuleContext, interface: Interface, scope: ParameterExpressions) -> ChannelCode | None:
-    """Return the code for the frame with all data channels of an interface, or None if it has no such frame.
+    """Return the code for the frame with all data channels of an interface, or None if frames have one channel.
 
-    ``scope`` contains the expressions of the parameters, such as ``self.bits``, in which widths are written.
+    ``scope`` says how parameters are written in widths, such as ``self.bits``.
     """
     frame = channel_frame(interface)
     if frame is None:

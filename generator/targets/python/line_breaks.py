@@ -1,4 +1,4 @@
-"""Breaking of long lines of Python."""
+"""Breaks long lines of generated Python code."""
 
 from __future__ import annotations
 
@@ -16,14 +16,18 @@ _TEXT_LINE = re.compile(r'(\s*)(\w+=|"(?:\\.|[^"\\])*": )?("(?:\\.|[^"\\])*"),')
 
 
 def break_lines(text: str) -> str:
-    """Return the code with long lines broken into one line for each item, or each operand, in the first brackets."""
-    return "\n".join(bit_slice for line in text.split("\n") for bit_slice in _broken_lines(line))
+    """Return code in which each long line is broken at the items, or the operands, in its first brackets."""
+    broken_lines: list[str] = []
+    for line in text.split("\n"):
+        broken_lines += _break_line(line)
+    return "\n".join(broken_lines)
 
 
-def _broken_lines(line: str) -> Iterator[str]:
-    """Yield a line, or one line for each item or operand in its first brackets if it is too long.
+def _break_line(line: str) -> Iterator[str]:
+    """Yield a line, or if it is too long, a line for each item or operand in its first brackets.
 
-    A long text is split into several literals. Items are broken again. A line without brackets stays long.
+    Items that are still too long are broken again, and a long text is split into several literals. A line without
+    brackets stays long.
     """
     if len(line) <= WIDTH:
         yield line
@@ -40,22 +44,22 @@ def _broken_lines(line: str) -> Iterator[str]:
     indent = line[: len(line) - len(line.lstrip())]
     yield line_start
     for line_in_brackets in _lines_in_brackets(line_start, items):
-        yield from _broken_lines(f"{indent}    {line_in_brackets}")
+        yield from _break_line(f"{indent}    {line_in_brackets}")
     yield indent + line_end
 
 
 def _lines_in_brackets(line_start: str, items: Sequence[str]) -> list[str]:
     """Return a line for each item in brackets, or for each operand of an expression in parentheses.
 
-    ``line_start`` ends with the bracket. An empty last item means that the items end with a comma. A comma after the
-    only item would turn an expression in parentheses, or a subscript, into a tuple, so only calls and lists get it. A
-    comprehension is not split and stays on one line.
+    ``line_start`` ends with the opening bracket. An empty last item means that the items end with a comma. The
+    only item of a call or list gets a comma. An expression in parentheses and a subscript do not, since a comma
+    would turn them into a tuple. A comprehension is not split.
     """
     content = ", ".join(items)
     if " for " in _outer_text(content):
         return [content]
     if len(items) > 1:
-        return [f"{element}," for element in items if element]
+        return [f"{item}," for item in items if item]
     follows_value = re.search(r"[\w\])]\W$", line_start) is not None
     if line_start.endswith("(") and not follows_value:
         return _split_operands(content)
@@ -64,10 +68,10 @@ def _lines_in_brackets(line_start: str, items: Sequence[str]) -> list[str]:
 
 
 def _split_operands(expression: str) -> list[str]:
-    """Return the operands of the loosest operators, each after its operator.
+    """Return the operands of the loosest operators of an expression, each after its operator.
 
-    ``a + f(b + c) - d`` is split into ``a``, ``+ f(b + c)`` and ``- d``. A conditional expression is one operand, and
-    so is an expression without operators.
+    ``a + f(b + c) - d`` is split into ``a``, ``+ f(b + c)`` and ``- d``. A conditional expression and an expression
+    without operators are returned as one operand.
     """
     if " if " in _outer_text(expression):
         return [expression]
@@ -85,11 +89,12 @@ def _split_operands(expression: str) -> list[str]:
 
 
 def _outer_text(expression: str) -> str:
-    """Return the text outside brackets and quoted texts."""
+    """Return the parts of an expression that are outside brackets and quoted texts."""
     return "".join(token for token, depth in _tokens_with_depth(expression) if _is_outside_brackets(token, depth))
 
 
 def _is_outside_brackets(token: str, depth: int) -> bool:
+    """Return whether a token with this number of open brackets is outside brackets, and not a quoted text."""
     return depth == 0 and not token.startswith('"')
 
 
@@ -129,7 +134,8 @@ def _split_bracket_items(line: str) -> tuple[str, list[str], str]:
             items.append("")
         else:
             items[-1] += token
-    return start, [element.strip() for element in items] if any(items) else [], line[position:]
+    stripped_items = [item.strip() for item in items] if any(items) else []
+    return start, stripped_items, line[position:]
 
 
 def _split_literal(quoted_text: str, indent: int) -> str:
@@ -138,15 +144,15 @@ def _split_literal(quoted_text: str, indent: int) -> str:
     ``indent`` is the number of spaces before the text. A text of a single word that is too long stays as it is.
     """
     margin = f"{' ' * indent}    "
-    bit_slices = [""]
+    pieces = [""]
     for word in quoted_text[1:-1].split(" "):
-        line_with_word = f'{margin}"{bit_slices[-1]}{word}"'
-        # The line still lacks the space after the word, and the comma after the last literal.
-        if bit_slices[-1] and len(line_with_word) > WIDTH - 2:
-            bit_slices.append("")
-        bit_slices[-1] += f"{word} "
-    bit_slices[-1] = bit_slices[-1].removesuffix(" ")
-    literal_lines = [f'{margin}"{bit_slice}"' for bit_slice in bit_slices if bit_slice]
+        line_with_word = f'{margin}"{pieces[-1]}{word}"'
+        # The space after the word, and the comma after the last literal, need 2 more characters.
+        if pieces[-1] and len(line_with_word) > WIDTH - 2:
+            pieces.append("")
+        pieces[-1] += f"{word} "
+    pieces[-1] = pieces[-1].removesuffix(" ")
+    literal_lines = [f'{margin}"{piece}"' for piece in pieces if piece]
     is_one_word_too_long = len(literal_lines) == 1 and len(literal_lines[0]) > WIDTH
     if is_one_word_too_long:
         return quoted_text

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property, reduce
 
+from ...model import PlacedLayout, number_to_bytes
 from ...model.expressions import Expression, Factor, Term
 from ...model.lookup import assert_never
 from ...model.record import dataclass
@@ -18,35 +19,35 @@ _ARITHMETIC_LEVEL, _ATOM_LEVEL = _PRECEDENCE_LEVELS["+"], len(_LOOSEST_FIRST)
 
 
 class PythonExpression:
-    """Expression. ``str`` returns its text."""
+    """A Python expression. Its text is its ``str``."""
 
     __slots__ = ()
 
     @property
     def level(self) -> int:
+        """The precedence of its operator. A higher number binds more tightly."""
         return _ATOM_LEVEL
 
     @property
     def operand(self) -> str:
-        """Text next to any operator."""
+        """The text to use next to any operator, in parentheses unless it is a name, a number or a call."""
         return str(self) if self.level == _ATOM_LEVEL else f"({self})"
 
     def as_operand_of(self, operator: str, after: bool = False) -> str:
-        """Return the text as an operand of ``operator``, in parentheses if they are needed.
+        """Return the text as an operand of ``operator``, in parentheses if they are needed or make it easier to read.
 
-        They are also written around arithmetic next to a bit operator. ``after`` is true for the right operand, which
-        needs them at an equal level.
+        Arithmetic next to a bit operator always gets parentheses. ``after`` is True for the right operand, which needs
+        them if it has an operator of the same precedence.
         """
         operator_level = _PRECEDENCE_LEVELS[operator]
         binds_looser = self.level <= operator_level if after else self.level < operator_level
-        # The level of a higher number binds more tightly. ``operand`` includes the parentheses, except for an atom.
         is_arithmetic_next_to_bit_operator = operator_level < _ARITHMETIC_LEVEL <= self.level
         return self.operand if binds_looser or is_arithmetic_next_to_bit_operator else str(self)
 
 
 @dataclass(frozen=True, slots=True)
 class Atom(PythonExpression):
-    """Name, number, call, subscript or attribute."""
+    """A name, number, call, subscript or attribute, which never needs parentheses."""
 
     text: str
 
@@ -56,6 +57,8 @@ class Atom(PythonExpression):
 
 @dataclass(frozen=True, slots=True)
 class Negative(PythonExpression):
+    """A value with a minus sign."""
+
     value: PythonExpression
 
     @property
@@ -68,6 +71,8 @@ class Negative(PythonExpression):
 
 @dataclass(frozen=True, slots=True)
 class Not(PythonExpression):
+    """The negation of a condition."""
+
     value: PythonExpression
 
     @property
@@ -80,7 +85,7 @@ class Not(PythonExpression):
 
 @dataclass(frozen=True, slots=True)
 class PythonOperation(PythonExpression):
-    """Binary operation."""
+    """An operation with two operands."""
 
     left: PythonExpression
     operator: str
@@ -98,10 +103,12 @@ class PythonOperation(PythonExpression):
 
 
 def call(function: str, *arguments: PythonExpression | str) -> PythonExpression:
+    """Return a call of a function."""
     return Atom(f"{function}({', '.join(map(str, arguments))})")
 
 
 def number(value: int) -> PythonExpression:
+    """Return a decimal number."""
     return Atom(grouped(value))
 
 
@@ -111,7 +118,7 @@ def mask(value: int) -> PythonExpression:
 
 
 def grouped(value: int) -> str:
-    """Return a decimal number. Five or more digits are grouped by three."""
+    """Return the text of a decimal number. Five or more digits are grouped by three, as in ``10_000``."""
     return f"{value:_}" if abs(value) >= 10_000 else str(value)
 
 
@@ -126,11 +133,12 @@ def join_operands(operator: str, operands: Iterable[PythonExpression]) -> Python
 
 
 def multiply(value: PythonExpression, factor: int) -> PythonExpression:
+    """Return ``value`` times a factor, or unchanged for the factor 1."""
     return value if factor == 1 else PythonOperation(value, "*", number(factor))
 
 
 def shift_value(value: PythonExpression, operator: str, by: PythonExpression) -> PythonExpression:
-    """Return ``value`` with a shift, or unchanged if the distance is 0."""
+    """Return ``value`` shifted by a distance, where ``operator`` is ``<<`` or ``>>``, or unchanged for 0."""
     return value if by == Atom("0") else PythonOperation(value, operator, by)
 
 
@@ -140,15 +148,15 @@ def _sign_of(value: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class ParameterExpressions:
-    """Maps the names of parameters to expressions."""
+    """How expressions of the spec are written in Python. ``names`` contains the code that reads each parameter."""
 
     names: Mapping[str, str]
 
     def expression_of(self, expression: Expression) -> PythonExpression:
-        """Return a number that depends on parameters, such as ``variant.position_bits + 8``."""
+        """Return an expression of the spec in Python, such as ``variant.position_bits + 8``."""
         if expression.is_constant:
             return number(expression.constant)
-        # The summands: the products of the terms, and the constant. Each is positive, with its sign before it.
+        # The summands are the products of the terms, and the constant. Each is positive, and comes with its sign.
         signs_and_summands = [(_sign_of(term.multiple), self._product_of_factors(term)) for term in expression.terms]
         if expression.constant:
             sign_and_constant = (_sign_of(expression.constant), Atom(str(abs(expression.constant))))
@@ -170,20 +178,25 @@ class ParameterExpressions:
         return PythonOperation(self.power(width), "-", number(1))
 
     def power(self, width: Expression) -> PythonExpression:
+        """Return 2 to the power of ``width``."""
         return PythonOperation(number(1), "<<", self.expression_of(width))
 
     def _product_of_factors(self, term: Term) -> PythonExpression:
         """Return the product of a term without its sign, such as ``2 * variant.turns``."""
-        multiple = [number(abs(term.multiple))] if abs(term.multiple) != 1 else []
-        return join_operands("*", [*multiple, *map(self._factor_expression, term.factors)])
+        factors: list[PythonExpression] = []
+        if abs(term.multiple) != 1:
+            factors.append(number(abs(term.multiple)))
+        factors += map(self._factor_expression, term.factors)
+        return join_operands("*", factors)
 
     def _factor_expression(self, factor: Factor) -> PythonExpression:
+        """Return a factor: a parameter, or 2 to the power of a parameter."""
         parameter = Atom(self.names[factor.parameter])
         return PythonOperation(number(1), "<<", parameter) if factor.power else parameter
 
 
 def quoted(text: str | bytes) -> str:
-    """Return a one-line literal in double quotes, with bytes in hexadecimal."""
+    """Return a text or bytes as a literal on one line in double quotes. Bytes are in hexadecimal."""
     if isinstance(text, bytes):
         return 'b"' + "".join(f"\\x{byte:02x}" for byte in text) + '"'
     if text.isprintable() and '"' not in text and "\\" not in text:
@@ -206,7 +219,7 @@ class SourceText:
 
 @dataclass(frozen=True)
 class EnumMember:
-    """Member of an enumeration, given by its value in the spec."""
+    """A member of the enumeration ``kind``, given by its value in the spec."""
 
     kind: str
     value: str
@@ -221,14 +234,14 @@ class Hex:
 
 @dataclass(frozen=True)
 class CallLiteral:
-    """Call. An argument without a name is positional."""
+    """A call of a function or class. An argument without a name is positional."""
 
     function: str
     arguments: tuple[tuple[str, Literal], ...]
 
     @cached_property
     def flat(self) -> str:
-        """Call on one line."""
+        """The call on one line."""
         arguments = []
         for name, value in self.arguments:
             prefix = f"{name}=" if name else ""
@@ -238,7 +251,7 @@ class CallLiteral:
 
 @dataclass(frozen=True)
 class ConditionalItem:
-    """Item of a tuple that is present if the expression ``condition`` is true."""
+    """An item of a tuple that is present only if the expression ``condition`` is true when the module runs."""
 
     call: CallLiteral
     condition: str
@@ -267,11 +280,12 @@ def literal_call(function: str, *positional: Literal, **optional: Literal) -> Ca
 
 
 def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> CallLiteral:
-    """Return a call with only named arguments: all that are needed, and the optional ones that are not empty."""
+    """Return a call with named arguments: all of ``needed``, and the optional ones that are not empty."""
     return CallLiteral(function, (*needed.items(), *_named_arguments(optional)))
 
 
 def _named_arguments(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
+    """Return the arguments that are not empty, with their names."""
     return tuple((name, value) for name, value in optional.items() if not is_empty(value))
 
 
@@ -332,18 +346,43 @@ def _source_code(value: SourceText | Hex | EnumMember | CallLiteral | Conditiona
             assert_never(value)
 
 
-def of_number(meaning: Meaning) -> dict[str, Literal]:
-    """Return the record's member for the meaning of an unsigned number: ``zero_means``, or none."""
+def zero_means_member(meaning: Meaning) -> dict[str, Literal]:
+    """Return the member ``zero_means`` of a record: the number that the bits 0 stand for.
+
+    The result is empty for a field in which 0 is 0.
+    """
     return {"zero_means": meaning.number} if isinstance(meaning, ZeroMeans) else {}
 
 
-def of_facts(meaning: Meaning) -> dict[str, Literal]:
-    """Return the members of ``FieldFacts``, with None for those that do not apply to the field."""
-    without_members: dict[str, Literal] = {"active": None, "signed": None, "zero_means": None}
+def meaning_members(meaning: Meaning) -> dict[str, Literal]:
+    """Return the members of the record ``FieldFacts`` that say what the bits of a field mean.
+
+    Members that do not apply to the field are None.
+    """
+    not_applicable: dict[str, Literal] = {"active": None, "signed": None, "zero_means": None}
     match meaning:
         case TwosComplement():
-            return without_members | {"signed": True}
+            return not_applicable | {"signed": True}
         case ActiveFlag(low):
-            return without_members | {"active": "low" if low else "high"}
+            return not_applicable | {"active": "low" if low else "high"}
         case _:
-            return without_members | of_number(meaning)
+            return not_applicable | zero_means_member(meaning)
+
+
+def value_in_words(value: Expression | int | str | None) -> str:
+    """Return a value that the manual states in words, such as ``bits + 8``, ``'AB'`` or ``0x1B``."""
+    if isinstance(value, Expression):
+        return value.render()
+    return repr(value) if isinstance(value, str) else coded(value or 0)
+
+
+def frame_literal(placed_layout: PlacedLayout, number: int) -> str:
+    """Return a frame as a Python literal, such as ``0x1a2b`` or ``bytes.fromhex("1A 2B")``."""
+    if placed_layout.layout.in_bytes:
+        return bytes_literal(number_to_bytes(placed_layout.layout, number, placed_layout.bits))
+    return f"{number:#x}"
+
+
+def bytes_literal(data: bytes) -> str:
+    """Return bytes as a Python literal, such as ``bytes.fromhex("1A 2B")``."""
+    return f'bytes.fromhex("{data.hex(" ").upper()}")'

@@ -13,7 +13,7 @@ from ...plan.frames import FrameDispatch, dispatches, identities
 from ...say.names_and_places import name_in_words
 from ...say.plain_text import text_on_one_line
 from . import docstrings, facts
-from .bits import from_pieces
+from .bits import from_slices
 from .channel_examples import ChannelExample, channel_example
 from .codec import LayoutClass
 from .docstrings import Block, Lines, docstring
@@ -39,7 +39,10 @@ from .variants import VariantTable
 
 @dataclass(frozen=True)
 class Enumeration:
-    """Enumeration of named values. The enumeration of a register can decode and encode itself."""
+    """An enumeration of named values.
+
+    If it is for a register that consists only of one named value, its class can also decode and encode the register.
+    """
 
     name: str
     doc: str
@@ -49,7 +52,11 @@ class Enumeration:
 
 @dataclass(frozen=True)
 class FrameDispatcher:
-    """Function that decodes any frame from one sender."""
+    """The function that decodes any frame from one sender, such as ``decode_reply``.
+
+    ``union`` is the type of its result. ``fallback`` is the class of the frame for all other values of the field by
+    which frames differ, or None.
+    """
 
     plan: FrameDispatch
     name: str
@@ -60,53 +67,57 @@ class FrameDispatcher:
     fallback: LayoutClass | None
 
     @property
-    def members(self) -> tuple[LayoutClass, ...]:
+    def frame_classes(self) -> tuple[LayoutClass, ...]:
+        """The classes of all frames that it decodes."""
         return self.layout_classes if self.fallback is None else (*self.layout_classes, self.fallback)
 
     @property
     def local(self) -> str:
+        """The variable for the field by which frames differ (the selector)."""
         return attribute(self.plan.selector.name, LOCAL_NAMES)
 
     @property
     def maker(self) -> str:
-        """Function that makes the decoder for an encoder."""
+        """The function that returns the decoder for an encoder."""
         return decoder_maker(self.name)
 
     @property
     def kind_of_frame(self) -> str:
+        """The word for its frames: ``reply`` if the encoder sends them, and otherwise ``request``."""
         return "reply" if self.plan.sender == "encoder" else "request"
 
     @property
     def value(self) -> PythonExpression:
-        return from_pieces(self.plan.bits.bit_slices)
+        """The selector, extracted from the bytes."""
+        return from_slices(self.plan.bits.bit_slices)
 
     @property
     def allowed_values(self) -> list[int]:
-        """All values of the selector that belong to a frame."""
+        """All values that the selector has in a frame."""
         return sorted(chain.from_iterable(branch.values for branch in self.plan.branches))
 
     @property
     def questions(self) -> list[OpenQuestion]:
-        """Questions that the manual leaves open about any of the frames."""
+        """The questions that the manual leaves open about any of the frames."""
         questions_by_name: dict[str, OpenQuestion] = {}
-        for layout_class in self.members:
+        for layout_class in self.frame_classes:
             questions_by_name |= {question.name: question for question in layout_class.questions}
         return list(questions_by_name.values())
 
     @property
-    def listed(self) -> list[tuple[str, str]]:
-        """Arguments for the answers, with their descriptions."""
+    def described_answers(self) -> list[tuple[str, str]]:
+        """The arguments for the answers, with their descriptions."""
         return [(question.name, question.about) for question in self.questions]
 
     @property
     def selector_title(self) -> str:
-        """Printed name of the selector."""
+        """The name of the selector in the manual."""
         return text_on_one_line(self.plan.selector.printed_name or name_in_words(self.plan.selector.name))
 
 
 @dataclass(frozen=True)
 class InterfaceSection:
-    """Interface of a device."""
+    """An interface of a device: its facts, its frames, and the functions that decode any frame from one sender."""
 
     interface: Interface
     facts: CallLiteral
@@ -116,7 +127,7 @@ class InterfaceSection:
 
 
 class Module:
-    """All parts of a device module."""
+    """All parts of the module of a family, such as its registers, procedures and order codes."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -129,7 +140,7 @@ class Module:
             for layout_class in self.registers
             if isinstance(layout_class, LayoutClass) and layout_class.register
         }
-        self.by_register = layout_classes
+        self.class_by_register = layout_classes
         self.procedures = [
             ProcedureFunction(self.context, layout_classes, procedure) for procedure in device.procedures
         ]
@@ -138,12 +149,12 @@ class Module:
         kinds = tuple(self._frame_kinds())
         self.codes = VariantTable(self.context, kinds, frames)
         procedures_by_interface: dict[str, tuple[str, ...]] = {}
-        for steps in self.procedures:
-            names = procedures_by_interface.get(steps.interface, ())
-            procedures_by_interface[steps.interface] = (*names, steps.name)
+        for function in self.procedures:
+            earlier_names = procedures_by_interface.get(function.interface, ())
+            procedures_by_interface[function.interface] = (*earlier_names, function.name)
         self.procedures_by_interface = procedures_by_interface
-        steps_by_name = {steps.procedure.name: steps for steps in self.procedures}
-        self.readme = Readme(self.context, kinds, layout_classes, steps_by_name)
+        function_by_procedure = {function.procedure.name: function for function in self.procedures}
+        self.readme = Readme(self.context, kinds, layout_classes, function_by_procedure)
         self.identities = list(identities(device))
         self.family = facts.family(device)
         self.manual = record_of("Manual", device.manual)
@@ -172,7 +183,7 @@ class Module:
 
     @property
     def doc(self) -> str:
-        return docstrings.of_module(
+        return docstrings.describe_module(
             self.device, [(name, ", ".join(names)) for name, names in self.contents], self._decode_example()
         )
 
@@ -195,7 +206,7 @@ class Module:
         yield "Values of fields", [*enumerations, *(question.kind for question, _ in self.alternatives)]
         addresses = ["Address"] if self.registers else []
         yield "Registers", [*(register.name for register in self.registers), *addresses]
-        yield "Procedures", [steps.name for steps in self.procedures]
+        yield "Procedures", [function.name for function in self.procedures]
         yield "CRCs", [*self.context.crc_functions]
         yield "Facts", self.fact_names
 
@@ -216,7 +227,10 @@ class Module:
         return sorted([*names, *(name for name, facts_of_kind in fact_tables.items() if facts_of_kind)])
 
     def _decode_example(self) -> Iterable[Block]:
-        """Yield the first example of the README, which decodes a frame and checks its verdict, if there is one."""
+        """Yield the example in the docstring of the module: the first frame of the README, decoded and checked.
+
+        Nothing is yielded if the README has no frame.
+        """
         for frame in self.readme.frames[:1]:
             # The package's lookup() finds the family from which this one is derived, so its own module has another.
             lookup_name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
@@ -235,14 +249,16 @@ class Module:
     def alternatives(self) -> list[tuple[OpenQuestion, str]]:
         """Questions that the manual leaves open, with their docstrings."""
         questions = self.context.questions.values()
-        return [(question, docstrings.of_alternative(self.device, question.alternative)) for question in questions]
+        return [
+            (question, docstrings.describe_alternative(self.device, question.alternative)) for question in questions
+        ]
 
     @property
     def spi_example(self) -> ReadmeExample | None:
-        """Example of a position over SPI, whose ``kind`` is the class of the request.
+        """The example of a position over SPI, whose ``kind`` is the class of the request.
 
-        None if the first such frame depends on an open question, or if no request of a position can be built without
-        the encoder and without values.
+        It is None if the first such frame depends on an open question, or if no request for a position can be built
+        without the encoder and without values.
         """
         frames = [frame for frame in self.readme.frames if frame.interface == "spi" and frame.position]
         interface = self.device.find_interface(Spi)
@@ -261,7 +277,7 @@ class Module:
 
     @property
     def channel_examples(self) -> list[ChannelExample]:
-        """Example of a frame with several data channels over each interface with such a frame."""
+        """An example for each interface whose frames have several data channels."""
         examples = [
             channel_example(self.context, section.interface, section.layout_classes) for section in self.sections
         ]
@@ -269,7 +285,7 @@ class Module:
 
     @property
     def identifying_classes(self) -> list[str]:
-        """Classes of the encoders whose registers identify the encoder."""
+        """The classes of encoders that can be identified by their registers."""
         return [encoder_name(identity.interface) for identity in self.identities]
 
     @cached_property
@@ -282,11 +298,11 @@ class Module:
     @property
     def register_shapes(self) -> list[ShapeLiteral]:
         """Descriptions of the registers that have a class."""
-        return [ShapeLiteral(layout_class, None) for layout_class in self.by_register.values()]
+        return [ShapeLiteral(layout_class, None) for layout_class in self.class_by_register.values()]
 
     @property
     def shapes_by_sender(self) -> dict[tuple[str, str], list[ShapeLiteral]]:
-        """The same descriptions by interface and sender, such as ``("rs485", "encoder")``."""
+        """The descriptions of frames by interface and sender, such as ``("rs485", "encoder")``."""
         shapes_by_sender: dict[tuple[str, str], list[ShapeLiteral]] = {}
         for shape in self.shapes:
             key = (shape.layout_class.layout_interface, shape.layout_class.layout.sender)
@@ -297,11 +313,12 @@ class Module:
 
     @cached_property
     def enums(self) -> list[Enumeration]:
+        """The enumerations of the fields with named values."""
         fields = self.context.choices.values()
         return [Enumeration(self.context.enum(field), _enumeration_doc(field), field.values) for field in fields]
 
     def _interface_section(self, interface: Interface) -> InterfaceSection:
-        """Return an interface with its frames and the functions that decode any of them."""
+        """Return an interface with its frames, and the functions that decode any frame from one sender."""
         layout_classes = tuple(LayoutClass(self.context, interface.name, layout) for layout in interface.layouts)
         dispatchers = [
             self._sender_dispatcher(interface, dispatch, layout_classes) for dispatch in dispatches(interface.layouts)
@@ -320,35 +337,36 @@ class Module:
     def _sender_dispatcher(
         self, interface: Interface, plan: FrameDispatch, layout_classes: Sequence[LayoutClass]
     ) -> FrameDispatcher:
-        """Return the function that decodes all frames of a sender, such as ``decode_reply``.
+        """Return the function that decodes any frame from one sender, such as ``decode_reply``.
 
-        With a selector over several interfaces, it is ``decode_spi_reply``. ``layout_classes`` are its frames.
+        If several interfaces have such functions, its name contains the interface, as in ``decode_spi_reply``.
+        ``layout_classes`` are the classes of the frames over the interface.
         """
-        # A frame with a selector has a dispatcher.
+        # The frames with a selector need such a function.
         interfaces_with_dispatcher = {owner.name for owner, layout in self.device.layouts() if layout.selector}
         kind = "reply" if plan.sender == "encoder" else "request"
         if len(interfaces_with_dispatcher) > 1:
             kind = f"{interface.name}_{kind}"
-        coders_by_frame = {layout_class.layout.name: layout_class for layout_class in layout_classes}
+        class_by_frame = {layout_class.layout.name: layout_class for layout_class in layout_classes}
         dispatcher = FrameDispatcher(
             plan=plan,
             name=f"decode_{kind}",
             union=camel(kind),
             interface=interface_name(interface.name),
             encoder=encoder_name(interface.name),
-            layout_classes=tuple(coders_by_frame[branch.layout.name] for branch in plan.branches),
-            fallback=coders_by_frame[plan.fallback.name] if plan.fallback is not None else None,
+            layout_classes=tuple(class_by_frame[branch.layout.name] for branch in plan.branches),
+            fallback=class_by_frame[plan.fallback.name] if plan.fallback is not None else None,
         )
         # Each decoder accepts the answers for all frames among which it is chosen.
-        for layout_class in dispatcher.members:
+        for layout_class in dispatcher.frame_classes:
             layout_class.passed_arguments = dispatcher.questions
         return dispatcher
 
     def _register_class(self, register: Register) -> LayoutClass | Enumeration:
-        """Return the class of a register, or its enumeration if it is one choice among named values."""
+        """Return the class of a register, or if it consists only of one named value, its enumeration."""
         if not is_one_choice(register):
             return LayoutClass(self.context, register.interface, register.layout, register)
-        summary, blocks = docstrings.of_register(self.device, register)
+        summary, blocks = docstrings.describe_register(self.device, register)
         name = self.context.registers[register.name]
         doc = docstring(summary, *blocks, indent=4)
         return Enumeration(name, doc=doc, values=register.values, register=register)
@@ -365,16 +383,15 @@ class Module:
     def _frame_kind(self, section: InterfaceSection, replies: Sequence[LayoutClass]) -> FrameKind:
         """Return the frames that the encoder sends over an interface. ``replies`` are their classes, at least one.
 
-        If a selector in the frame distinguishes them, ``dispatch`` is ``decode_reply``, which decodes any of them.
-        Otherwise it is empty, and every frame is decoded as ``layout_class``: the first frame with the position or,
-        without one, the first frame.
+        If frames differ in the value of a field (the selector), a function such as ``decode_reply`` decodes any of
+        them. Otherwise, every frame is decoded as the first one with the position, or without a position as the first.
         """
         interface = section.interface.name
-        # A word does not show which frame it is. Without a request, it is interpreted as the position.
-        position_coders = [
+        # A word does not show which frame it is. It is interpreted as the position.
+        classes_with_position = [
             layout_class for layout_class in replies if self.device.sends_position(interface, layout_class.layout)
         ]
-        layout_class = position_coders[0] if position_coders else replies[0]
+        layout_class = classes_with_position[0] if classes_with_position else replies[0]
         for dispatcher in section.dispatchers:
             # There is at most one dispatcher for each sender.
             if dispatcher.plan.sender == "encoder":
@@ -384,7 +401,7 @@ class Module:
                     dispatch=dispatcher.name,
                     union=dispatcher.union,
                     questions=dispatcher.questions,
-                    members=dispatcher.members,
+                    frame_classes=dispatcher.frame_classes,
                 )
         return FrameKind(
             interface=interface,
@@ -392,9 +409,10 @@ class Module:
             dispatch="",
             union="",
             questions=layout_class.questions,
-            members=(layout_class,),
+            frame_classes=(layout_class,),
         )
 
 
 def _enumeration_doc(field: Field) -> str:
-    return docstring(docstrings.of_value(field) or f"Values of {field.name}.", indent=4)
+    """Return the docstring of the enumeration of a field."""
+    return docstring(docstrings.describe_value(field) or f"Values of {field.name}.", indent=4)

@@ -14,12 +14,12 @@ from .names import ClassNames
 
 @dataclass(frozen=True)
 class NamedValues(ParameterExpressions):
-    """Scope that assigns a name to each value that depends on the order code, and records its expression.
+    """Expressions in a decoder, in which each value that depends on the order code gets a variable.
 
-    ``values_by_name`` contains the code of each value by its name, such as ``{"position_mask": "(1 <<
-    variant.position_bits) - 1"}``. ``preferred`` contains the names to use, by the kind of the value (``size`` or
-    ``ones``) and its code. Values that depend on the parameters ``answered_parameters`` are not assigned once, since a
-    caller can choose other answers.
+    ``values_by_name`` contains the Python code of each value by the name of its variable, such as ``{"position_mask":
+    "(1 << variant.position_bits) - 1"}``. ``preferred`` contains the names to use, by the kind of the value (``size``,
+    or ``ones`` for a mask) and its code. Values that depend on ``answered_parameters`` get no variable, since the user
+    can give other answers to open questions in each call.
     """
 
     answered_parameters: frozenset[str] = frozenset()
@@ -28,17 +28,19 @@ class NamedValues(ParameterExpressions):
     comments: dict[str, str] = dataclass_field(default_factory=dict)
 
     def expression_of(self, expression: Expression) -> PythonExpression:
+        """Return an expression of the spec in Python: a number, or the variable with its value."""
         return self._use_name("size", expression, super().expression_of(expression))
 
     def ones(self, width: Expression) -> PythonExpression:
+        """Return a mask of ``width`` 1 bits: a number, or the variable with the mask."""
         mask_of_parameters = ParameterExpressions(self.names).ones(width)
         return self._use_name("ones", width, mask_of_parameters)
 
     def _use_name(self, kind: str, value: Expression, expression: PythonExpression) -> PythonExpression:
-        """Return the name of a value that depends on the order code, and otherwise ``expression``.
+        """Return the variable for a value that depends on the order code, and record its code ``expression``.
 
-        A value with the code of an earlier value has its name. A new value has its preferred name, or a name such as
-        ``size_3``. Values that depend on an answer have no name.
+        Equal code has the same variable. A new variable gets its preferred name, or a name such as ``size_3``. A
+        constant, and a value that depends on an answer of the user, is returned as ``expression``.
         """
         depends_on_answer = not self.answered_parameters.isdisjoint(value.parameters)
         if value.is_constant or depends_on_answer:
@@ -52,10 +54,10 @@ class NamedValues(ParameterExpressions):
         return Atom(name)
 
     def prefer(self, name: str, kind: str, value: Expression, comment: str = "") -> None:
-        """Use ``name`` for a value, if it needs a name and has none. ``kind`` is ``size`` or ``ones``."""
+        """Prefer ``name`` for the variable of a value, unless another name is already preferred for it."""
         if value.is_constant:
             return
-        # A plain scope returns the expression itself, not the name of a value.
+        # A plain scope returns the expression itself rather than a variable.
         scope = ParameterExpressions(self.names)
         expression = scope.expression_of(value) if kind == "size" else scope.ones(value)
         preferred_name = self.preferred.setdefault((kind, str(expression)), name)
@@ -65,7 +67,7 @@ class NamedValues(ParameterExpressions):
 
 
 def prefer_names_of_fields(scope: NamedValues, layout_plan: LayoutPlan, class_names: ClassNames) -> None:
-    """Name the positions, widths, masks and limits that depend on the order code by their fields."""
+    """Prefer names of fields for places, widths, masks and limits that depend on the order code: ``position_bits``."""
     unused_name = _LocalNames(layout_plan, class_names).unused_name
     scope.prefer(
         "frame_bits", "size", layout_plan.layout.bits, comment_on_constant(layout_plan, layout_plan.layout.bits)
@@ -87,7 +89,7 @@ def prefer_names_of_fields(scope: NamedValues, layout_plan: LayoutPlan, class_na
 
 
 class _LocalNames:
-    """Names of the variables of a decoder, beginning with the names of its fields and their runs of digits."""
+    """The names of the variables in a decoder, initially those of its fields and their decimal digits."""
 
     def __init__(self, layout_plan: LayoutPlan, class_names: ClassNames) -> None:
         self._names = class_names
@@ -106,10 +108,10 @@ class _LocalNames:
 
 
 def comment_on_constant(layout_plan: LayoutPlan, expression: Expression) -> str:
-    """Return a comment on the constant of a sum of widths, such as ``8 = crc (6) + warning (1) + error (1)``.
+    """Return a comment that explains the constant in a sum of widths: ``8 = crc (6) + warning (1) + error (1)``.
 
-    It lists the fields of fixed width at the low end of the word. A single field is alone, as in ``crc (6)``. It is
-    empty if they do not add up to the constant.
+    It lists the fields of fixed width at the low end of the word. For one field, it is only ``crc (6)``. It is empty
+    if the widths do not add up to the constant.
     """
     constant = expression.constant
     if constant <= 0:

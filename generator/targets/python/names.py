@@ -33,7 +33,7 @@ def imports_of(text: str, *groups: Sources) -> Imports:
 
 
 def _used_imports(sources: Sources, used: Set[str]) -> Iterator[tuple[str, list[str]]]:
-    """Yield each module that has names in use, with these names."""
+    """Yield each module with its names that the code uses, without modules of which it uses none."""
     for module, names in sources.items():
         used_names = [name for name in names if name in used]
         if used_names:
@@ -65,7 +65,7 @@ STANDARD: Mapping[str, tuple[str, ...]] = {
 
 
 def _runtime_modules(names: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
-    """Return the names by their module of the runtime, from a text with the names of each."""
+    """Return the names to import from each module of the runtime. ``names`` contains them as one text per module."""
     return {f"codewheel_runtime.{module}": tuple(text.split()) for module, text in names.items()}
 
 
@@ -182,7 +182,10 @@ def meaning_limits(meaning: RegisterMeaning) -> str:
 
 
 class ClassNames:
-    """Names of attributes and local variables in the class of a layout, without collisions."""
+    """The names of attributes and local variables in the class of a frame or register, without collisions.
+
+    ``crcs`` are the names of the functions that compute CRCs.
+    """
 
     def __init__(self, layout: Layout, register: Register | None, crcs: Iterable[str]) -> None:
         self._names_of_class = set(CLASS_NAMES)
@@ -196,11 +199,12 @@ class ClassNames:
             self._names_of_locals |= {crc_function, f"{crc_function}_of_bits"}
 
     def attribute(self, name: str) -> str:
+        """Return the attribute for a field, for some of its decimal digits, or for a joined number."""
         return attribute(name, self._names_of_class)
 
-    def listed(self, items: Iterable[Field | Digits], between: str = "") -> str:
+    def list_attributes(self, members: Iterable[Field | Digits], between: str = "") -> str:
         """Return a list of attributes in the form for docstrings."""
-        return between.join(f"``{self.attribute(member.name)}``" for member in items)
+        return between.join(f"``{self.attribute(member.name)}``" for member in members)
 
     def local(self, name: str) -> str:
         """Return the variable for the bits of a field."""
@@ -208,13 +212,13 @@ class ClassNames:
 
 
 class ModuleNames:
-    """Names in a module. Each is assigned only once."""
+    """The names of classes and functions in a module. Each name is assigned only once."""
 
     def __init__(self, reserved: Iterable[str]) -> None:
         self._used_names = set(reserved)
 
-    def take(self, wanted: str, suffix: str) -> str:
-        """Return ``wanted`` if it is free. Otherwise, add ``suffix``, and a number if that is also used."""
+    def assign(self, wanted: str, suffix: str) -> str:
+        """Return ``wanted`` if the name is free. Otherwise, add ``suffix``, and a number if that is also used."""
         is_free = wanted not in self._used_names and not keyword.iskeyword(wanted)
         unnumbered_name = wanted if is_free else f"{wanted}{suffix}"
         name = unnumbered_name
@@ -232,7 +236,7 @@ _NamedValues = tuple[str, tuple[tuple[str, int], ...]]
 
 
 def decoder_maker(function: str) -> str:
-    """Return the function that makes the decoder for ``decode_request`` or ``decode_reply``."""
+    """Return the name of the function that returns the decoder for ``decode_request`` or ``decode_reply``."""
     return f"_make_{function.removeprefix('decode_')}_decoder"
 
 
@@ -260,14 +264,16 @@ def is_one_choice(register: Register) -> bool:
 
 
 def _named_values(field: Field) -> _NamedValues:
+    """Return the name of a field with its named values and their numbers."""
     return field.name, tuple((value.name, value.value) for value in field.values)
 
 
 @dataclass(frozen=True)
 class OpenQuestion:
-    """Question that the manual leaves open, as an argument ``name`` whose values are members of the Enum ``kind``.
+    """A question that the manual leaves open, as an argument of the functions that decode a frame.
 
-    ``members`` are the parameters that an answer sets, with their attribute names in the Enum.
+    ``name`` is the name of the argument, whose values are members of the Enum ``kind``. ``members`` are the parameters
+    that an answer sets, each with its attribute in the Enum.
     """
 
     alternative: Alternative
@@ -277,12 +283,12 @@ class OpenQuestion:
 
     @property
     def about(self) -> str:
-        """Description of the argument for functions that decode several kinds of frames."""
+        """The description of the argument for functions that decode several kinds of frames."""
         return f"{as_sentence(self.alternative.meaning)} Required only for frames that depend on it."
 
 
 class ModuleContext:
-    """Device with the names in its module, in the order in which they are assigned."""
+    """A device, and the names of all parts of its module, in the order in which they are assigned."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -291,16 +297,16 @@ class ModuleContext:
         self.parameters = {parameter.name: attribute(parameter.name, VARIANT_NAMES) for parameter in device.parameters}
         names = ModuleNames([*MODULE_NAMES, *IMPORTED])
         #: Names of functions and classes, by the name of the part of the spec.
-        self.crcs = {crc.name: names.take(f"crc_{crc.name}", suffix="_") for crc in device.crcs}
+        self.crcs = {crc.name: names.assign(f"crc_{crc.name}", suffix="_") for crc in device.crcs}
         self.frames: dict[str, str] = {}
         for _, layout in device.layouts():
-            self.frames[layout.name] = names.take(camel(layout.name), suffix="Frame")
+            self.frames[layout.name] = names.assign(camel(layout.name), suffix="Frame")
         self.registers: dict[str, str] = {}
         for register in device.registers:
-            self.registers[register.name] = names.take(camel(register.name), suffix="Register")
+            self.registers[register.name] = names.assign(camel(register.name), suffix="Register")
         self.procedures: dict[str, str] = {}
         for procedure in device.procedures:
-            self.procedures[procedure.name] = names.take(attribute(procedure.name), suffix="_steps")
+            self.procedures[procedure.name] = names.assign(attribute(procedure.name), suffix="_steps")
         self.questions = {question.name: self._open_question(question, names) for question in device.alternatives}
         code_of_parameter = dict(self.scope_of("variant").names)
         for question in self.questions.values():
@@ -308,14 +314,16 @@ class ModuleContext:
                 code_of_parameter |= {name: f"{question.name}.{member}" for name, member in question.members}
         #: Expressions for parameters: attributes of the variant, or of an answer that the caller must supply.
         self.scope = ParameterExpressions(code_of_parameter)
-        self._enums = {values: names.take(camel(field.name), suffix="Value") for values, field in self.choices.items()}
+        self._enums = {
+            values: names.assign(camel(field.name), suffix="Value") for values, field in self.choices.items()
+        }
 
     def scope_of(self, owner: str) -> ParameterExpressions:
-        """Return the parameters as attributes of ``owner``."""
+        """Return how parameters are written as attributes of ``owner``, such as ``self.position_bits``."""
         return ParameterExpressions({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
     def _open_question(self, alternative: Alternative, names: ModuleNames) -> OpenQuestion:
-        """Return a question as an argument. Its name differs from all attributes of the frames that depend on it."""
+        """Return a question as an argument whose name differs from all attributes of the frames that depend on it."""
         names_in_frames: set[str] = set()
         for layout in self.coded_layouts():
             if alternative in self.device.alternatives_of(layout):
@@ -324,7 +332,7 @@ class ModuleContext:
         parameters = alternative.answers[0].sets
         return OpenQuestion(
             alternative=alternative,
-            kind=names.take(camel(alternative.name), suffix="Alternative"),
+            kind=names.assign(camel(alternative.name), suffix="Alternative"),
             name=attribute(alternative.name, (*names_in_frames, *CLASS_NAMES, *LOCAL_NAMES, "frame")),
             members=tuple((parameter, attribute(parameter, ("name", "value"))) for parameter in parameters),
         )
@@ -335,10 +343,7 @@ class ModuleContext:
 
     @cached_property
     def choices(self) -> dict[_NamedValues, Field]:
-        """Fields with named values, without fields that agree with an earlier field in their name and all named values.
-
-        The fields that agree share an IntEnum.
-        """
+        """The first field with each name and set of named values. Fields with equal ones share an IntEnum."""
         fields_by_values: dict[_NamedValues, Field] = {}
         for layout in self.coded_layouts():
             for field in layout.fields:
@@ -357,6 +362,7 @@ class ModuleContext:
         return reportings(self.device)
 
     def enum(self, field: Field) -> str:
+        """Return the name of the IntEnum with the named values of a field."""
         return self._enums[_named_values(field)]
 
     @cached_property
@@ -365,9 +371,9 @@ class ModuleContext:
         return {self.crc_name(function.crc, function.carrier): function for function in crc_functions(self.device)}
 
     def crc_name(self, crc: Crc, carrier: CoveredData) -> str:
-        """Return the function for a CRC, such as ``crc_check``.
+        """Return the name of the function that computes a CRC, such as ``crc_check``.
 
-        The function for bits is ``crc_check_of_bits`` if the module also has a function for bytes.
+        If the module has functions for bits and for bytes, the one for bits is ``crc_check_of_bits``.
         """
         has_function_for_bytes = crc in self._crcs_of_both
         suffix = "_of_bits" if carrier is CoveredData.BITS and has_function_for_bytes else ""
@@ -375,12 +381,12 @@ class ModuleContext:
 
     @cached_property
     def _crcs_of_both(self) -> list[Crc]:
-        """CRCs over frames of bits and over frames of bytes."""
+        """The CRCs that frames of bits and frames of bytes use."""
         return [crc for crc in self.device.crcs if len(carriers(self.device, crc)) > 1]
 
 
 def _names_in_layout(layout: Layout) -> set[str]:
-    """Return the names of the fields, the runs of digits and the joins."""
+    """Return the names of the fields, of their decimal digits, and of the numbers that several fields form (joins)."""
     names = {field.name for field in layout.fields} | {join.name for join in layout.joins}
     for field in layout.fields:
         names.update(run.name for run in field.runs)

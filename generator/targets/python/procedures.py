@@ -34,9 +34,9 @@ from .names import PROCEDURE_NAMES, ModuleContext, attribute, encoder_name, inte
 
 @dataclass(frozen=True)
 class Segment:
-    """Sequence of steps, and the arguments that are checked before it.
+    """A sequence of steps, and the arguments that are checked before it.
 
-    ``limiting_write`` is the last step if its register determines the limits of later steps.
+    ``limiting_write`` is the last step if the value that it writes changes the limits of later steps, or else None.
     """
 
     arguments: Sequence[CheckedArgument]
@@ -45,7 +45,7 @@ class Segment:
 
 
 class ProcedureFunction:
-    """Function for one procedure. ``layout_classes`` are the classes of the registers that have a class."""
+    """The function that returns the steps of a procedure. ``layout_classes`` are the classes of registers, by name."""
 
     def __init__(self, context: ModuleContext, layout_classes: Mapping[str, LayoutClass], procedure: Procedure) -> None:
         self.context = context
@@ -62,7 +62,7 @@ class ProcedureFunction:
     def takes_variant(self) -> bool:
         """True if the steps, or the checks of their arguments, depend on the order code.
 
-        Otherwise the encoder is only checked.
+        Otherwise, the function only checks that the encoder belongs to the family.
         """
         for checked_argument in self.arguments:
             register_class = self.layout_classes.get(checked_argument.argument.of)
@@ -76,7 +76,7 @@ class ProcedureFunction:
         return any(segment.limiting_write for segment in self.segments)
 
     def _depends_on_order_code(self, refusal: ArgumentRefusal) -> bool:
-        """Return whether the check that refuses an argument needs the order code."""
+        """Return whether the check that rejects an argument needs the order code."""
         match refusal:
             case OutsideArgumentLimits():
                 return self._limits_differ(refusal)
@@ -87,16 +87,15 @@ class ProcedureFunction:
 
     @property
     def segments(self) -> Iterator[Segment]:
-        """Steps, split after each step whose register determines the limits of later steps.
+        """The steps, split after each step whose written value changes the limits of later steps.
 
         An argument belongs to the segment with the first step that writes it.
         """
         # The index after each such step.
-        segment_ends = [
-            index + 1
-            for index, step in enumerate(self.steps)
-            if isinstance(step, WriteRegister) and step.determines_limits
-        ]
+        segment_ends: list[int] = []
+        for index, step in enumerate(self.steps):
+            if isinstance(step, WriteRegister) and step.determines_limits:
+                segment_ends.append(index + 1)
         for start, end in pairwise((0, *segment_ends, len(self.steps))):
             last_step = self.steps[end - 1]
             changes_limits = isinstance(last_step, WriteRegister) and last_step.determines_limits
@@ -114,26 +113,28 @@ class ProcedureFunction:
     # -- names
 
     @property
-    def can_be_odd(self) -> bool:
+    def can_be_undecodable(self) -> bool:
         """True if an argument can be a number that the decoder of its register rejects."""
         refusals = chain.from_iterable(parameter.refusals for parameter in self.arguments)
         return any(isinstance(refusal, Undecodable) for refusal in refusals)
 
     @property
-    def listed(self) -> list[tuple[str, str]]:
-        """Names of the arguments with their descriptions."""
+    def described_arguments(self) -> list[tuple[str, str]]:
+        """The names of the arguments with their descriptions."""
         listed_arguments = []
         for parameter in self.arguments:
-            description = docstrings.of_argument(self.context.device, parameter.argument)
+            description = docstrings.describe_argument(self.context.device, parameter.argument)
             listed_arguments.append((self.argument(parameter.argument), description))
         return listed_arguments
 
     @property
     def about(self) -> list[Block]:
-        return docstrings.of_procedure(self.context.device, self.procedure)
+        """The blocks of the docstring."""
+        return docstrings.describe_procedure(self.context.device, self.procedure)
 
     @staticmethod
     def argument(argument: Argument) -> str:
+        """Return the name of an argument in Python."""
         return attribute(argument.name, PROCEDURE_NAMES)
 
     def type(self, parameter: CheckedArgument) -> str:
@@ -146,6 +147,7 @@ class ProcedureFunction:
         return parameter.argument.of in object_registers
 
     def register(self, register: Register) -> str:
+        """Return the name of the class of a register."""
         return self.context.registers[register.name]
 
     # -- numbers
@@ -157,15 +159,15 @@ class ProcedureFunction:
         return shift_value(self.scope.ones(field.width), "<<", self.scope.expression_of(field.low))
 
     def verified_mask(self, op: VerifyWrite) -> PythonExpression:
-        """Return the mask of the register bits that are read back.
+        """Return the mask of the bits of a register that a step reads back and compares.
 
-        It is the mask of a field, or has two digits for each byte of the register.
+        It is the mask of a field, or a number with two hexadecimal digits for each byte of the register.
         """
         if op.field is not None:
             return self.mask(op.field)
-        mask_of_pieces = sum(bit_slice.mask << bit_slice.low_in_number for bit_slice in op.bit_slices)
+        mask_of_slices = sum(bit_slice.mask << bit_slice.low_in_number for bit_slice in op.bit_slices)
         number_of_digits = 2 * op.register.length
-        return Atom(f"0x{mask_of_pieces:0{number_of_digits}X}")
+        return Atom(f"0x{mask_of_slices:0{number_of_digits}X}")
 
     def shifted_to_field(self, value: int | str, field: Field) -> PythonExpression:
         """Return a number or an argument, shifted to the position of the field."""
@@ -174,13 +176,13 @@ class ProcedureFunction:
         return shift_value(Atom(str(value)), "<<", self.scope.expression_of(field.low))
 
     def members(self, member_value: AsMember, register: Register) -> list[tuple[str, PythonExpression]]:
-        """Return attributes and values of the register for an argument that sets a field or join of it.
+        """Return the attributes of a register's class that an argument sets, each with its value.
 
-        Only runs of decimal digits are several attributes.
+        An argument sets several attributes only if they are the decimal digits of one number.
         """
         attribute_of = self.layout_classes[register.name].names.attribute
         argument = Atom(self.argument(member_value.argument))
-        # Empty if the argument sets a join.
+        # Empty if the argument sets a number that several fields form (a join).
         fields_of_member = [field for field in register.layout.fields if field.name == member_value.member]
         # A join of several fields is a number.
         meaning = meaning_of(fields_of_member[0]) if fields_of_member else UnsignedNumber()
@@ -190,13 +192,14 @@ class ProcedureFunction:
             case _:
                 return [(attribute_of(member_value.member), argument)]
 
-    def joins(self, member_value: AsMember, register: Register) -> bool:
+    def is_join(self, member_value: AsMember, register: Register) -> bool:
+        """Return whether an argument sets a number that several fields of the register form (a join)."""
         return any(join.name == member_value.member for join in register.layout.joins)
 
     def limits(self, refusal: OutsideArgumentLimits) -> str:
-        """Return the limits of an argument: a call such as ``Preset.limits(variant)``, or a tuple.
+        """Return the limits of an argument in Python: a call such as ``Preset.limits(variant)``.
 
-        It is a tuple if the register has no class.
+        If the register has no class, the limits are a tuple of two numbers.
         """
         if refusal.register.name not in self.layout_classes:
             lowest, highest = limit_expressions(self.scope, refusal.limits)

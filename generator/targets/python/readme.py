@@ -1,4 +1,4 @@
-"""Examples in the README and the guides: frames for each interface, and worked examples from the manuals."""
+"""The examples in the README and the guides: frames over each interface, and worked examples from the manuals."""
 
 from __future__ import annotations
 
@@ -12,13 +12,11 @@ from ...model import (
     CrcExample,
     ModifyStep,
     PlacedField,
-    PlacedLayout,
     PollStep,
     ProcedureExample,
     RegisterExample,
     Sample,
     Variant,
-    number_to_bytes,
 )
 from ...model.order_codes import facts_for_code
 from ...model.record import dataclass
@@ -26,7 +24,7 @@ from ...plan.values import count_factors, is_number, meaning_of
 from ...say.report import alarm_of, meaning
 from .codec import LayoutClass
 from .frame_kinds import FrameKind
-from .literals import grouped
+from .literals import bytes_literal, frame_literal, grouped
 from .names import ModuleContext, OpenQuestion
 from .procedures import ProcedureFunction
 
@@ -36,16 +34,20 @@ _SHOWN_REGISTERS, _SHOWN_PROCEDURES = 2, 2
 
 @dataclass(frozen=True)
 class ReadmeExample:
-    """Example in the README: a call and its result.
+    """Example in the README: a call and its result. Values that do not apply to an example are empty.
 
-    ``has_verdict`` is True for a frame with a verdict. ``spoilt`` is the same frame with a position that is not usable,
-    ``reported`` its report, and ``tried`` the printed lines for both and for an invalid one. ``kind`` is the class
-    of the frame if the encoder sends several. ``bits`` and ``digits`` describe a frame that is a string of bits.
-    ``needs_lookup`` is True if the call needs the encoder. ``answers`` are the arguments for questions that the manual
-    leaves open, ``module`` is the module of their classes. ``interface`` is the interface of the order code,
-    ``position`` the position in the frame, ``flag`` the flag of the spec that is active in ``spoilt``, and
-    ``flag_attribute`` its name in the frame. ``order_code`` is the order code of a procedure. ``is_position_only`` is
-    True for a frame of only flags and its position. ``is_rotary`` is True for an encoder whose position is an angle.
+    ``code`` is the order code, or the whole call, and ``text`` the argument of the call. ``shown`` are the expressions
+    that the example prints, and ``result`` is what it prints.
+
+    For a frame, ``has_verdict`` is True if it has a verdict. ``unusable_frame`` is the same frame with a flag that
+    makes the position unusable: ``flag`` in the spec, ``flag_attribute`` in Python. ``report_name`` is the report of
+    that flag. ``printed_lines`` are the lines for both frames and for one with a wrong CRC. ``kind`` is the class of
+    the frame if the encoder sends several, ``position`` its position, and ``bits`` and ``digits`` describe a frame of
+    bits. ``answers`` are the arguments for questions that the manual leaves open, and ``module`` has their classes.
+    ``is_position_only`` is True for a frame of only flags and its position.
+
+    ``needs_lookup`` is True if the call needs the encoder. ``interface`` is the interface of the order code, and
+    ``order_code`` the order code of a procedure. ``is_rotary`` is True if the position of the encoder is an angle.
     """
 
     code: str
@@ -53,9 +55,9 @@ class ReadmeExample:
     shown: str
     result: str
     has_verdict: bool = False
-    spoilt: str = ""
-    reported: str = ""
-    tried: tuple[str, ...] = ()
+    unusable_frame: str = ""
+    report_name: str = ""
+    printed_lines: tuple[str, ...] = ()
     kind: str = ""
     bits: int = 0
     digits: str = ""
@@ -72,9 +74,9 @@ class ReadmeExample:
 
     @property
     def fence(self) -> str:
-        """Fence of the block with ``tried``, longer than any in these texts, which come from the spec."""
+        """The Markdown fence around ``printed_lines``, longer than any fence in these texts from the spec."""
         fence = "```"
-        while any(fence in line for line in self.tried):
+        while any(fence in line for line in self.printed_lines):
             fence += "`"
         return fence
 
@@ -87,9 +89,9 @@ class ReadmeExample:
 
 
 def first_example(readmes: Sequence[Readme]) -> ReadmeExample:
-    """Return the first example, or one with only an order code if no module has a frame.
+    """Return the first example of the README, or an example with only an order code if no module has a frame.
 
-    An example without open questions is preferred, then one that can report an error, then a frame of bits.
+    An example without open questions comes first, then one that can report an error, and then a frame of bits.
     """
     frames: list[ReadmeExample] = []
     for readme in readmes:
@@ -98,15 +100,15 @@ def first_example(readmes: Sequence[Readme]) -> ReadmeExample:
         return ReadmeExample(code=readmes[0].device.variants[0].code, text="", shown="", result="")
 
     def preference(example: ReadmeExample) -> tuple[bool, bool, bool]:
-        return not example.answers, bool(example.spoilt), bool(example.bits)
+        return not example.answers, bool(example.unusable_frame), bool(example.bits)
 
     return max(frames, key=preference)
 
 
 def virtual_examples(readmes: Sequence[Readme]) -> dict[str, ReadmeExample]:
-    """Return an example of a frame with a position for each interface, preferably one that can report an error.
+    """Return an example of a frame with a position over each interface, if possible one that can report an error.
 
-    Examples with questions that the manual leaves open are left out, so that programs need no answers.
+    Examples with questions that the manual leaves open are left out, since programs would need answers.
     """
     example_by_interface: dict[str, ReadmeExample] = {}
     for readme in readmes:
@@ -131,7 +133,9 @@ class Readme:
     ) -> None:
         self.context = context
         self.device = context.device
-        self._kinds, self._coders, self._procedures = kinds, layout_classes, procedures
+        self._frame_kinds = kinds
+        self._class_by_register = layout_classes
+        self._procedures = procedures
 
     @cached_property
     def frames(self) -> list[ReadmeExample]:
@@ -140,12 +144,12 @@ class Readme:
         ``kind`` is set for kinds that a dispatching decoder distinguishes.
         """
         examples: list[ReadmeExample] = []
-        for kind in self._kinds:
+        for kind in self._frame_kinds:
             example = self._frame_example(kind.layout_class)
             if example is not None:
                 examples.append(replace(example, kind=kind.layout_class.name if kind.dispatch else ""))
         # Users copy the first example, so it shows a frame that can report an error, if there is one.
-        return sorted(examples, key=lambda example: not example.spoilt)
+        return sorted(examples, key=lambda example: not example.unusable_frame)
 
     def _frame_example(self, layout_class: LayoutClass) -> ReadmeExample | None:
         """Return an example of a frame, or None without a sample of it for a listed order code."""
@@ -159,16 +163,13 @@ class Readme:
         return None
 
     def _valid_frame(self, layout_class: LayoutClass, variant: Variant, sample: Sample) -> ReadmeExample:
-        """Return the call that decodes the sample frame, and its numbers.
-
-        ``digits`` are the digits of a frame of bits.
-        """
+        """Return the example that decodes the sample of a frame and prints its numbers."""
         layout = layout_class.layout
         placed_layout = layout.place(variant.parameters)
         numbers = numbers_by_name(layout_class, sample)
         return ReadmeExample(
             code=variant.code,
-            text=_frame_literal(placed_layout, sample.frame),
+            text=frame_literal(placed_layout, sample.frame),
             shown=", ".join(f"frame.{layout_class.names.attribute(name)}" for name in numbers),
             result=" ".join(map(str, numbers.values())),
             has_verdict=layout_class.reports is not None and bool(layout_class.reports.default_verdict),
@@ -184,9 +185,10 @@ class Readme:
     def _with_error(
         self, example: ReadmeExample, layout_class: LayoutClass, variant: Variant, sample: Sample
     ) -> ReadmeExample:
-        """Return the example with the same frame in which a flag makes the position unusable, if there is one.
+        """Return an example with an additional frame in which a flag makes the position unusable.
 
-        ``tried`` is filled only for a frame of bits with a CRC and with the whole position.
+        The example is unchanged if the frame has no such flag. ``printed_lines`` is filled only for a frame of bits
+        that has a CRC and the whole position.
         """
         if layout_class.reports is None or sample.spoilt is None:
             return example
@@ -194,8 +196,8 @@ class Readme:
         spoiling_flag = placed_layout.spoiling_flags[0]
         example = replace(
             example,
-            spoilt=_frame_literal(placed_layout, sample.spoilt),
-            reported=layout_class.reports.name_of(spoiling_flag),
+            unusable_frame=frame_literal(placed_layout, sample.spoilt),
+            report_name=layout_class.reports.name_of(spoiling_flag),
             flag=spoiling_flag.name,
             flag_attribute=layout_class.names.attribute(spoiling_flag.name),
         )
@@ -206,10 +208,10 @@ class Readme:
         position = str(numbers[layout_class.position_attribute])
         flag_meaning = meaning(spoiling_flag, alarm_of(self.device, spoiling_flag))
         invalid_frame = f"invalid frame of {variant.code}: {_damaged_crc(crc_field, sample.frame)}"
-        return replace(example, tried=(position, flag_meaning, invalid_frame))
+        return replace(example, printed_lines=(position, flag_meaning, invalid_frame))
 
     def _is_position_only(self, layout_class: LayoutClass, interface: str) -> bool:
-        """Return whether all attributes of a frame, except Booleans, are its position or parts of it."""
+        """Return whether a frame has only flags and its position, or parts of it, as attributes."""
         position_names = map(layout_class.names.attribute, self.device.position_names(interface))
         attributes_with_value = {attribute.name for attribute in layout_class.attributes if attribute.type != "bool"}
         return attributes_with_value.issubset(position_names)
@@ -220,9 +222,9 @@ class Readme:
         return f", {question.name}={self.device.name}.{question.kind}.{first_answer.name.upper()}"
 
     def _example_variant(self, interface_name: str) -> Variant | None:
-        """Return an order code with this interface, or None if none is listed.
+        """Return an order code with this interface, or None if the spec lists none.
 
-        If possible, it is the code of an example in the manual, then that with the highest sum of its parameters.
+        An order code of a worked example in the manual comes first, and then the one with the largest parameters.
         """
         example_codes = [example.order_code for example in self.device.examples if not isinstance(example, CrcExample)]
         parameter_names = [parameter.name for parameter in self.device.set_parameters]
@@ -234,11 +236,11 @@ class Readme:
 
     @property
     def registers(self) -> list[ReadmeExample]:
-        """One worked example with values of each register class, for the first ``_SHOWN_REGISTERS`` of them."""
+        """The first worked example of each register that has a class, for up to ``_SHOWN_REGISTERS`` registers."""
         example_by_class: dict[str, ReadmeExample] = {}
         for example in self.device.examples:
-            if isinstance(example, RegisterExample) and example.values and example.register in self._coders:
-                layout_class = self._coders[example.register]
+            if isinstance(example, RegisterExample) and example.values and example.register in self._class_by_register:
+                layout_class = self._class_by_register[example.register]
                 example_by_class.setdefault(layout_class.name, _register_example(example, layout_class))
         return list(example_by_class.values())[:_SHOWN_REGISTERS]
 
@@ -246,48 +248,48 @@ class Readme:
     def procedures(self) -> list[ReadmeExample]:
         """The first ``_SHOWN_PROCEDURES`` worked examples of procedures that only write bytes."""
         procedure_examples = [example for example in self.device.examples if isinstance(example, ProcedureExample)]
-        only_writing = [
+        shown_examples = [
             example for example in procedure_examples if self._only_writes_bytes(self._procedures[example.procedure])
         ]
-        return [self._procedure_example(example) for example in only_writing[:_SHOWN_PROCEDURES]]
+        return [self._procedure_example(example) for example in shown_examples[:_SHOWN_PROCEDURES]]
 
-    def _only_writes_bytes(self, steps: ProcedureFunction) -> bool:
-        """Return whether a procedure writes single bytes.
+    def _only_writes_bytes(self, function: ProcedureFunction) -> bool:
+        """Return whether a procedure writes single bytes, and neither modifies nor polls a register.
 
-        The procedure must neither modify nor poll a register, and use only registers with an address for each byte.
+        Its registers must have an address for each byte.
         """
-        if any(isinstance(step, (ModifyStep, PollStep)) for step in steps.procedure.steps):
+        if any(isinstance(step, (ModifyStep, PollStep)) for step in function.procedure.steps):
             return False
-        return not any(self.device.register(name).is_accessed_whole for name in steps.procedure.registers)
+        return not any(self.device.register(name).is_accessed_whole for name in function.procedure.registers)
 
     def _procedure_example(self, example: ProcedureExample) -> ReadmeExample:
         """Return the call of a procedure, and the bytes that it writes.
 
         The encoder is the first argument if the procedure needs it or has no other arguments, and otherwise a keyword.
         """
-        steps = self._procedures[example.procedure]
+        function = self._procedures[example.procedure]
         encoder = f'lookup("{example.order_code}")'
         arguments = [grouped(argument) for argument in example.arguments.values()]
-        if steps.takes_variant or not arguments:
+        if function.takes_variant or not arguments:
             arguments.insert(0, encoder)
         else:
             arguments.append(f"variant={encoder}")
         written_bytes = bytes(write.value for write in example.writes)
         return ReadmeExample(
-            code=f"{self.context.module}.{steps.name}({', '.join(arguments)})",
+            code=f"{self.context.module}.{function.name}({', '.join(arguments)})",
             text="",
             shown="",
             result=repr(written_bytes.hex(" ")),
             module=self.context.module,
-            interface=steps.procedure.interface,
+            interface=function.procedure.interface,
             order_code=example.order_code,
         )
 
     @property
     def live_example(self) -> ReadmeExample | None:
-        """Order code with RS-485, or None if none is listed.
+        """The example of a live line: an order code with RS-485, or None if the spec lists none.
 
-        ``shown`` is the name of the procedure that clears most alarms, or empty.
+        ``shown`` is the name of the procedure that clears the most alarms, or empty.
         """
         variant = self._example_variant("rs485")
         if variant is None:
@@ -302,25 +304,25 @@ class Readme:
         )
 
     def _best_reset(self, variant: Variant) -> str:
-        """Return the function without arguments that clears most alarms of an encoder, or an empty string."""
+        """Return the function without arguments that clears the most alarms of an encoder, or an empty string."""
         alarms_by_procedure: Counter[str] = Counter()
         for alarm in facts_for_code(self.device.alarms, variant.code):
             alarms_by_procedure.update(alarm.cleared_by)
         resets: list[ProcedureFunction] = []
-        for steps in self._procedures.values():
-            is_over_interface = steps.procedure.interface == variant.interface
-            if is_over_interface and steps.procedure.name in alarms_by_procedure and not steps.arguments:
-                resets.append(steps)
+        for function in self._procedures.values():
+            is_over_interface = function.procedure.interface == variant.interface
+            if is_over_interface and function.procedure.name in alarms_by_procedure and not function.arguments:
+                resets.append(function)
         if not resets:
             return ""
-        return max(resets, key=lambda steps: alarms_by_procedure[steps.procedure.name]).name
+        return max(resets, key=lambda function: alarms_by_procedure[function.procedure.name]).name
 
     @property
     def run_time(self) -> list[ReadmeExample]:
-        """Example of a register that changes the form of frames, in a list, or none.
+        """The example of a register that changes what frames look like, in a list that is empty without one.
 
-        The register is one byte that holds the parameter itself, not a code for it. ``text`` is its address and
-        content, such as ``0x5A: 0x0C``.
+        The register must be one byte that contains a parameter itself rather than a code for it. ``text`` is its
+        address and content, such as ``0x5A: 0x0C``.
         """
         for parameter in self.device.run_time_parameters:
             register = self.device.register(parameter.register)
@@ -343,9 +345,9 @@ class Readme:
 
     @property
     def positions(self) -> list[ReadmeExample]:
-        """Calls (``text``) that convert and unwrap a position, with their results, for the first order code.
+        """The calls that convert and unwrap a position of the first order code, with their results.
 
-        Empty if the number of counts until the wrap-around is unknown or too small for the example.
+        The list is empty if the number of counts after which the position wraps around is unknown or too small.
         """
         variant = self.device.variants[0]
         measurement = self.device.measurement_of(variant.interface)
@@ -369,10 +371,10 @@ class Readme:
 
     @property
     def identified(self) -> list[ReadmeExample]:
-        """Call that identifies an order code from the worked examples of its registers, as a list of at most one.
+        """The example that identifies an order code from its registers, in a list that is empty without one.
 
-        The order code belongs to the first example of an identifying register. Its examples become the items of a dict:
-        ``"model": bytes.fromhex("1B")``. The list is empty if the spec does not list the order code.
+        The order code is that of the first worked example of an identifying register. ``text`` contains the examples
+        of its registers as items of a dict, such as ``"model": bytes.fromhex("1B")``.
         """
         identity_registers = {register.name for register, _ in self.device.identity}
         register_examples: dict[str, RegisterExample] = {}
@@ -386,12 +388,15 @@ class Readme:
         contents = []
         for example in register_examples.values():
             if example.order_code == order_codes[0]:
-                contents.append(f'"{example.register}": {_bytes_literal(example.bytes)}')
+                contents.append(f'"{example.register}": {bytes_literal(example.bytes)}')
         return [ReadmeExample(code=order_codes[0], text=", ".join(contents), shown="", result="True")]
 
 
 def _is_number_of(layout_class: LayoutClass, name: str) -> bool:
-    """Return whether a name belongs to a join or to a number in the frame, other than its selector."""
+    """Return whether a name in a frame belongs to a number, which several fields can form (a join).
+
+    The field by which frames differ (the selector) does not count.
+    """
     layout = layout_class.layout
     if any(join.name == name for join in layout.joins):
         return True
@@ -400,32 +405,24 @@ def _is_number_of(layout_class: LayoutClass, name: str) -> bool:
 
 
 def _damaged_crc(crc_field: PlacedField, number: int) -> str:
-    """Return the message for a frame whose last bit, bit 0 of the CRC, is inverted: ``expected CRC 0x13, got 0x12``."""
+    """Return the message for a frame whose last bit, which is bit 0 of its CRC, is inverted.
+
+    An example is ``expected CRC 0x13, got 0x12``.
+    """
     received = (number ^ 1) & crc_field.mask
     expected = received ^ 1
     return f"expected CRC {expected:#04x}, got {received:#04x}"
 
 
 def numbers_by_name(layout_class: LayoutClass, sample: Sample) -> dict[str, object]:
-    """Return the numbers in a frame by the names of their fields, without the selector."""
+    """Return the numbers in a sample frame by name, without the field by which frames differ (the selector)."""
     return {name: value for name, value in sample.values.items() if _is_number_of(layout_class, name)}
 
 
-def _frame_literal(placed_layout: PlacedLayout, number: int) -> str:
-    """Return a frame as a Python literal, such as ``0x1a2b`` or ``bytes.fromhex("1A 2B")``."""
-    if placed_layout.layout.in_bytes:
-        return _bytes_literal(number_to_bytes(placed_layout.layout, number, placed_layout.bits))
-    return f"{number:#x}"
-
-
-def _bytes_literal(data: bytes) -> str:
-    return f'bytes.fromhex("{data.hex(" ").upper()}")'
-
-
 def _register_example(example: RegisterExample, layout_class: LayoutClass) -> ReadmeExample:
-    """Return the call that decodes a register, and its attributes with their values as printed.
+    """Return the example that decodes a register and prints its attributes.
 
-    If the attribute has another type, a text is the lowercase name of an Enum member.
+    In the worked example, a named value is the lowercase name of an Enum member.
     """
     variant_argument = f', lookup("{example.order_code}")' if layout_class.takes_variant else ""
     types = {attribute.name: attribute.type for attribute in layout_class.attributes}
@@ -439,7 +436,7 @@ def _register_example(example: RegisterExample, layout_class: LayoutClass) -> Re
             expressions.append(f"register.{attribute}")
             printed_values.append(repr(value))
     return ReadmeExample(
-        code=f"{layout_class.name}.decode({_bytes_literal(example.bytes)}{variant_argument})",
+        code=f"{layout_class.name}.decode({bytes_literal(example.bytes)}{variant_argument})",
         text="",
         shown=_tuple_expression(expressions),
         result=_tuple_expression(printed_values),

@@ -11,12 +11,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
 
-from ...model import cite
+from ...model import Register, cite
 from ...model.expressions import Expression
 from ...model.members import PARTS_BY_CLASS
 from ...model.record import dataclass
+from ...plan.frames import HeldParameter
+from ...plan.values import meaning_of
 from ..registry import our_runtime
-from .literals import CallLiteral, EnumMember, Hex, Literal, is_empty
+from .literals import CallLiteral, EnumMember, Hex, Literal, SourceText, is_empty, record, zero_means_member
+from .names import ModuleContext, byte_order
 
 #: Sources with classes of records and enumerations.
 _RUNTIME_PACKAGE = our_runtime("python") / "codewheel_runtime"
@@ -51,7 +54,7 @@ class RecordMember:
 
 @dataclass(frozen=True)
 class RuntimeRecords:
-    """The members of each record, and the names of the enumerations."""
+    """The members of each record of the runtime, and the names of its enumerations."""
 
     members: Mapping[str, tuple[RecordMember, ...]]
     enumerations: frozenset[str]
@@ -73,6 +76,7 @@ def runtime_records() -> RuntimeRecords:
 
 
 def _record_classes(source: str) -> list[ast.ClassDef]:
+    """Return the classes in the source of a module."""
     return [statement for statement in ast.parse(source).body if isinstance(statement, ast.ClassDef)]
 
 
@@ -95,9 +99,9 @@ def _record_members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
 
 
 def record_of(class_name: str, model_part: object, **overrides: Literal) -> CallLiteral:
-    """Return the record of a part of the model.
+    """Return the call that creates the record of a part of the model, such as a register.
 
-    It contains all required members, and the others unless they are empty or equal to their default.
+    It contains all required members, and other members unless they are empty or equal to their default.
 
     Args:
         class_name: Name of the record.
@@ -133,7 +137,8 @@ def _in_printed_order(class_name: str) -> list[RecordMember]:
 def _member_literal(model_part: object, member: RecordMember) -> Literal:
     """Return a member of a part of the model as a literal, according to the type of the member in the record.
 
-    A record or an enumeration in the type is used for the value, or for each value of a tuple. Sources are one text.
+    If the type is a record or an enumeration, or a tuple of these, the value becomes a call or a member of it. Sources
+    become one text.
     """
     value = getattr(model_part, member.name)
     if member.name == "source":
@@ -159,8 +164,34 @@ def _member_literal(model_part: object, member: RecordMember) -> Literal:
 
 
 def _is_hexadecimal(model_part: object, member_name: str) -> bool:
-    """Return whether the spec writes this member of a part of the model in hexadecimal."""
+    """Return whether specs contain this member of a part of the model in hexadecimal."""
     part = PARTS_BY_CLASS.get(type(model_part).__name__)
     if part is None or member_name not in part.by_attribute:
         return False
     return part.by_attribute[member_name].shape == "hex"
+
+
+def held_record(context: ModuleContext, register: Register, held_parameter: HeldParameter) -> CallLiteral:
+    """Return the record of a parameter that is read from a register: its place, its default, its limits or codes.
+
+    If the manual gives no factory default of the register, the record contains zeros, and ``by_order_code`` says so.
+    """
+    parameter = held_parameter.parameter
+    record_members: dict[str, Literal] = {
+        "parameter": context.parameters[parameter.name],
+        "interface": SourceText(f"Interface.{register.interface.upper()}"),
+        "address": SourceText(f"Address.{register.name.upper()}"),
+        "default": register.default_bytes() or bytes(register.length),
+        "order": byte_order(register),
+        "low": held_parameter.field.low.constant,
+        "width": held_parameter.field.widest,
+        "min": parameter.min or 0,
+        "max": parameter.max if parameter.max is not None else held_parameter.highest_value,
+    }
+    if parameter.by_code:
+        record_members["codes"] = tuple((by_code.code, by_code.value) for by_code in parameter.by_code)
+    if register.default is None:
+        record_members["by_order_code"] = True
+    if not parameter.by_code:
+        record_members |= zero_means_member(meaning_of(held_parameter.field))
+    return record("RegisterParameter", record_members)

@@ -14,10 +14,11 @@ from .names import ClassNames
 
 
 class FrameReports:
-    """Reports and verdict of a frame, for its template. ``reporting`` is None if the frame has no reports.
+    """The reports of a frame, and its verdict, which says whether the position is usable.
 
-    ``attribute_of`` maps the name of an attribute of the frame to the code that reads it, by default ``error`` to
-    ``self.error``. ``parameters`` maps the parameters of the order code to attributes of the variant.
+    ``reporting`` is None if the frame has no reports. ``attribute_of`` returns the code that reads an attribute of the
+    frame, by default ``self.error`` for ``error``. ``parameters`` contains the attribute of the variant for each
+    parameter of the order code.
     """
 
     def __init__(
@@ -38,12 +39,12 @@ class FrameReports:
 
     @property
     def _causes_by_verdict(self) -> Sequence[tuple[Verdict, Sequence[VerdictCause]]]:
-        """Verdicts with their causes, worst first. Empty if the frame has no position."""
+        """The verdicts with the flags and bits that cause them, worst first. Empty if the frame has no position."""
         return self._verdict_rules.worst_first if self._verdict_rules is not None else ()
 
     @property
     def depends_on_order_code(self) -> bool:
-        """True if a condition, or the existence of bits that judge the position, depends on the order code."""
+        """True if the order code decides whether a flag counts, or whether any bit makes the position usable."""
         if self._verdict_rules is not None and self._verdict_rules.may_be_unknown:
             return True
         causes: list[ReportCause | VerdictCause] = list(self._report_causes)
@@ -55,9 +56,9 @@ class FrameReports:
 
     @property
     def verdict_conditions(self) -> list[tuple[str, list[str]]]:
-        """Verdicts that flags or bits of the frame lead to, worst first, such as ``("NOT_USABLE", ["self.error"])``.
+        """The verdicts that flags or bits cause, worst first, such as ``("NOT_USABLE", ["self.error"])``.
 
-        Each of a verdict's conditions is sufficient.
+        Each of the conditions is sufficient for the verdict.
         """
         if self._verdict_rules is None:
             return []
@@ -77,7 +78,7 @@ class FrameReports:
 
     @property
     def not_usable_conditions(self) -> list[str]:
-        """Conditions, each of which makes the position not usable."""
+        """The conditions, each of which makes the position not usable."""
         for verdict, causes in self._causes_by_verdict:
             if verdict is Verdict.NOT_USABLE:
                 return self._conditions_of_causes(causes)
@@ -85,13 +86,13 @@ class FrameReports:
 
     @property
     def default_verdict(self) -> str:
-        """Verdict if no condition applies. Empty if the frame has no position."""
+        """The verdict if no condition applies. Empty if the frame has no position."""
         return self._verdict_rules.otherwise.name if self._verdict_rules is not None else ""
 
     def _has_no_judging_bits(self, judging_bits: Expression) -> str:
-        """Return the condition that the frames of the encoder have no bits that judge the position.
+        """Return the condition that the encoder's frames have no bits that say whether the position is usable.
 
-        ``judging_bits`` is their number, so that the condition is ``self.variant.has_flags == 0`` or similar.
+        ``judging_bits`` is the number of such bits. An example is ``self.variant.has_flags == 0``.
         """
         attributes = self._variant_attributes.items()
         code_of_parameter = {parameter: f"{self._variant}.{attribute}" for parameter, attribute in attributes}
@@ -112,29 +113,30 @@ class FrameReports:
         An example is ``["self.error", "(self.mode == 3 and self.ready)", "self.unused & 0xC"]``.
         """
         conditions = []
-        reserved_causes = []
+        unused_fields = []
         for cause in causes:
             if isinstance(cause.by, Reserved):
-                reserved_causes.append(cause.by)
+                unused_fields.append(cause.by)
             else:
                 conditions.append(self._condition_of_cause(cause, cause.by))
-        if reserved_causes:
-            conditions.append(str(self._differs_in(reserved_causes)))
+        if unused_fields:
+            conditions.append(str(self._differs_in(unused_fields)))
         return conditions
 
     def _condition_of_cause(self, cause: VerdictCause, flag_or_match: FieldToDecode | MatchingValues) -> str:
-        """Return the condition for a cause, such as ``(self.error and not self.warning)``.
+        """Return the condition under which a flag or a match of values causes a verdict.
 
-        A cause is ignored while one of the flags that it combines is active, and for other order codes.
+        An example is ``(self.error and not self.warning)``. The flag is ignored while one of the flags in ``unless``,
+        which combine it with others, is active, and for order codes that do not meet its conditions.
         """
         # The flag comes first, because it is rarely active. The other conditions are then skipped.
         if isinstance(flag_or_match, MatchingValues):
             conditions = self._has_values(flag_or_match)
         else:
             conditions = [self._read_attribute(flag_or_match)]
-        for only in cause.conditions:
-            parameter = f"{self._variant}.{self._variant_attributes[only.parameter]}"
-            conditions.append(condition_on_parameter(only, parameter))
+        for code_condition in cause.conditions:
+            parameter = f"{self._variant}.{self._variant_attributes[code_condition.parameter]}"
+            conditions.append(condition_on_parameter(code_condition, parameter))
         if cause.unless:
             combined_flags = [self._read_attribute(flag) for flag in cause.unless]
             conditions.append(Not(join_operands("or", combined_flags)))
@@ -157,24 +159,25 @@ class FrameReports:
         return conditions
 
     def _differs_in(self, reserved: Sequence[Reserved]) -> PythonExpression:
-        """Return the condition that any of these unused bits differs from the manual, such as ``self.unused & 0xC``.
+        """Return the condition that a bit of these unused fields differs from the manual: ``self.unused & 0xC``.
 
-        If these are all unused bits of the frame, the condition is ``self.unused``.
+        If they are all unused fields of the frame, the condition is ``self.unused``.
         """
         # The attribute is a mask of the differing bits: the decoder already compared them with the manual.
         differing_bits = Atom(self._attribute_of("unused"))
         # No two masks have a bit in common, so that their sum has the bits of all.
-        mask_of_all = sum(bits.mask for bits in self._reserved)
-        mask_of_these = sum(bits.mask for bits in reserved)
-        are_all = mask_of_these == mask_of_all
-        return differing_bits if are_all else PythonOperation(differing_bits, "&", mask(mask_of_these))
+        mask_of_all = sum(unused_field.mask for unused_field in self._reserved)
+        mask_of_fields = sum(unused_field.mask for unused_field in reserved)
+        are_all = mask_of_fields == mask_of_all
+        return differing_bits if are_all else PythonOperation(differing_bits, "&", mask(mask_of_fields))
 
     def _read_attribute(self, part: FieldToDecode) -> PythonExpression:
+        """Return the code that reads the attribute of a field, such as ``self.error``."""
         return Atom(self._attribute_of(self._names.attribute(part.field.name)))
 
 
 def _meaning_while_active(cause: VerdictCause) -> str:
-    """Return the comment on a cause while it is active, such as ``error: position data is invalid.``"""
+    """Return a comment with the meaning of an active flag or differing bit: ``error: position data is invalid.``"""
     if isinstance(cause.by, Reserved):
         return "unused: bits that the manual leaves unused differ from it."
     flag = cause.by.field
@@ -186,6 +189,9 @@ def _meaning_while_active(cause: VerdictCause) -> str:
     return f"{flag.name}: {meaning_on_one_line.rstrip('.')}."
 
 
-def condition_on_parameter(parameter_condition: CodeCondition, parameter: str) -> PythonExpression:
-    """Return the condition that an order code is among ``parameter_condition``: ``parameter`` or ``not parameter``."""
-    return Atom(parameter) if parameter_condition.holds else Not(Atom(parameter))
+def condition_on_parameter(code_condition: CodeCondition, parameter: str) -> PythonExpression:
+    """Return a condition on the order code. ``parameter`` is the code that reads its parameter.
+
+    The parameter must not be 0 if ``code_condition.holds`` is True. Otherwise, the condition is ``not parameter``.
+    """
+    return Atom(parameter) if code_condition.holds else Not(Atom(parameter))

@@ -1,4 +1,4 @@
-"""Shapes in generated Python: descriptions of frames and registers as data, for ``decode_many`` and ``encode_many``."""
+"""Descriptions of frames and registers as data in generated Python (shapes), for the decoding of many frames."""
 
 from __future__ import annotations
 
@@ -42,14 +42,17 @@ _RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
         "answered": "chosen_verdict",
     }
 )
-#: Members of the plan with several items, except the columns.
+#: Members of a plan's description that are lists, except the columns.
 _PLANNED_ROWS = ("digit_codings", "joins", "unused", "checks", "parities", "verdict_causes", "report_causes", "fields")
 #: Members that state for which encoders a cause applies.
 _CONDITION_MEMBERS = ("only", "chosen")
 
 
 class ShapeLiteral:
-    """Description of one frame or register, as used by its template. ``reporting`` is None without a verdict."""
+    """The description of a frame or register (its shape), as the template prints it.
+
+    ``reporting`` contains the reports and the verdict of a frame, or is None if it has neither.
+    """
 
     #: Members whose items are on separate lines.
     rows = ("columns", *(_RUNTIME_NAMES.get(name, name) for name in _PLANNED_ROWS))
@@ -87,11 +90,10 @@ class ShapeLiteral:
         yield "frame", self._frame_with_special_range()
 
     def _value_columns(self) -> tuple[CallLiteral, ...]:
-        """Return a column for each field with a value."""
+        """Return the call that creates a column for each field with a value."""
         names_with_value = {part.field.name for part in self.plan.parts}
-        return tuple(
-            self._column_call(column) for column in self._description.columns if column.name in names_with_value
-        )
+        columns = (column for column in self._description.columns if column.name in names_with_value)
+        return tuple(map(self._column_call, columns))
 
     def _other_rows(self) -> Iterator[tuple[str, Literal]]:
         """Yield the members with several items, except the columns, with their names in the runtime."""
@@ -128,10 +130,10 @@ class ShapeLiteral:
         return SourceText(" | ".join(f"({term})" for term in terms))
 
     def _default_verdict(self) -> Literal:
-        """Return the verdict if no condition applies.
+        """Return the verdict of a frame without active flags.
 
-        If only some order codes have bits that judge the position, it is unknown for the other codes: ``Verdict.USABLE
-        if variant.has_flags else Verdict.UNKNOWN``.
+        If some order codes have no bits that say whether the position is usable, it is unknown for these codes, as in
+        ``Verdict.USABLE if variant.has_flags else Verdict.UNKNOWN``.
         """
         verdict = self._literal_of(self._description.otherwise)
         # The number of these bits is only in the description if it depends on the order code.
@@ -142,9 +144,9 @@ class ShapeLiteral:
         return SourceText(f"{literal(verdict)} if {judging_bits} else {literal(unknown)}")
 
     def _frame_with_special_range(self) -> str:
-        """Return the name of a frame with a position if frames of its interface differ in range.
+        """Return the name of the frame if its range of positions differs from that of other frames, or else "".
 
-        A range in which the position never wraps around also counts as different. Otherwise, return an empty string.
+        A range in which the position never wraps around also counts as different.
         """
         layout_class = self.layout_class
         if layout_class.register is not None or not layout_class.position_attribute:
@@ -155,10 +157,10 @@ class ShapeLiteral:
         return layout_class.layout.name if is_special else ""
 
     def _column_call(self, column: Column) -> CallLiteral:
-        """Return a column, with the name of the field in messages and the values that are valid.
+        """Return the call that creates a column.
 
-        The name is given only if the attribute has another name. ``values`` are the values of a selector, or the Enum
-        of a named value.
+        It contains the name of the field in messages if the attribute has another name. It also contains the valid
+        values of the field by which frames differ (the selector), or the Enum of a field with named values.
         """
         layout_class = self.layout_class
         field = layout_class.layout.field(column.name)
@@ -172,10 +174,10 @@ class ShapeLiteral:
         return record("Column", arguments, field=name_in_messages, values=valid_values)
 
     def _crc_of_encoder(self, crcs: Sequence[FrameCrc]) -> Literal:
-        """Return the CRC of an encoder, or None without any.
+        """Return the code for the CRC of a frame, or None if the frame has no CRC.
 
-        If the CRC depends on the order code, it is the first CRC whose width is not 0, found when the module runs. The
-        tuple in ``next(iter(…), None)`` then has only the CRCs of the encoder.
+        If the CRC depends on the order code, the code selects the first CRC whose width is not 0 when the module runs:
+        ``next(iter(…), None)``, with a tuple that contains only the CRCs of the encoder.
         """
         if not crcs:
             return None
@@ -189,7 +191,7 @@ class ShapeLiteral:
         return literal_call("next", literal_call("iter", tuple(crcs_of_encoder)), SourceText("None"))
 
     def _crc_call(self, frame_crc: FrameCrc) -> CallLiteral:
-        """Return the CRC with the function that compares it, and the means to compute it for many frames."""
+        """Return the call that describes a CRC: the function that checks one frame, and the steps for many frames."""
         crc = frame_crc.crc
         layout_class = self.layout_class
         members: dict[str, Literal] = {"low": self._literal_of(frame_crc.bits.low), "width": crc.width}
@@ -211,7 +213,7 @@ class ShapeLiteral:
     # -- any value of the description
 
     def _literal_of(self, value: Any) -> Literal:
-        """Return any value of the description as a literal. A value of any other kind is a part with members."""
+        """Return any value in the description of a frame as a literal. A part with members becomes a record."""
         match value:
             case Expression():
                 return SourceText(str(self.layout_class.number(value)))
@@ -234,24 +236,27 @@ class ShapeLiteral:
     def _record_of(self, description_part: Any) -> Literal:
         """Return a part of the description as a record.
 
-        A part that applies only to some encoders is an item with its conditions, joined by ``and``.
+        A part that applies only to some encoders becomes a conditional item of a tuple.
         """
         conditions = []
-        # Many parts lack these members.
         for name in _CONDITION_MEMBERS:
-            only: CodeCondition | None = getattr(description_part, name, None)
-            if only is not None:
-                conditions.append(condition_on_parameter(only, self._read_parameter(only.parameter)))
+            # Many parts do not have these members.
+            code_condition: CodeCondition | None = getattr(description_part, name, None)
+            if code_condition is not None:
+                parameter = self._read_parameter(code_condition.parameter)
+                conditions.append(condition_on_parameter(code_condition, parameter))
         call = self._call_of(description_part)
         return ConditionalItem(call, str(join_operands("and", conditions))) if conditions else call
 
     def _read_parameter(self, parameter: str) -> str:
+        """Return the code that reads a parameter of the order code, such as ``variant.position_bits``."""
         return f"variant.{self.layout_class.context.parameters[parameter]}"
 
     def _call_of(self, description_part: Any) -> CallLiteral:
-        """Return the call of the class in the runtime, with the members that differ from their defaults.
+        """Return the call of the class in the runtime for a part of the description.
 
-        Conditions are left out. A cause that consists of a mask or a combination of values has no ``flag``.
+        Members that equal their defaults and conditions on the order code are left out. So is ``flag`` of a cause that
+        consists of a mask or a combination of values.
         """
         planned_class_name = type(description_part).__name__
         class_name = _RUNTIME_NAMES.get(planned_class_name, planned_class_name)

@@ -6,17 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-from ...model import Interface, Layout, Measurement, Register, Spi, Variant, first_or_raise
+from ...model import Interface, Layout, Measurement, Spi, Variant, first_or_raise
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
-from ...plan.frames import HeldParameter, RequestAndReply, exchanges, held_parameters
+from ...plan.frames import RequestAndReply, exchanges, held_parameters
 from ...plan.values import (
     ByInterface,
     PositionRange,
     by_interface,
     count_factors,
-    meaning_of,
     parameters_in_measurement,
     position_ranges,
 )
@@ -30,26 +29,27 @@ from .literals import (
     Literal,
     PythonExpression,
     PythonOperation,
-    SourceText,
     join_operands,
     number,
-    of_number,
-    record,
 )
-from .names import FUNCTIONS, ClassNames, ModuleContext, OpenQuestion, attribute, byte_order, camel, encoder_name
+from .names import FUNCTIONS, ClassNames, ModuleContext, OpenQuestion, attribute, camel, encoder_name
+from .records import held_record
 
 
 @dataclass(frozen=True)
 class ListedCodes:
-    """Listed order codes of one interface: the name of their type, the class of the encoder, and the codes."""
+    """The order codes in the manual's list for one interface.
 
-    literal: str
+    ``type_name`` is the name of their literal type, and ``encoder`` the class of the encoder.
+    """
+
+    type_name: str
     encoder: str
     codes: tuple[str, ...]
 
 
 class VariantTable:
-    """Order codes of one module, as used by the template."""
+    """The order codes of one module, and the members of their class, as the template prints them."""
 
     def __init__(
         self, context: ModuleContext, frame_kinds: tuple[FrameKind, ...], layout_classes: tuple[LayoutClass, ...]
@@ -66,7 +66,7 @@ class VariantTable:
         self.rows = [self._build_row(variant) for variant in self.device.variants]
 
     def _build_row(self, variant: Variant) -> CallLiteral:
-        """Return the object of an order code, such as ``SsiEncoder("X-13", ("X", "13"), bits=13)``."""
+        """Return the call that creates the object of an order code: ``SsiEncoder("X-13", ("X", "13"), bits=13)``."""
         texts_of_parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
         arguments: list[tuple[str, Literal]] = [("", variant.code), ("", texts_of_parts)]
         for parameter in self.device.set_parameters:
@@ -77,40 +77,38 @@ class VariantTable:
 
     @property
     def names(self) -> list[str]:
-        """Names of the independent parameters, which are the arguments of an order code after its parts."""
+        """The attributes of the parameters that order codes set, in the order of the arguments."""
         return [self.context.parameters[parameter.name] for parameter in self.device.set_parameters]
 
     @property
     def interfaces_with_requests(self) -> list[str]:
-        """Names of the interfaces over which requests and replies form a pipeline of words."""
+        """The names of the SPI interfaces with requests, whose replies follow in the pipeline of words."""
         spi_interfaces = (interface for interface in self.device.interfaces if isinstance(interface, Spi))
         return [interface.name for interface in spi_interfaces if interface.exchanges]
 
-    def exchanged(self, interface: Interface) -> tuple[RequestAndReply, ...]:
-        """Return the requests over an interface with their replies.
-
-        There are none if requests and replies form a pipeline of words, which ``interfaces_with_requests`` lists.
-        """
+    def requests_and_replies(self, interface: Interface) -> tuple[RequestAndReply, ...]:
+        """Return the requests over an interface with their replies, except those over SPI."""
         return () if interface.name in self.interfaces_with_requests else exchanges(interface)
 
     def default_attributes(self, exchange: RequestAndReply) -> list[tuple[str, int]]:
-        """Return attribute and factory default of each field in a request that has one: ``[("address", 1)]``."""
+        """Return the attribute and the default of each field of a request that has one: ``[("address", 1)]``."""
         # The layout of a request is not the layout of a register, and names of CRC functions do not matter for
         # attributes.
         class_names = ClassNames(exchange.request, register=None, crcs=())
         return [(class_names.attribute(name), default) for name, default in exchange.defaults.items()]
 
     def channels(self, interface: Interface) -> ChannelCode | None:
-        """Return the frame with all data channels of an interface, or None if there is none."""
+        """Return the code for the frame with all data channels of an interface, or None if frames have one channel."""
         return channel_code(self.context, interface, self._scope)
 
     @property
     def beginnings(self) -> tuple[str, ...]:
+        """The texts with which the order codes begin."""
         return beginnings(self.device.order_code)
 
     @cached_property
     def listed_by_interface(self) -> list[ListedCodes]:
-        """Listed order codes of each interface that has any, for type checkers."""
+        """The order codes in the manual's list by interface, for type checkers."""
         listed_codes = []
         for interface in self.device.interfaces:
             codes = tuple(variant.code for variant in self.device.variants_over(interface.name))
@@ -121,21 +119,22 @@ class VariantTable:
 
     @property
     def doc(self) -> str:
-        return docstrings.of_variant(self.device, self.context.parameters)
+        """The docstring of the class."""
+        return docstrings.describe_variant(self.device, self.context.parameters)
 
     @property
     def derived_parameters(self) -> list[tuple[str, str, PythonExpression]]:
-        """Name, meaning and value of each parameter that is derived from other parameters.
+        """The attribute, the description and the value of each parameter that is computed from other parameters.
 
-        Parameters that always equal a quantity of the measurement are left out, since the class already has that
-        quantity.
+        Parameters that equal a quantity of the measurement, such as the counts per turn, are left out, since the class
+        already has that quantity.
         """
         derived = []
         names_in_measurement = parameters_in_measurement(self.device)
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in names_in_measurement:
                 attribute_name = self.context.parameters[parameter.name]
-                meaning = docstrings.of_parameter(self.device, parameter)
+                meaning = docstrings.describe_parameter(self.device, parameter)
                 derived.append((attribute_name, meaning, self._scope.expression_of(parameter.equals)))
         return derived
 
@@ -143,7 +142,7 @@ class VariantTable:
 
     @cached_property
     def position_attribute(self) -> str:
-        """Name of the position attribute that is converted to turns or lengths, or "" without a measurement."""
+        """The name of the position as an argument, or an empty string if the manual does not say what it measures."""
         for interface in self.device.interfaces:
             measurement = self._measurement_of(interface)
             if measurement is not None:
@@ -151,18 +150,19 @@ class VariantTable:
         return ""
 
     def _measurement_of(self, interface: Interface) -> Measurement | None:
+        """Return what the position over an interface measures, or None if the spec does not say."""
         return self.device.measurement_of(interface.name)
 
     def _code_of(self, value: Expression | None) -> PythonExpression | None:
-        """Return a number of the encoder in Python, such as ``1 << self.bits``, or None if it is not in the spec."""
+        """Return an expression of the spec in Python, such as ``1 << self.bits``, or None for None."""
         return self._scope.expression_of(value) if value is not None else None
 
     def _cases_by_interface(
         self, quantity_of: Callable[[Measurement], PythonExpression | None]
     ) -> ByInterface[PythonExpression]:
-        """Return a quantity of the measurement, such as ``1 << self.bits``, with the interfaces to which it applies.
+        """Return a quantity of the measurement, such as the step, with the interfaces to which each value applies.
 
-        ``quantity_of`` returns it for a measurement, or None if the measurement lacks it.
+        ``quantity_of`` returns the quantity of a measurement, or None if the measurement does not have it.
         """
 
         def quantity_over(interface: Interface) -> PythonExpression | None:
@@ -173,14 +173,17 @@ class VariantTable:
 
     @cached_property
     def counts_per_turn(self) -> ByInterface[PythonExpression]:
+        """The number of counts in one revolution."""
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.counts_per_turn))
 
     @cached_property
     def step_um(self) -> ByInterface[PythonExpression]:
+        """The length of a count in micrometers."""
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_um))
 
     @cached_property
     def step_nm(self) -> ByInterface[PythonExpression]:
+        """The length of ``per_counts`` counts in nanometers."""
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_nm))
 
     @cached_property
@@ -207,9 +210,9 @@ class VariantTable:
         return join_operands("*", factors) if factors else None
 
     def _only_range(self, interface: Interface) -> PositionRange | None:
-        """Return the range of the position that applies to all frames of an interface.
+        """Return the range of positions over an interface, or None if there is not exactly one that wraps around.
 
-        Return None if frames have different ranges, if the position never wraps around, or without a measurement.
+        There is none without a measurement, and several if frames differ in range.
         """
         ranges = position_ranges(self.device, interface)
         return ranges[0] if len(ranges) == 1 and not ranges[0].never_wraps else None
@@ -227,7 +230,7 @@ class VariantTable:
 
     @property
     def reasons_without_range(self) -> str:
-        """Reasons why an interface has no modulus that applies to all of its frames, or "" if all have a modulus."""
+        """The reasons why an interface has no modulus for all of its frames, or an empty string if all have one."""
         interfaces = self.device.interfaces
         without_modulus = {interface.name for interface in interfaces if self.modulus_of(interface) is None}
         reasons: list[str] = []
@@ -241,13 +244,13 @@ class VariantTable:
     def modulus_of(self, interface: Interface) -> PythonExpression | None:
         """Return the number of counts after which all positions over an interface wrap around.
 
-        Return None if the spec does not state it or if it depends on the frame.
+        The result is None if the spec does not give it, or if it depends on the frame.
         """
         only_range = self._only_range(interface)
         return self._modulus_expression(only_range.measurement) if only_range is not None else None
 
     def ranges_over(self, interface: Interface) -> list[tuple[str, Sequence[PythonExpression | None]]]:
-        """Return each frame with its lowest and highest position and modulus, if the frames differ.
+        """Return each frame with its lowest and highest position and its modulus, or nothing if frames agree.
 
         Frames in which the distance between two positions is unknown are left out.
         """
@@ -261,22 +264,15 @@ class VariantTable:
         return ranges
 
     def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[PythonExpression | None, ...]:
-        """Return the lowest and the highest position in a frame, and the modulus, or None if there is none.
+        """Return the lowest and the highest position in a frame, and the modulus, or None if it never wraps.
 
-        An unsigned position without a highest value in the spec ends at ``modulus - 1``, or without a modulus at the
-        highest number that its fields can hold. A signed position with a highest value in the spec spans ``modulus``
-        counts. Without one, it can be any number that fits in its field, such as -2048 to 2047.
+        A signed position with a highest value in the spec spans ``modulus`` counts. Without one, it can be any number
+        that fits in its field, such as -2048 to 2047.
         """
         measurement = position_range.measurement
         modulus = self._modulus_expression(measurement)
         if position_range.signed_field is None:
-            highest = self._code_of(measurement.highest)
-            if highest is None:
-                position_fields = [layout.field(name) for name in layout.names_in(measurement.of)]
-                width = sum((field.width for field in position_fields), Expression(0))
-                number_of_values = modulus if modulus is not None else self._power_of_two(width)
-                highest = PythonOperation(number_of_values, "-", number(1))
-            return number(0), highest, modulus
+            return number(0), self._highest_unsigned(measurement, layout), modulus
         highest = self._highest_signed(position_range)
         if measurement.highest is not None and modulus is not None:
             # From lowest to highest there are ``modulus`` positions.
@@ -288,6 +284,20 @@ class VariantTable:
         # The lowest number in two's complement is -highest - 1.
         return PythonOperation(number(-1), "-", highest), highest, modulus
 
+    def _highest_unsigned(self, measurement: Measurement, layout: Layout) -> PythonExpression:
+        """Return the highest unsigned position in a frame.
+
+        It is the value in the spec, or else ``modulus - 1``, or without a modulus the highest number that fits.
+        """
+        stated_highest = self._code_of(measurement.highest)
+        if stated_highest is not None:
+            return stated_highest
+        modulus = self._modulus_expression(measurement)
+        position_fields = [layout.field(name) for name in layout.names_in(measurement.of)]
+        width = sum((field.width for field in position_fields), Expression(0))
+        number_of_values = modulus if modulus is not None else self._power_of_two(width)
+        return PythonOperation(number_of_values, "-", number(1))
+
     def _power_of_two(self, exponent: Expression) -> PythonExpression:
         """Return two to the power of ``exponent``."""
         if exponent.is_constant:
@@ -295,7 +305,7 @@ class VariantTable:
         return PythonOperation(number(1), "<<", self._scope.expression_of(exponent))
 
     def _highest_signed(self, position_range: PositionRange) -> PythonExpression:
-        """Return the highest signed position: the spec's position, or else the highest that fits in the field."""
+        """Return the highest signed position: the value in the spec, or else the highest that fits in the field."""
         field = position_range.signed_field
         assert field is not None
         stated_highest = position_range.measurement.highest
@@ -307,7 +317,7 @@ class VariantTable:
 
     @cached_property
     def lowest(self) -> ByInterface[PythonExpression] | None:
-        """Lowest position by interface, or None if it is 0 everywhere."""
+        """The lowest position by interface, or None if it is 0 everywhere."""
 
         def lowest_of(position_range: PositionRange) -> PythonExpression | None:
             if position_range.signed_field is None:
@@ -321,7 +331,7 @@ class VariantTable:
 
     @cached_property
     def highest(self) -> ByInterface[PythonExpression] | None:
-        """Highest position by interface, or None if it is ``modulus - 1`` everywhere."""
+        """The highest position by interface, or None if it is ``modulus - 1`` everywhere."""
 
         def highest_of(position_range: PositionRange) -> PythonExpression | None:
             if position_range.signed_field is not None:
@@ -346,11 +356,11 @@ class VariantTable:
     def _ends_by_interface(
         self, end_of: Callable[[PositionRange], PythonExpression | None], usual: PythonExpression
     ) -> ByInterface[PythonExpression] | None:
-        """Return the lowest or the highest position by interface.
+        """Return the lowest or the highest position by interface, or None if it is ``usual`` over all interfaces.
 
-        ``end_of`` returns it for a range, or None where it is ``usual``: 0 for the lowest position, and
-        ``self.modulus - 1`` for the highest. The result is None if the position is ``usual`` over all interfaces, and
-        the frames of no interface differ.
+        ``usual`` is 0 for the lowest position, and ``self.modulus - 1`` for the highest. ``end_of`` returns the lowest
+        or highest position of a range, or None if that is ``usual``. If the frames of an interface differ in range, the
+        result is not None.
         """
 
         def end_over(interface: Interface) -> PythonExpression | None:
@@ -365,7 +375,7 @@ class VariantTable:
 
     @property
     def bases(self) -> list[str]:
-        """Classes of the runtime that convert and unwrap positions, or only ``Encoder`` if none applies."""
+        """The base classes from the runtime that convert and unwrap positions, or only ``Encoder`` if none applies."""
         applies_by_class = {
             "Rotary": bool(self.counts_per_turn.cases),
             "Linear": bool(self.step_um.cases),
@@ -376,7 +386,7 @@ class VariantTable:
 
     @cached_property
     def frame_bits(self) -> ByInterface[PythonExpression]:
-        """Number of bits in the encoder's frame by interface, if it is a string of bits of known length."""
+        """The number of bits in a frame by interface, if frames are strings of bits of known length."""
         bits_by_interface: dict[str, Expression] = {}
         for kind in self.frame_kinds:
             has_known_bits = not kind.in_bytes and not kind.has_open_length
@@ -388,15 +398,16 @@ class VariantTable:
 
     @property
     def answers(self) -> list[OpenQuestion]:
-        """Questions whose default answer applies unless the user chooses another answer."""
+        """The open questions with a default answer, which applies unless the user chooses another."""
         optional = self.device.optional_alternatives
         return [self.context.questions[alternative.name] for alternative in optional]
 
     @property
     def example_code(self) -> str:
-        """Last order code over an interface with a frame whose verdict depends on an answer of ``answers``.
+        """The last order code with a frame whose verdict depends on an answer to one of the questions in ``answers``.
 
-        Raises an error if there is none.
+        Raises:
+            LookupError: There is no such order code.
         """
         interface_names: set[str] = set()
         for interface, layout in self.device.layouts():
@@ -406,54 +417,28 @@ class VariantTable:
         return first_or_raise(variants, "order code with a frame whose verdict an answer decides").code
 
     def answered_parameters(self, question: OpenQuestion) -> list[tuple[str, str]]:
-        """Return the parameters that an answer sets, each with its attribute in the Enum of the answers."""
+        """Return the attribute of each parameter that an answer sets, with its attribute in the Enum of answers."""
         return [(self.context.parameters[name], member) for name, member in question.members]
 
     # -- parameters in registers
 
     @cached_property
     def held_records(self) -> list[tuple[str, CallLiteral]]:
-        """Parameters that registers hold at run time: the attribute of the variant, and its record."""
+        """The parameters that are read from registers: the attribute of the variant, and the record of each."""
         records: list[tuple[str, CallLiteral]] = []
-        # A group consists of a register and the parameters that it holds.
-        for group in held_parameters(self.device):
-            for held_parameter in group.parameters:
+        for holding_register in held_parameters(self.device):
+            for held_parameter in holding_register.parameters:
                 attribute_name = self.context.parameters[held_parameter.parameter.name]
-                records.append((attribute_name, self._held_record(group.register, held_parameter)))
+                records.append((attribute_name, held_record(self.context, holding_register.register, held_parameter)))
         return records
 
     @property
     def initial_values(self) -> str:
-        """Kind of the values that these parameters have until they are read, such as ``factory defaults``."""
+        """The kind of values that these parameters have until they are read, such as ``factory defaults``."""
         return initial(self.device)
 
     @property
     def holding_registers(self) -> str:
-        """Registers that hold these parameters, such as ``resolution at 5Ah, mode at 5Bh``."""
-        registers = (group.register for group in held_parameters(self.device))
+        """The registers that contain these parameters, such as ``resolution at 5Ah, mode at 5Bh``."""
+        registers = (holding_register.register for holding_register in held_parameters(self.device))
         return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
-
-    def _held_record(self, register: Register, held_parameter: HeldParameter) -> CallLiteral:
-        """Return the record of a parameter in a register: its place, its default, its limits or its codes.
-
-        A register without a default contains zeros, and ``by_order_code`` marks it.
-        """
-        parameter = held_parameter.parameter
-        record_members: dict[str, Literal] = {
-            "parameter": self.context.parameters[parameter.name],
-            "interface": SourceText(f"Interface.{register.interface.upper()}"),
-            "address": SourceText(f"Address.{register.name.upper()}"),
-            "default": register.default_bytes() or bytes(register.length),
-            "order": byte_order(register),
-            "low": held_parameter.field.low.constant,
-            "width": held_parameter.field.widest,
-            "min": parameter.min or 0,
-            "max": parameter.max if parameter.max is not None else held_parameter.highest_value,
-        }
-        if parameter.by_code:
-            record_members["codes"] = tuple((by_code.code, by_code.value) for by_code in parameter.by_code)
-        if register.default is None:
-            record_members["by_order_code"] = True
-        if not parameter.by_code:
-            record_members |= of_number(meaning_of(held_parameter.field))
-        return record("RegisterParameter", record_members)

@@ -9,29 +9,29 @@
  * which the headers of the encoders decode. See biss_slave.h for the slave's side.
  *
  * A BiSS frame carries one bit of control data each way: CDM from the master, the inverse of the
- * level of MA during the time-out, and CDS from the slave, after the start bit. The bits of
+ * level of MA during the timeout, and CDS from the slave, after the start bit. The bits of
  * successive frames form a control frame, which reads or writes registers:
  *
  *     step  CDM                          CDS, the response to these bits
  *     1     at least 14 zeros            0
  *     2     S = 1, CTS = 1, ID2..0,      IDL0..15: each slave takes the first bit that is still 0
  *           ADR6..0, CRC3..0             as its ID, and there are 8 IDs
- *     3     R W: 10 to read, 01 to write the same R W, or W inverted if the register is refused
+ *     3     R W: 10 to read, 01 to write the same R W, or W inverted to reject the register
  *     4     S = 1                        S = 1, or 0 while the slave is busy: the master repeats S
  *     5     writing: DATA7..0, CRC3..0   DATA7..0, CRC3..0: the value read, or the bits received
  *           reading: 12 zeros
- *     6     P = 0                        P = 0, or 1 to refuse the next register
+ *     6     P = 0                        P = 0, or 1 to reject the next register
  *     7     S = 1 as in 4 for the next register, or 0: the end
  *
  * CDS is sent early in a frame and CDM at its end, so the response to a bit comes in the next
  * frame. The CRC is x^4 + x + 1 with initial value 0, and it is sent inverted. It covers CTS, ID
  * and ADR, or a data byte. No CRC covers S, R, W, P and IDL. Therefore:
- *  - A write that no slave understood looks like a refused one: the bits R and W come back as 00.
+ *  - A write that no slave understood looks like a rejected one: the bits R and W are echoed as 00.
  *  - If the slave's S bit is lost on its way to the master, the two stay out of step by one bit. A
  *    value read in this state has a wrong CRC. A value that is written is not stored, but if its
- *    CRC ends in 0, which is true of half of all values, it comes back as if it had been stored. If
- *    CDM is one frame late, this happens only if the slave is busy and CDS is disturbed at the same
- *    time. Therefore, read written values back before a command uses them, as the VERIFY steps of
+ *    CRC ends in 0, which is true of half of all values, it is echoed as if it had been stored. If
+ *    CDM is one frame late, this happens only if the slave is busy and CDS is corrupted at the same
+ *    time. Therefore, read back what you write before a command uses it, as the VERIFY steps of
  *    procedures do.
  *  - An incomplete byte can be stored. If a write is aborted within a byte, the slave can store the
  *    bits sent so far, followed by zeros, if their CRC is 0 (one in 68 combinations of bit position
@@ -43,7 +43,7 @@
  * frame described above, and P comes before another S. The masters are lenzencoders/BISS-C
  * (BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk
  * (source/position_sense/bissc). Two details are inferred: the end of a chain that has ID 0, and
- * the reaction of a slave to a disturbed byte or to R W = 00 or 11. Not yet tested on hardware.
+ * the reaction of a slave to a corrupted byte or to R W = 00 or 11. Not yet tested on hardware.
  * Commands (CTS = 0) are not supported: the slave ignores them.
  *
  * Compiles as C99 and C++11. Needs no library and no allocation. You provide the struct that holds
@@ -141,7 +141,7 @@ typedef enum cw_biss_outcome {
     CW_BISS_NO_ANSWER = 4, /**< no slave has this ID, or CDS never changes */
     CW_BISS_BUSY = 5,      /**< the slave was busy for more frames than allowed */
     CW_BISS_BAD_CRC = 6,   /**< CRC error in the byte read */
-    CW_BISS_BAD_ECHO = 7,  /**< R W or a byte came back changed (the byte may be stored) */
+    CW_BISS_BAD_ECHO = 7,  /**< R W or a byte was echoed changed (the byte may be stored) */
     CW_BISS_ABORTED = 8    /**< aborted by the caller */
 } cw_biss_outcome;
 
@@ -337,7 +337,7 @@ typedef enum cw_biss_phase {
     CW_BISS_PHASE_BYTE = 3    /**< steps 5 and 6 */
 } cw_biss_phase;
 
-/** Return the number of zeros in a row after one more bit, up to 14. */
+/** Return the number of consecutive zeros after one more bit, up to 14. */
 static inline uint8_t cw_biss_zeros(uint8_t zeros, bool cdm)
 {
     if (cdm) {
@@ -349,7 +349,7 @@ static inline uint8_t cw_biss_zeros(uint8_t zeros, bool cdm)
 /* -- master ------------------------------------------------------------------------------------ */
 
 /**
- * State of a master. Initialise it with _master_init, begin an access with _master_read or
+ * State of a master. Initialize it with _master_init, begin an access with _master_read or
  * _master_write, then call _master_next or _master_next_late once in every BiSS frame until the
  * outcome is no longer RUNNING. Keep calling the function while frames continue, so that it counts
  * the zeros required between two accesses. An access to one register takes at most 46 frames. Each
@@ -359,7 +359,7 @@ static inline uint8_t cw_biss_zeros(uint8_t zeros, bool cdm)
  * encoder gives the times.
  *
  *              CDS        last clock            CDS        last clock
- *   frame n  ---|--- data ---|--time-out--|  n+1 |--- data ---|--time-out--|
+ *   frame n  ---|--- data ---|--timeout---|  n+1 |--- data ---|--timeout---|
  *   _next       [ call ......]  CDM on MA
  *   _next_late                [ call ........................]  CDM on MA
  *
@@ -371,9 +371,9 @@ static inline uint8_t cw_biss_zeros(uint8_t zeros, bool cdm)
  *                      _master_next_late), set the mode before that frame begins.
  * If the bit is sent one frame late, every access with _master_next fails.
  *
- * The functions of a transport (transport.h) return when everything is done. To implement them, run
- * frames in a loop until the access is over. Access the registers 00h to 3Fh separately from the
- * registers 40h to 7Fh.
+ * The functions of a transport (transport.h) return when the access is complete. To implement them,
+ * run frames in a loop until then. Access the registers 00h to 3Fh separately from the registers
+ * 40h to 7Fh.
  */
 typedef struct cw_biss_master {
     cw_biss_outcome outcome; /**< state or outcome of the access */
@@ -393,7 +393,7 @@ typedef struct cw_biss_master {
     uint32_t responses; /**< private: the CDS bits of this phase, the last in bit 0 */
 } cw_biss_master;
 
-/** Initialise a master. */
+/** Initialize a master. */
 static inline void cw_biss_master_init(cw_biss_master *master)
 {
     master->outcome = CW_BISS_IDLE;
@@ -501,7 +501,7 @@ static inline cw_result cw_biss_master_write(
 /**
  * Abort the access in progress. The remaining bits are sent as 0. Call it if a frame had no CDS,
  * since the slave may have advanced by a bit that the master has not seen. Then begin the access
- * again. An aborted write may have stored another value: see the top of this file.
+ * again. An aborted write may have stored a different value: see the top of this file.
  */
 static inline void cw_biss_master_abort(cw_biss_master *master)
 {
@@ -554,7 +554,7 @@ static inline void cw_biss_master_end_byte(cw_biss_master *master, uint8_t value
     master->done++;
 }
 
-/** Steps 2 and 3: return the bits CTS .. W after S, then S once the slave has answered R W. */
+/** Steps 2 and 3: return the bits from CTS to W after S, then S once the slave has answered R W. */
 static inline bool cw_biss_master_header(cw_biss_master *master, bool cds)
 {
     cw_biss_outcome echo;
@@ -573,7 +573,7 @@ static inline bool cw_biss_master_header(cw_biss_master *master, bool cds)
     return true;
 }
 
-/** Step 4: keep returning S until the slave has answered it, then return DATA7. */
+/** Step 4: return S until the slave has answered it, and then DATA7. */
 static inline bool cw_biss_master_start(cw_biss_master *master, bool cds)
 {
     if (!cds) {
@@ -615,7 +615,7 @@ static inline bool cw_biss_master_byte(cw_biss_master *master, bool cds)
 }
 
 /**
- * Return the CDM bit of this frame. MA carries its inverse during the time-out.
+ * Return the CDM bit of this frame. MA carries its inverse during the timeout.
  *
  * @param master  the master
  * @param cds  the CDS bit received in this frame
@@ -650,17 +650,17 @@ static inline bool cw_biss_master_next(cw_biss_master *master, bool cds)
  * With SPI and DMA, the SPI mode sends the CDM bit: the mode of a frame determines the level of MA
  * after it. Both modes sample at the rising edge and receive the same bits:
  *
- *           rest    the clocks of the frame   time-out   rest
+ *           rest    the clocks of the frame   timeout   rest
  *   CDM 0   1 1 1   0 1 0 1 0 1 ... 0 1 0 1   1 1 1 1    1 1 1   SPI mode 3
  *   CDM 1   1 1 0   1 0 1 0 1 0 ... 1 0 1 0   0 0 0 0    1 1 1   SPI mode 0
  *   pin     GPIO    SPI ...............................  GPIO
  *
  * At rest, the pin of MA is a GPIO output at 1. Set the mode, assign the pin to the SPI and start
- * DMA. When the time-out after the last clock is over, assign the pin to the GPIO again. No action
- * is required during the time-out, so the clock can be as fast as the SPI and the cable allow.
- * Changing the level after the last clock is too late, since the time-out begins with that clock
+ * DMA. When the timeout after the last clock is over, assign the pin to the GPIO again. No action
+ * is required during the timeout, so the clock can be as fast as the SPI and the cable allow.
+ * Changing the level after the last clock is too late, since the timeout begins with that clock
  * and can be as short as 1.5 clocks. Further clocks that fill the buffer after the stop bit delay
- * the time-out. Only the level after the last clock matters.
+ * the timeout. Only the level after the last clock matters.
  *
  * lenzencoders/BISS-C uses both modes and switches the pin in this way on an STM32G4
  * (biss_c_master_hal). The effect of clocks after the stop bit is inferred. It is not known whether

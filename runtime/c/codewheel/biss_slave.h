@@ -35,7 +35,7 @@ typedef enum cw_biss_wants {
 } cw_biss_wants;
 
 /**
- * State of a slave. Initialise it with _slave_init, and use _slave_allow to set which registers may
+ * State of a slave. Initialize it with _slave_init, and use _slave_allow to set which registers may
  * be read and written. Then call _slave_next once in every BiSS frame, and check wants after each
  * call.
  *
@@ -62,7 +62,7 @@ typedef struct cw_biss_slave {
     uint32_t bits_to_send; /**< private: DATA and CRC of a read */
 } cw_biss_slave;
 
-/** Initialise a slave. It refuses every register until you call _slave_allow. */
+/** Initialize a slave. It rejects every register until you call _slave_allow. */
 static inline void cw_biss_slave_init(cw_biss_slave *slave)
 {
     size_t index;
@@ -116,7 +116,7 @@ static inline cw_result cw_biss_slave_allow(
     return CW_OK;
 }
 
-/** Pass a slave the content of the register it asked for. Without a request, this does nothing. */
+/** Give a slave the content of the register that it asked for. Does nothing without a request. */
 static inline void cw_biss_slave_give(cw_biss_slave *slave, uint8_t value)
 {
     if (slave->wants == CW_BISS_WANTS_BYTE) {
@@ -208,7 +208,7 @@ static inline bool cw_biss_slave_header(cw_biss_slave *slave, bool cdm, bool ups
     }
     slave->write = cdm;
     if (((slave->received_bits >> 1U) & 1U) == (cdm ? 1U : 0U)) {
-        /* Neither 10 nor 01: send it back as received, so that the master sees it. */
+        /* Neither 10 nor 01: echo it as received, so that the master sees the error. */
         return cw_biss_slave_leave(slave, cdm);
     }
     if (!cw_biss_slave_is_allowed(slave)) {
@@ -254,7 +254,7 @@ static inline bool cw_biss_slave_byte(cw_biss_slave *slave, bool cdm)
     }
     if (slave->bit_index == CW_BISS_BYTE_BITS) {
         if (cw_biss_byte_decode((uint16_t)slave->received_bits, &slave->value) != CW_OK) {
-            /* CRC error: do not store it. The master sees the error in the bits sent back. */
+            /* CRC error: do not store it. The master sees the error in the echoed bits. */
             return cw_biss_slave_leave(slave, cdm);
         }
         slave->wants = CW_BISS_WANTS_STORE;

@@ -29,7 +29,7 @@
  * that were opened, and then ends. Always keep calling _next() until END, since a register may be
  * open until then. now_us is a free-running 32-bit microsecond counter that wraps around. A wait
  * can be one tick too short, so use a counter with a short tick. There is no locking and nothing is
- * volatile: call the functions from one task, or where none of the calls can interrupt another.
+ * volatile: call the functions from one task, or make sure that no call can interrupt another.
  */
 #ifndef CODEWHEEL_RUNNER_H
 #define CODEWHEEL_RUNNER_H
@@ -177,7 +177,7 @@ static inline cw_todo cw_runner_ask(
     return todo;
 }
 
-/** Ask for the next access of a WRITE or CLOSE step: a read first, unless the mask is FFh. */
+/** Ask for the next access of a WRITE or CLOSE step, which is a read unless the mask is FFh. */
 static inline cw_todo cw_runner_write(
     cw_runner *runner, const cw_step *step, size_t length)
 {
@@ -332,8 +332,8 @@ static inline void cw_runner_continue(cw_runner *runner, cw_todo finished)
 /**
  * Report the end of the access that _next() asked for. If there is no such access, nothing happens.
  *
- * The first error ends the procedure, and the closing steps follow immediately. Therefore, if the
- * line is disturbed, wait until it is clean and repeat the access before you report an error. You
+ * The first error ends the procedure, and the closing steps follow immediately. Therefore, if there
+ * is noise on the line, wait until it is gone and repeat the access before you report an error. You
  * may repeat READ and WRITE, since writing a value twice is harmless. A command may then be carried
  * out twice. A preset then takes effect twice, so keep the axis at rest. Do not repeat SEND, since
  * the requests of a step belong together. After a failure, use _close() to close what is still

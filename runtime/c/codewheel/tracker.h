@@ -13,12 +13,12 @@
  * axis.position is the last accepted position in counts. It continues across the wrap, where the
  * encoder's position returns to 0. It is valid only while axis.known is 1.
  *
- * A position that the axis cannot have reached is refused. If too many positions are refused in a
+ * A position that the axis cannot have reached is rejected. If too many positions are rejected in a
  * row, or if none is accepted for too long, the axis is LOST: axis.known is 0, axis.lost is 1, and
- * every further position is refused until you call _restart. A LOST axis may be anywhere, so bring
- * the machine to a safe state first, and check or home the position afterwards. You set both limits
- * in the configuration. If you set neither, the axis is never LOST, but a position out of reach is
- * still refused, so watch axis.refused.
+ * every position is rejected until you call _restart. A LOST axis may be anywhere, so bring the
+ * machine to a safe state first, and check or home the position afterwards. You set both limits in
+ * the configuration. If you set neither, the axis is never LOST, but a position out of reach is
+ * still rejected, so watch axis.refused.
  *
  * The tracker uses only integers, no division and no allocation. Times are in microseconds, from a
  * 32-bit counter that wraps around. A gap of 2^32 us or more (71 minutes) looks like a short gap.
@@ -45,16 +45,16 @@ extern "C" {
 
 /**
  * Limits of an axis. They depend on the machine, not on the encoder. A member that you omit from an
- * initialiser is 0. For max_speed, 0 means that the axis never moves.
+ * initializer is 0. For max_speed, 0 means that the axis never moves.
  */
 typedef struct cw_tracker_config {
     /** counts after which the position wraps around to 0, from _modulus(), or 0 */
     uint64_t modulus;
     uint32_t max_speed; /**< highest speed in counts per second, or UINT32_MAX if unknown */
-    /** time after start or restart during which a first position of 0 is refused */
+    /** time after start or restart during which a first position of 0 is rejected */
     uint32_t boot_us;
     uint32_t lost_after_us; /**< LOST if no position was accepted for longer than this (0: never) */
-    uint32_t lost_after_refused; /**< LOST after this many refused positions in a row (0: never) */
+    uint32_t lost_after_refused; /**< LOST after this many consecutive rejections (0: never) */
 } cw_tracker_config;
 
 /** State of an axis. Read the members, but let only the functions write them. */
@@ -62,7 +62,7 @@ typedef struct cw_tracker {
     uint32_t known; /**< 1 if position is valid, 0 before the first position and while LOST */
     uint32_t lost; /**< 1 while LOST, until _restart */
     uint32_t at_us; /**< time of the last accepted position, or of the start */
-    uint32_t refused; /**< positions refused since the last accepted one */
+    uint32_t refused; /**< positions rejected since the last accepted one */
     uint32_t elapsed_us; /**< time between the last two accepted positions */
     uint32_t limit; /**< private: maximum number of counts per 2^20 us */
     uint32_t boot_us; /**< private: as in the configuration */
@@ -179,9 +179,9 @@ static inline cw_result cw_tracker_lose(cw_tracker *tracker)
  * @param now_us  start of that frame
  * @return
  *   OK     accepted, the members are updated.
- *   RANGE  refused: out of reach, or a 0 during boot_us. Only the refused member changes.
- *   LOST   refused, like every further position until _restart. The members known and lost indicate
- *          this, refused keeps counting, and the other members keep the last accepted position.
+ *   RANGE  rejected: out of reach, or a 0 during boot_us. Only the member refused changes.
+ *   LOST   rejected, like every position until _restart. The members known and lost indicate this,
+ *          refused keeps counting, and the other members keep the last accepted position.
  */
 static inline cw_result cw_tracker_add(
     cw_tracker *tracker, uint64_t position, uint32_t now_us)

@@ -30,7 +30,7 @@ typedef enum cw_step_kind {
     CW_STEP_SEND = 3,  /**< send the request in value. times is the number of requests */
     CW_STEP_READ = 4,  /**< read the register byte at address */
     CW_STEP_POLL = 5,  /**< read the byte at address until its bits under mask equal value */
-    CW_STEP_CLOSE = 6, /**< like WRITE, to close what a WRITE to the same address opened */
+    CW_STEP_CLOSE = 6, /**< like WRITE, to close registers that a WRITE to this address opened */
     CW_STEP_VERIFY = 7, /**< read the byte at address: its bits under mask must equal value */
     CW_STEP_MORE = 8 /**< the next byte of the register at address, in the same access */
 } cw_step_kind;

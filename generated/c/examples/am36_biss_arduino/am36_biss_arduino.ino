@@ -10,7 +10,7 @@
 
 #include "lika/am36_biss.h"
 
-/* Set this yourself: the pause between two bytes must be shorter than the time-out of the encoder. */
+/* Set this yourself: the pause between two bytes must be shorter than the timeout of the encoder. */
 #define CLOCK_HZ 250000UL
 
 /* A frame. Its size and the call below name the order code from the label, AM3616/4096-I7. */

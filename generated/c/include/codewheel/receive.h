@@ -326,10 +326,10 @@ static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
  * The buffer must hold at least one idle bit before the acknowledge, and the whole word, so its
  * length limits how long the acknowledge may be. The stop bit is checked if it was
  * received. Receive it if you can, since it reveals a frame of a different length. Wait until the
- * time-out is over before you start the next frame: a master that keeps clocking sees SLO rise
+ * timeout is over before you start the next frame: a master that keeps clocking sees SLO rise
  * without a frame. Do not pause that long between two bytes, since the pause would end the frame.
  *
- * A disturbed acknowledge or start bit shifts the word. The decoder's 6-bit CRC misses one in 64
+ * A corrupted acknowledge or start bit shifts the word. The decoder's 6-bit CRC misses one in 64
  * such words. Only a limit on the movement of the position detects it.
  *
  * @param rx  the received bits, packed into bytes
@@ -338,11 +338,11 @@ static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
  * @param word  the word, for its decoder
  * @return
  *   OK         the word is complete.
- *   LINE_LOW   the first bit is 0: a short circuit, or the previous time-out is not over.
+ *   LINE_LOW   the first bit is 0: a short circuit, or the previous timeout is not over.
  *   LINE_HIGH  there is no 0: no encoder, no supply, or no clock.
  *   NO_START   there is no 1 after the acknowledge: it is longer than the buffer.
  *   LENGTH     the start bit is so late that the word does not fit.
- *   CONSTANT   the stop bit is 1: the frame has a different length or was disturbed.
+ *   CONSTANT   the stop bit is 1: the frame has a different length or was corrupted.
  */
 CW_NODISCARD
 CW_CONSTEXPR
@@ -406,7 +406,7 @@ static inline cw_result cw_biss_find_frame(
     const size_t start = cw_biss_start(rx, received);
     const size_t data_index = start + 2U;
     const size_t frame_end = data_index + (size_t)bits;
-    /* The checks of the receiver of one frame again: a shared function makes that one longer. */
+    /* The same checks as in the receiver of one word. A shared function would make it longer. */
     if (start > received) {
         return CW_FAULT_LINE_HIGH;
     }
@@ -454,7 +454,7 @@ static inline cw_result cw_biss_receive_cds_bits(const uint8_t *rx, size_t recei
     if (cds_index >= received) {
         return CW_FAULT_LENGTH;
     }
-    /* While the time-out before this frame lasts, the bit after a 1 need not be CDS. */
+    /* While the timeout before this frame lasts, the bit after a 1 need not be CDS. */
     if (cw_received_bit(rx, 0U) == 0U) {
         return CW_FAULT_LINE_LOW;
     }
@@ -528,7 +528,7 @@ static inline uint64_t cw_ssi_word(const uint8_t *rx, uint32_t bits)
  *   LENGTH     the buffer is too short for the word.
  *   LINE_LOW   the first bit is 0: a short circuit, or too short a pause before the clock.
  *   LINE_HIGH  all bits are 1: no encoder, no supply, or no clock.
- *   CONSTANT   the bit after the word is 1: the word is longer or was disturbed.
+ *   CONSTANT   the bit after the word is 1: the word is longer or was corrupted.
  */
 CW_NODISCARD
 CW_CONSTEXPR
@@ -551,9 +551,9 @@ static inline cw_result cw_ssi_receive(
 }
 
 /**
- * Check that two positions agree that were decoded from words read in immediate succession. This
- * is the only check for a word without a CRC. It cannot detect an error that affects both words.
- * You can compare the first two BiSS frames in the same way.
+ * Check that two positions agree. Decode them from words that you read in immediate succession.
+ * This is the only check for a word without a CRC. It cannot detect an error that affects both
+ * words. You can compare the first two BiSS frames in the same way.
  *
  * @param first  the first position
  * @param second  the second position
@@ -614,9 +614,9 @@ static inline cw_result cw_ssi_repeats(
  * request, pass their number to _ask as echo.
  *
  * A reply begins with the control byte of its request. Bytes before that are dropped. If the
- * decoder rejects the bytes, _resume searches them for a later start of the reply, so a disturbed
- * byte before it does no harm. Without _resume, a rejected reply stays complete, so _late
- * never returns true. See the polling program in examples/ for each encoder with RS-485.
+ * decoder rejects the bytes, _resume searches them for a later start of the reply, so a corrupted
+ * byte before it does no harm. Without _resume, a rejected reply still counts as complete, and
+ * _late never returns true. See the polling program in examples/ for each encoder with RS-485.
  */
 typedef struct cw_rs485_line {
     uint8_t bytes[CW_RECEIVE_RS485_BYTES]; /**< the reply, complete once _take returns true */
@@ -626,7 +626,7 @@ typedef struct cw_rs485_line {
     size_t count;        /**< private: reply bytes received so far */
     size_t echo;         /**< private: echo bytes not yet received */
     uint32_t since_us;   /**< private: time of _ask */
-    uint32_t at_most_us; /**< private: time-out */
+    uint32_t at_most_us; /**< private: timeout */
 } cw_rs485_line;
 
 /**
@@ -712,7 +712,7 @@ static inline void cw_rs485_resume(cw_rs485_line *line)
 }
 
 /**
- * Return true if the time-out has passed and the reply is not complete, because none arrived or
+ * Return true if the timeout has passed and the reply is not complete, because none arrived or
  * because the decoder rejected it. Keep the result of the decoder for the second case. Leave the
  * line idle for at_most_us before you ask again, so that a late reply is not mistaken for the next
  * one.
@@ -736,7 +736,7 @@ static inline bool cw_rs485_late(const cw_rs485_line *line, uint32_t now_us)
  *   HEAD_MISSING  the bytes did not begin with the control byte. If every request ends like this,
  *                 the driver is released too late or the receiver enabled too late, and the first
  *                 byte of the reply is lost: see cw_rs485_line.
- *                 Otherwise the baud rate is wrong, or the byte was disturbed.
+ *                 Otherwise the baud rate is wrong, or the byte was corrupted.
  *   LENGTH        the reply began but is not complete: a byte was lost, or at_most_us is too short.
  */
 CW_NODISCARD

@@ -50,12 +50,12 @@ extern "C" {
 typedef enum cw_result {
     CW_OK = 0,
     CW_FAULT_LENGTH = 1,        /**< wrong number of bits, bytes or array elements */
-    CW_FAULT_CRC = 2,           /**< CRC error: the data were disturbed on the line */
+    CW_FAULT_CRC = 2,           /**< CRC error: the data were corrupted on the line */
     CW_FAULT_CONSTANT = 3,      /**< a fixed bit or a parity bit is wrong */
     CW_FAULT_RANGE = 4,         /**< a value is not in the manual or does not fit */
     CW_FAULT_TRANSPORT = 5,     /**< a transport function failed: see its error number */
     CW_FAULT_TIMEOUT = 6,       /**< a poll or a reply took too long */
-    CW_FAULT_UNSUPPORTED = 7,   /**< the transport lacks a required function */
+    CW_FAULT_UNSUPPORTED = 7,   /**< the transport does not have a required function */
     CW_FAULT_LINE_HIGH = 8,     /**< data line always high: no answer or a cut wire */
     CW_FAULT_LINE_LOW = 9,      /**< data line low before the frame: busy or shorted */
     CW_FAULT_NO_START = 10,     /**< the acknowledge is longer than the buffer */

@@ -30,12 +30,12 @@ namespace codewheel {
 enum class fault : uint8_t {
     none = CW_OK,                           /**< the frame is well formed */
     length = CW_FAULT_LENGTH,               /**< wrong number of bits or bytes */
-    crc = CW_FAULT_CRC,                     /**< the data were disturbed on the line */
+    crc = CW_FAULT_CRC,                     /**< the data were corrupted on the line */
     constant = CW_FAULT_CONSTANT,           /**< a fixed bit or a parity bit is wrong */
     range = CW_FAULT_RANGE,                 /**< a value is not in the manual or does not fit */
     transport = CW_FAULT_TRANSPORT,         /**< a transport function failed */
     timeout = CW_FAULT_TIMEOUT,             /**< a poll or a reply took too long */
-    unsupported = CW_FAULT_UNSUPPORTED,     /**< the transport lacks a required function */
+    unsupported = CW_FAULT_UNSUPPORTED,     /**< a required transport function is missing */
     line_high = CW_FAULT_LINE_HIGH,         /**< data line always high */
     line_low = CW_FAULT_LINE_LOW,           /**< data line low before the frame */
     no_start = CW_FAULT_NO_START,           /**< the acknowledge is longer than the buffer */

@@ -279,7 +279,7 @@ typedef enum ichaus_icmu_biss_report {
  * the last clock of the same frame. It comes at least 24 clock periods after its CDS: 2.4 us at 10
  * MHz and 960 us at 25 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before
  * the next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the
- * whole time-out (varies with the clock, at most 20 us).
+ * whole timeout (varies with the clock, at most 20 us).
  */
 
 /**

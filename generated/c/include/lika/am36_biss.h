@@ -288,7 +288,7 @@ typedef enum lika_am36_biss_report {
  * the last clock of the same frame. It comes 44 clock periods after its CDS with factory defaults:
  * 4.4 us at 10 MHz and 220 us at 200 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is
  * needed before the next frame begins, since the SPI mode sends it. MA carries the inverse of the
- * bit for the whole time-out (varies with the clock, at most 10 us).
+ * bit for the whole timeout (varies with the clock, at most 10 us).
  */
 
 /**

@@ -260,10 +260,10 @@ typedef enum lika_amm5_biss_report {
  * the last clock of the same frame. It comes at least 25 clock periods after its CDS: 2.5 us at 10
  * MHz and 500 us at 50 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before
  * the next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the
- * whole time-out (1.5 clock periods).
+ * whole timeout (1.5 clock periods).
  */
 
-/** Return the time-out after a frame in nanoseconds, rounded up, or 0 if clock_hz is 0. */
+/** Return the timeout after a frame in nanoseconds, rounded up, or 0 if clock_hz is 0. */
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
 {

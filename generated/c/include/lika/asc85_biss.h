@@ -286,7 +286,7 @@ typedef enum lika_asc85_biss_report {
  * the last clock of the same frame. It comes at least 28 clock periods after its CDS: 2.8 us at 10
  * MHz and 280 us at 100 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before
  * the next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the
- * whole time-out (varies with the clock, 350 ns at 10 MHz).
+ * whole timeout (varies with the clock, 350 ns at 10 MHz).
  */
 
 /**

@@ -292,7 +292,7 @@ typedef enum lika_sma21_biss_report {
  * the last clock of the same frame. It comes at least 32 clock periods after its CDS: 3.2 us at 10
  * MHz and 160 us at 200 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before
  * the next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the
- * whole time-out (varies with the clock, at most 16 us).
+ * whole timeout (varies with the clock, at most 16 us).
  */
 
 /**
