@@ -51,7 +51,7 @@ def about_procedure(sequence: Procedure) -> Iterator[Statement]:
 def describe_argument(device: Device, parameter: Argument) -> Statement:
     """Return the meaning of an argument, the register to which it is written, and which of its meanings applies."""
     sentence_parts: list[TextPart] = [
-        f"{as_sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "
+        f"{as_sentence(parameter.meaning)} It is written to " if parameter.meaning else "It is written to "
     ]
     sentence_parts.append(reference_to_register(device, parameter.of))
     if parameter.meant_as:

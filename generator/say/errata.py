@@ -160,6 +160,8 @@ def _of_owner(part: str, owner: str) -> str:
     return f"{part} of {owner}" if owner and owner not in part.split() else part
 
 
+#: Words for the status of an erratum. The manual's own evidence or arithmetic resolves a settled erratum.
+STATUS_IN_WORDS = {"open": "open", "settled": "resolved"}
 #: Longest reason, in characters, that is shown next to code. Errata with wrong data always show their reason.
 _LONGEST_INLINE_REASON = 100
 
@@ -201,8 +203,8 @@ def describe_erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     shows_reason = whole or may_send_wrong_bytes or len(correction.why) <= _LONGEST_INLINE_REASON
     used = as_sentence(correction.used)
     if correction.only:
-        used += " " + as_sentence(f"Only with {correction.only}")
-    label = f"Erratum: {correction.title} ({correction.status})"
+        used += " " + as_sentence(f"This applies only to {correction.only}")
+    label = f"Erratum: {correction.title} ({STATUS_IN_WORDS[correction.status]})"
     brief_needs_all = may_send_wrong_bytes and correction.status == "open"
     used_in_brief = used if brief_needs_all else _first_sentence(used)
     labelled_texts = [("Printed", correction.printed), ("Used", used)]

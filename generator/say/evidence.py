@@ -98,19 +98,22 @@ def origin(device: Device) -> Iterator[Statement]:
     if specials:
         suffix = CodeText(f"/{specials[0]}")
         yield statement(
-            "Only for encoders whose order code ends in ", suffix, ". For all others use ", CodeText(device.base)
+            "This applies only to encoders whose order code ends in ",
+            suffix,
+            ". For all others, use ",
+            CodeText(device.base),
         )
     if device.edition:
         date = f" of {device.manual.date}" if device.manual.date else ""
         yield statement(
-            f"Describes encoders of edition {device.edition} of the manual{date}, as far as they are known. "
+            f"This describes encoders of edition {device.edition} of the manual{date}, as far as they are known. "
             "The edition that the spec transcribes is ",
             CodeText(device.base),
             ". Each difference is given with its source. Unknown parts are omitted",
         )
     for overlay in device.overlays:
         yield statement(
-            f"Includes the overlay {overlay.name}, “{overlay.title}”. "
+            f"This includes the overlay {overlay.name}, “{overlay.title}”. "
             "Each change is noted inline, with its reason and its source"
         )
 

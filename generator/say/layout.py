@@ -50,11 +50,11 @@ def head(interface: Interface, layout: Layout, name: TextPart, alternatives: Seq
 def describe_size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[TextPart, ...]:
     """Return the length and the transmission order of a frame as parts of a statement.
 
-    For example ``25 bits, most significant first``, ``4 bytes, low byte first``, or ``45 bits in 6 bytes, …``.
+    For example ``25 bits, most significant bit first``, ``4 bytes, low byte first``, or ``45 bits in 6 bytes, …``.
     If the length depends on the answers to ``alternatives``, it is given for each of them: ``25 (a) or 26 (b) bits``.
     """
     if not layout.in_bytes:
-        return *_number_of_bits(layout, alternatives), " bits, most significant first"
+        return *_number_of_bits(layout, alternatives), " bits, most significant bit first"
     length_text = count_with_unit(layout.widest // 8, "byte")
     if layout.widest > 8:
         length_text += f", {layout.byte_order.replace('_', ' ')}"
@@ -201,7 +201,7 @@ def join(joined_number: Join) -> Statement:
     names = list_parts([CodeText(name) for name in joined_number.fields])
     if len(joined_number.fields) == 1:
         return statement(CodeText(joined_number.name), " is the same as ", *names)
-    return statement(CodeText(joined_number.name), " consists of ", *names, ", most significant first")
+    return statement(CodeText(joined_number.name), " consists of ", *names, ", most significant part first")
 
 
 def as_one_number(parts: str) -> str:

@@ -94,7 +94,7 @@ def register_field(device: Device, path: str) -> Reference:
 def order_codes_text(codes: str) -> Iterator[Statement]:
     """Yield the order codes, unless the item applies to all of them."""
     if codes:
-        yield statement("Only with ", CodeText(codes))
+        yield statement("This applies only to ", CodeText(codes))
 
 
 def hexadecimal(value: int, digits: int = 2) -> str:
@@ -262,8 +262,8 @@ TERMS = (
     ),
     GlossaryTerm(
         "Control data",
-        "Access to registers over BiSS without interrupting the position data. Each frame carries one bit in each "
-        "direction, CDM and CDS, until address, direction, data and their own CRC are complete.",
+        "A way to access registers over BiSS without interrupting the position data. Each frame carries one bit in "
+        "each direction, CDM and CDS, until address, direction, data and their own CRC are complete.",
         over=Biss,
         section="control-data",
     ),
@@ -274,7 +274,7 @@ TERMS = (
     ),
     GlossaryTerm(
         "CRC",
-        "Checksum that detects disturbed bits: the remainder of a division of the preceding bits. It is defined by "
+        "A checksum that detects corrupted bits: the remainder of a division of the preceding bits. It is defined by "
         "its polynomial, start value, bit order and final XOR.",
         ("crc",),
     ),
@@ -336,13 +336,13 @@ TERMS = (
     ),
     GlossaryTerm(
         "Preset",
-        "Value that the encoder reports at the current shaft position once the preset is activated. All other "
+        "The value that the encoder reports at the current shaft position once the preset is activated. All other "
         "positions shift accordingly.",
         ("preset",),
     ),
     GlossaryTerm(
         "Profile",
-        "Standardized selection and order of the fields in single cycle data.",
+        "A standardized selection and order of the fields in single cycle data.",
         over=Biss,
         section="frames",
     ),

@@ -120,13 +120,13 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
     Nothing is yielded if the order code sets it.
     """
     if device_parameter.equals is not None:
-        yield statement("Equals ", device_parameter.equals)
+        yield statement("It equals ", device_parameter.equals)
     if device_parameter.alternative:
-        yield statement("Set by your choice of ", *_choice_with_values(device, device_parameter))
+        yield statement("It is set by your choice of ", *_choice_with_values(device, device_parameter))
     if device_parameter.read_from:
         register_text = register_at(device.register(device_parameter.register))
         field_reference = register_field(device, device_parameter.read_from)
-        origin_parts: list[TextPart] = [f"Read at run time from {register_text} (", field_reference, ")"]
+        origin_parts: list[TextPart] = [f"It is read at run time from {register_text} (", field_reference, ")"]
         lowest = Expression(device_parameter.min) if device_parameter.min is not None else None
         highest = Expression(device_parameter.max) if device_parameter.max is not None else None
         range_parts = describe_range(lowest, highest)
@@ -263,7 +263,7 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, TextPart]:
         case Clock():
             return "Clock", f"{clock_words(fact)}{_only_with(fact)}"
         case CableLength(shorter_than_m=metres, below_hz=clock):
-            return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m{_only_with(fact)}"
+            return "Clock", f"below {hertz(clock)} with cables shorter than {metres} m{_only_with(fact)}"
         case BankSelect(register):
             return "Bank select", reference_to_register(device, register)
         case Network():
@@ -445,6 +445,8 @@ def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
     if hardware_input.inverts:
         yield statement("A high level inverts ", register_field(device, hardware_input.inverts))
     if hardware_input.needs:
-        yield statement("Has an effect only if enabled by ", register_field(device, hardware_input.needs))
+        yield statement(
+            "The input has an effect only if it is enabled by ", register_field(device, hardware_input.needs)
+        )
     if hardware_input.when_unused:
         yield statement(f"Connect it to {hardware_input.when_unused} when it is not used")

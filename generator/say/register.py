@@ -130,7 +130,7 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
     if register.wait_at_least_ms is not None:
         yield statement(f"Wait at least {register.wait_at_least_ms} ms between a write and the next command")
     if register.clears_itself:
-        yield statement("Automatically returns to its default after a write")
+        yield statement("After a write, the register returns to its default automatically")
     if register.volatile:
         yield statement("Save the parameters after a write, or the encoder loses the value at power-off")
     if register.above_max:
@@ -174,7 +174,9 @@ def _opening_condition(device: Device, register: Register) -> Statement:
         digits = 2 * opening_register.length
         value_text = hexadecimal(opening_field.value_named(value_name).value, digits)
     reference = register_field(device, opener_path)
-    return statement("Can be written only while ", reference, f" is {value_text} (", CodeText(value_name), ")")
+    return statement(
+        "The register can be written only while ", reference, f" is {value_text} (", CodeText(value_name), ")"
+    )
 
 
 def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Statement:
@@ -220,16 +222,14 @@ def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
         yield statement(formula(scale), label=f"In {scale.unit}", source=scale.source)
     yield from _rules_of_kind(device, frame_field)
     if frame_field.container:
-        yield statement(f"Right-aligned in {frame_field.container} bits, with zeros above it")
+        yield statement(f"Right-aligned in {frame_field.container} bits, with leading zeros")
     if not frame_field.implemented and "not implemented" not in frame_field.meaning.lower():
         yield statement("Not implemented in this encoder")
     if frame_field.reserved:
         yield describe_reserved_bits(frame_field.reserved)
     if frame_field.equals is not None:
         expected = _expected_value(frame_field.equals, frame_field.widest)
-        yield statement(
-            "Holds ", expected, ", which helps to identify the encoder. The decoder also accepts other values"
-        )
+        yield statement("The value ", expected, " helps to identify the encoder. The decoder also accepts other values")
     if frame_field.default is not None:
         yield statement(Expression(frame_field.default), label="Default")
     if frame_field.explained_by:
@@ -257,7 +257,7 @@ def _rules_of_kind(device: Device, frame_field: Field) -> Iterator[Statement]:
             yield _covered_by_parity(parity)
         case Decimal(runs):
             runs_of_digits = [_run_of_digits(run) for run in runs]
-            yield statement("Decimal digits, most significant first: ", *join_groups(runs_of_digits))
+            yield statement("Decimal digits, most significant digit first: ", *join_groups(runs_of_digits))
         case Text():
             yield statement("ASCII text")
         case _ as kind:
@@ -330,14 +330,14 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
     """
     yield from _flag_levels(flag, is_implemented=is_implemented)
     if flag.sums_up:
-        yield statement("Combines ", *list_parts([CodeText(name) for name in flag.sums_up]))
+        yield statement("This flag combines ", *list_parts([CodeText(name) for name in flag.sums_up]))
     if is_implemented:
         yield from _flag_verdict(flag)
     if flag.only:
         remark = ". For other order codes, the manual does not explain the flag"
         verdict_without_meaning = flag.unexplained.makes_position
         if verdict_without_meaning is not None:
-            remark += f". While it is active there, {VERDICT_CLAUSES[verdict_without_meaning]}"
+            remark += f". If it is active there, {VERDICT_CLAUSES[verdict_without_meaning]}"
         yield statement("This applies only to ", CodeText(flag.only), remark)
 
 

@@ -53,11 +53,11 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
         yield statement("Not implemented in this encoder")
     yield from spec_text(device_alarm.detected, label="Detected")
     if device_alarm.below_mv is not None:
-        yield statement(f"Raised below {volts(device_alarm.below_mv)}")
+        yield statement(f"The alarm is raised below {volts(device_alarm.below_mv)}")
     if device_alarm.latch is True:
-        yield statement("Stays active until it is reset")
+        yield statement("The alarm stays active until it is reset")
     elif device_alarm.latch is False:
-        yield statement("Clears itself when its cause is gone")
+        yield statement("The alarm clears itself when its cause is gone")
     yield from remedied(device_alarm.remedy, device_alarm.by_hand)
     yield from order_codes_text(device_alarm.only)
     if device_alarm.cleared_by:

@@ -16,7 +16,7 @@ _TIMEOUT_RULE_IN_WORDS = {"follows_clock": "varies with the clock", "fixed": "fi
 #: Verdicts on the position, as clauses.
 VERDICT_CLAUSES = {
     Verdict.NOT_USABLE: "the position is not usable",
-    Verdict.USABLE_WITH_WARNING: "the position is usable, with a warning",
+    Verdict.USABLE_WITH_WARNING: "the position is usable with a warning",
     Verdict.USABLE: "the position is usable",
     Verdict.UNKNOWN: "no bit of this frame confirms that the position is usable",
 }

@@ -84,8 +84,9 @@ def test_the_shortest_request_is_said_to_be_the_shortest(pages: Mapping[str, str
 def test_it_says_what_it_is_drawn_from(pages: Mapping[str, str]) -> None:
     """The figures of the manuals are lost, and for BiSS the text does not say where acknowledge and start bit are."""
     biss, ssi = pages["docs/amm5/biss.md"], pages["docs/amm5/ssi.md"]
-    assert "Drawn from the text of the manual and the public protocol description of BiSS C-mode, not to scale" in biss
-    assert "Drawn from the text of the manual, not to scale" in ssi
+    start = "This diagram is drawn from the text of the manual"
+    assert f"{start} and the public protocol description of BiSS C-mode. It is not to scale." in biss
+    assert f"{start}. It is not to scale." in ssi
 
 
 def test_the_words_have_each_field_and_time(library: Library) -> None:

@@ -510,7 +510,7 @@ class _SsiWord(NamedTuple):
 
 
 class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
-    """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant first [5.2 p.16].
+    """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant bit first [5.2 p.16].
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -528,7 +528,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         The manual does not say which of BG and GG is Gray code (open): BG is binary, GG is Gray.
         Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
             clocks satisfy both.
-        The bits of the SSI words are numbered from 1 instead of 0 (settled): The bits are 19:0 to 24:0, with bit 0 as
+        The bits of the SSI words are numbered from 1 instead of 0 (resolved): The bits are 19:0 to 24:0, with bit 0 as
             the LSB.
     """
 
@@ -608,7 +608,7 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``zero_bits + position_bits + 8`` bits, most significant
-    first [6.2.1 p.20].
+    bit first [6.2.1 p.20].
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -619,7 +619,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             Remedy: Read the error register (69h). It shows the active errors.
         warning: Warning, nW: Normal or fault status of the encoder. The error register shows the active warning. True
             when 0: warning active in the system. False when 1: no active warning. While it is True, the position is
-            usable, with a warning. Remedy: Read the error register (69h). It shows the active warnings.
+            usable with a warning. Remedy: Read the error register (69h). It shows the active warnings.
 
     In the manual: Single Cycle Data SCD.
 
@@ -812,8 +812,8 @@ class ProfileId(FixedRegister, _ProfileId):
     """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
 
     Attributes:
-        variant_: Singleturn resolution, Variant 0-24++. Holds 28h, which helps to identify the encoder. The decoder
-            also accepts other values.
+        variant_: Singleturn resolution, Variant 0-24++. The value 28h helps to identify the encoder. The decoder also
+            accepts other values.
         data_length: Data length, printed as 1Ah for 25 + 1 bits: position and constant 0 bit. Unit: bits.
 
     Identification code of the encoder profile, BP1 (Standard Encoder Profile).
@@ -1097,8 +1097,8 @@ class Status(FixedRegister, _Status):
     is 1, as in the procedure request_position.
 
     Errata, with their full text in ERRATA:
-        Absolute data valid is bit 2 in one place and bit 1 in another (settled): Absolute data valid is bit 1.
-        Internal data bus busy is bit 3 in one place and bit 2 in another (settled): Internal data bus busy is bit 2.
+        Absolute data valid is bit 2 in one place and bit 1 in another (resolved): Absolute data valid is bit 1.
+        Internal data bus busy is bit 3 in one place and bit 2 in another (resolved): Internal data bus busy is bit 2.
         The manual does not say which errors cause a warning (open): No bit of the error register is interpreted as a
             warning. All are active errors.
         The manual does not list the registers of the EDS (open): The generated files have no EDS.
@@ -1294,8 +1294,8 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.31].
 
     Attributes:
-        name: Name of the device, ASC85 without its C (41 53 38 35 in hexadecimal). ASCII text. Holds ``AS85``, which
-            helps to identify the encoder. The decoder also accepts other values.
+        name: Name of the device, ASC85 without its C (41 53 38 35 in hexadecimal). ASCII text. The value ``AS85`` helps
+            to identify the encoder. The decoder also accepts other values.
         release: Hardware-software release, printed as 30 31. ASCII text.
 
     Name of the device and its hardware-software release.
@@ -1349,7 +1349,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.32].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which helps to identify the encoder. The
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The
             decoder also accepts other values.
 
     Manufacturer.
@@ -1498,7 +1498,7 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
 
     Errata, with their full text in ERRATA:
-        Internal data bus busy is bit 3 in one place and bit 2 in another (settled): Internal data bus busy is bit 2.
+        Internal data bus busy is bit 3 in one place and bit 2 in another (resolved): Internal data bus busy is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1543,7 +1543,7 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Errata, with their full text in ERRATA:
         A singleturn encoder's cycle counter is mentioned without explanation (open): The command and the error are
             described as printed.
-        Absolute data valid is bit 2 in one place and bit 1 in another (settled): Absolute data valid is bit 1.
+        Absolute data valid is bit 2 in one place and bit 1 in another (resolved): Absolute data valid is bit 1.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1612,7 +1612,7 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
     Result: Configuration error shows whether the configuration registers match their checksum.
 
     Errata, with their full text in ERRATA:
-        Internal data bus busy is bit 3 in one place and bit 2 in another (settled): Internal data bus busy is bit 2.
+        Internal data bus busy is bit 3 in one place and bit 2 in another (resolved): Internal data bus busy is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

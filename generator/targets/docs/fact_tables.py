@@ -215,7 +215,7 @@ def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
 
 def sentence_on_changes(count: int) -> str:
     """Return a sentence on the changes by overlays and other editions, or an empty string if there are none."""
-    return f" {count} more entries are changes made by overlays or other editions." if count else ""
+    return f" {count} more entries are changes in overlays or other editions." if count else ""
 
 
 def severity_text(severity: str) -> str:
@@ -348,7 +348,7 @@ def led_rows(device: Device) -> Iterator[Row]:
         yield f"**{escape(led.title)}**", f"<small>{citation(led.source)}</small>"
         for state in led.states:
             step_links = (markdown_link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
-            order_codes = [f"Only with {code_span(state.only)}."] if state.only else []
+            order_codes = [f"This applies only to {code_span(state.only)}."] if state.only else []
             yield (
                 escape(state.state),
                 join_filled([escape(as_sentence(state.meaning)), *order_codes, *step_links], " "),

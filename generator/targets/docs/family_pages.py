@@ -11,7 +11,7 @@ from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, describe_grade, edition_test, origin, other_editions
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
 from ...say.order_code import describe_settings
-from ...say.plain_text import count_with_unit
+from ...say.plain_text import count_with_unit, group_digits
 from ...say.text import Statement, language_name
 from . import fact_tables, inline_errata, masters_page, order_code_tables, page_links, verdict_page
 from .interface_page import subjects
@@ -190,7 +190,7 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield escape(manual_procedure.title), markdown_link("by hand", f"{device.name}/hardware.md#{anchor_of_steps}")
     if device.characteristics:
         yield (
-            "Mount it, look up its limits",
+            "Mount it and look up its limits",
             markdown_link("mounting and characteristics", f"{device.name}/hardware.md"),
         )
     master_links = masters_page.page_links(device)
@@ -302,7 +302,7 @@ def _second_reading_text(counts: TimesRead | None) -> str:
     if counts is None:
         return ""
     number_of_facts = counts.twice + counts.explained + counts.decided + counts.once
-    sentence_parts = [f"Of {number_of_facts} facts, {counts.twice} agree in both readings"]
+    sentence_parts = [f"Of {group_digits(number_of_facts)} facts, {group_digits(counts.twice)} agree in both readings"]
     if counts.explained:
         differ_verb = "differs for a reason" if counts.explained == 1 else "differ for reasons"
         sentence_parts.append(f"{counts.explained} {differ_verb} given in the errata")
@@ -312,7 +312,7 @@ def _second_reading_text(counts: TimesRead | None) -> str:
     if counts.once:
         were_verb = "was" if counts.once == 1 else "were"
         sentence_parts.append(f"and {counts.once} {were_verb} read only once")
-    summary = f"Twice. {', '.join(sentence_parts)}"
+    summary = f"The manual was transcribed twice. {', '.join(sentence_parts)}"
     follow_verb = "follows" if counts.derived == 1 else "follow"
     return f"{summary}. {counts.derived} more {follow_verb} from others" if counts.derived else summary
 

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
-from ...say.errata import consequence, errata
+from ...say.errata import STATUS_IN_WORDS, consequence, errata
 from ...say.errata import describe_erratum as erratum_statement
 from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, escape_html, link_list, markdown_link
 from ...say.text import as_sentence
@@ -31,7 +31,7 @@ class ErrataPage(TypedDict):
 
 
 class AllErrataPage(TypedDict):
-    standings: Annotated[list[dict[str, Any]], "open errata, then settled ones: title, anchor, rows"]
+    standings: Annotated[list[dict[str, Any]], "open errata, then resolved ones: title, anchor, rows"]
 
 
 class ErrataLines:
@@ -58,7 +58,7 @@ class ErrataLines:
             edition_links = [
                 self._link_to_erratum(erratum, escape(_edition_phrase(erratum))) for erratum in edition_errata
             ]
-            list_items.append(f"- The facts differ in other editions: {', '.join(dict.fromkeys(edition_links))}")
+            list_items.append(f"- Other editions of the manual differ: {', '.join(dict.fromkeys(edition_links))}")
         return "\n".join(list_items)
 
     def links_in_cell(self, *paths: str) -> str:
@@ -77,7 +77,7 @@ class ErrataLines:
         """Return an erratum as an item of a list: its text at the first mention on the page, then a link to that."""
         if erratum.name in self._names_on_page:
             first_mention = markdown_link(escape(erratum.title), f"#erratum-{erratum.name}")
-            return f"- {status_badge(erratum)} {first_mention}, see above"
+            return f"- {status_badge(erratum)} {first_mention} (see above)"
         self._names_on_page.add(erratum.name)
         return f"- {anchor_of(f'erratum-{erratum.name}')}{erratum_line(erratum, self._page)}"
 
@@ -115,24 +115,23 @@ class ErrataLinks:
         if len(linked_errata) == 1:
             (erratum,) = linked_errata
             title_link = markdown_link(escape(erratum.title), f"#erratum-{erratum.name}")
-            return f"{_MARK_BY_STATUS[erratum.status]} {erratum.status}: {title_link}"
-        counts = []
-        links = []
+            return f"{_MARK_BY_STATUS[erratum.status]} {STATUS_IN_WORDS[erratum.status]}: {title_link}"
+        counts: list[str] = []
+        links: list[str] = []
         for status, mark in _MARK_BY_STATUS.items():
-            with_status = [erratum for erratum in linked_errata if erratum.status == status]
-            if with_status:
-                counts.append(f"{mark} {len(with_status)} {status}")
-                links.append(f"{mark} {status}: {link_list(map(_html_link, with_status))}")
+            errata_of_status = [erratum for erratum in linked_errata if erratum.status == status]
+            if errata_of_status:
+                counts.append(f"{mark} {len(errata_of_status)} {STATUS_IN_WORDS[status]}")
+                links.append(f"{mark} {STATUS_IN_WORDS[status]}: {link_list(map(_html_link, errata_of_status))}")
         if not links:
             return ""
-        return f"<details><summary>{', '.join(counts)} errata</summary>{' '.join(links)}</details>"
+        return f"<details><summary>Errata: {', '.join(counts)}</summary>{' '.join(links)}</details>"
 
     def count_by_status(self) -> str:
-        """Return the number of errata on the page so far, such as ``1 open, 3 settled``, or that there are none."""
+        """Return the number of errata on the page so far, such as ``1 open, 3 resolved``, or that there are none."""
         counts = Counter(erratum.status for erratum in self._errata.values())
-        texts_of_counts = [f"{counts[status]} {status}" for status in _MARK_BY_STATUS if counts[status]]
-        if texts_of_counts:
-            return ", ".join(texts_of_counts)
+        if counts:
+            return ", ".join(f"{counts[status]} {word}" for status, word in STATUS_IN_WORDS.items() if counts[status])
         return "none that change these facts" if self._device.errata else "none known"
 
     def list_of_errata(self) -> str:
@@ -149,7 +148,7 @@ class ErrataLinks:
                 anchors_by_edition.setdefault(_edition_phrase(difference), []).append(path_with_anchor)
         if anchors_by_edition:
             editions = link_list(_numbered_links(label, pages) for label, pages in anchors_by_edition.items())
-            list_items.append(f"- The facts differ in other editions: {editions}")
+            list_items.append(f"- Other editions of the manual differ: {editions}")
         return "\n".join(list_items)
 
 
@@ -212,7 +211,7 @@ def _shorten_sentences(sentences: str) -> str:
 
 def status_badge(erratum: Erratum) -> str:
     """Return a visible mark for the status."""
-    return "⚠ **open**" if erratum.status == "open" else "✓ settled"
+    return "⚠ **open**" if erratum.status == "open" else f"✓ {STATUS_IN_WORDS[erratum.status]}"
 
 
 def _errata_of_manual(device: Device) -> list[Erratum]:
@@ -251,21 +250,23 @@ def _summary_of_counts(count: int, open_count: int) -> str:
     if open_count:
         verb = "is" if open_count == 1 else "are"
         sentences.append(f"{open_count} {verb} open, which means that only hardware or the manufacturer can decide.")
-    settled_count = count - open_count
-    if settled_count > 0:
-        verb = "is" if settled_count == 1 else "are"
-        sentences.append(f"{settled_count} {verb} settled by the manual's own evidence or by arithmetic.")
+    resolved_count = count - open_count
+    if resolved_count > 0:
+        verb = "is" if resolved_count == 1 else "are"
+        sentences.append(f"{resolved_count} {verb} resolved by the manual's own evidence or by arithmetic.")
     return " ".join(sentences)
 
 
 def _sections_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
     """Yield each status and impact with its errata, open errata first and wrong bytes before wording."""
-    for status in ("open", "settled"):
+    for status, status_word in STATUS_IN_WORDS.items():
         for severity in fact_tables.SEVERITIES:
-            of_kind = [erratum for erratum in listed_errata if _has_status_and_severity(erratum, status, severity)]
-            if of_kind:
-                kind = escape(f"{status.capitalize()}, {fact_tables.severity_text(severity)}")
-                yield kind, list(map(_erratum_section, of_kind))
+            errata_of_kind = [
+                erratum for erratum in listed_errata if _has_status_and_severity(erratum, status, severity)
+            ]
+            if errata_of_kind:
+                heading = escape(f"{status_word.capitalize()}: {fact_tables.severity_text(severity)}")
+                yield heading, list(map(_erratum_section, errata_of_kind))
 
 
 def _sections_of_changes(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
@@ -283,7 +284,7 @@ def _has_status_and_severity(erratum: Erratum, status: str, severity: str) -> bo
 
 def all_values(devices: Sequence[Device]) -> AllErrataPage:
     """Return the values of the page with the errata of all families."""
-    titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Settled"}
+    titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Resolved"}
     sections = []
     for status, title in titles.items():
         erratum_rows = list(_rows_of_all_families(devices, status))

@@ -183,7 +183,7 @@ def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tup
     for name, value in answer.sets.items():
         # The page of one interface lacks the parameters of other interfaces.
         if name in parameters:
-            assignments.append(f"{_assignment_text(parameters[name], value)}: {escape(parameters[name].meaning)}")
+            assignments.append(f"{_assignment_text(parameters[name], value)} ({escape(parameters[name].meaning)})")
     source = answer.source or alternative.source
     return code_span(answer.name), escape(answer.meaning), join_filled(assignments), citation(source)
 

@@ -34,7 +34,7 @@ _NAME, _SIGNAL_AFTER_WIRES, _SIGNAL_AFTER_PINS = 46.0, 136.0, 52.0
 _BETWEEN_COLOURS = re.compile(r"[^a-z]+")
 #: Most shapes of a frame in one picture.
 MOST_SHAPES = 12
-FACE_UNKNOWN = "Pins in the order of the manual's table. Their arrangement on the connector face is not known."
+FACE_UNKNOWN = "The pins are in the order of the manual's table. Their arrangement on the connector face is not known."
 
 
 def connector_text(connector: Connector) -> str:

@@ -162,7 +162,7 @@ def _condition_text(device: Device, parameter_condition: CodeCondition) -> str:
     for alternative in device.optional_alternatives:
         if alternative.parameter == parameter_condition.parameter:
             return _answer_text(device, alternative, parameter_condition)
-    return f"with {code_span(parameter_condition.codes)}" if parameter_condition.holds else "with all others"
+    return f"with {code_span(parameter_condition.codes)}" if parameter_condition.holds else "with all other order codes"
 
 
 def _answer_text(device: Device, question: Alternative, parameter_condition: CodeCondition) -> str:
@@ -177,8 +177,8 @@ def _answer_text(device: Device, question: Alternative, parameter_condition: Cod
     interface = first_or_raise(interfaces, f"frame whose verdict '{question.name}' decides")
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
     # The default answer sets the parameter to 0.
-    default = "" if parameter_condition.holds else ", the default"
-    return f"and {markdown_link('your choice', page)} is {answer_names}{default}"
+    default = "" if parameter_condition.holds else " (the default)"
+    return f"if {markdown_link('your choice', page)} is {answer_names}{default}"
 
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:

@@ -493,7 +493,7 @@ static inline cw_result ichaus_icmu_biss_read_eds_bank(
  * PROFILE_ID, registers 42h to 43h, read only, over BiSS C-mode [p.53, driver: MU_PROFILE_ID].
  * Profile ID.
  * Byte order: high byte first, at 42h.
- * Erratum: The byte order of the identification registers is reversed (settled). Used: The lowest
+ * Erratum: The byte order of the identification registers is reversed (resolved). Used: The lowest
  * address has the high byte.
  * Erratum: Access to the identification registers is missing from their tables (open). Used: They
  * are read-only.
@@ -561,7 +561,7 @@ static inline cw_result ichaus_icmu_biss_read_profile_id(
  * SERIAL, registers 44h to 47h, read only, over BiSS C-mode [p.53, driver: MU_SERIAL].
  * Serial number.
  * Byte order: high byte first, at 44h.
- * Erratum: The byte order of the identification registers is reversed (settled). Used: The lowest
+ * Erratum: The byte order of the identification registers is reversed (resolved). Used: The lowest
  * address has the high byte.
  * Erratum: Access to the identification registers is missing from their tables (open). Used: They
  * are read-only.
@@ -906,7 +906,7 @@ static inline cw_result ichaus_icmu_biss_read_status1(
  * DEV_ID, registers 78h to 7Dh, read only, over BiSS C-mode [p.53, driver: MU_DEV_ID].
  * Device ID.
  * Byte order: high byte first, at 78h.
- * Erratum: The byte order of the identification registers is reversed (settled). Used: The lowest
+ * Erratum: The byte order of the identification registers is reversed (resolved). Used: The lowest
  * address has the high byte.
  * Erratum: Access to the identification registers is missing from their tables (open). Used: They
  * are read-only.
@@ -984,7 +984,7 @@ static inline cw_result ichaus_icmu_biss_read_device_id(
  * MFG_ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [p.53, driver: MU_MFG_ID].
  * BiSS manufacturer ID.
  * Byte order: high byte first, at 7Eh.
- * Erratum: The byte order of the identification registers is reversed (settled). Used: The lowest
+ * Erratum: The byte order of the identification registers is reversed (resolved). Used: The lowest
  * address has the high byte.
  * Erratum: Access to the identification registers is missing from their tables (open). Used: They
  * are read-only.

@@ -109,7 +109,7 @@ typedef struct lika_asc85_biss_save_configuration_read {
  * Precondition: An EEPROM was connected at power-on. Without it, the command has no effect.
  * Result: The configuration registers and a new checksum are in the EEPROM.
  * The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
- * Erratum: Internal data bus busy is bit 3 in one place and bit 2 in another (settled). Used:
+ * Erratum: Internal data bus busy is bit 3 in one place and bit 2 in another (resolved). Used:
  * Internal data bus busy is bit 2.
  * Save the configuration, over BiSS C-mode. The transport needs read_registers, write_registers and
  * wait_us.
@@ -167,8 +167,8 @@ typedef struct lika_asc85_biss_read_absolute_data_read {
  * register.
  * Erratum: A singleturn encoder's cycle counter is mentioned without explanation (open). Used: The
  * command and the error are described as printed.
- * Erratum: Absolute data valid is bit 2 in one place and bit 1 in another (settled). Used: Absolute
- * data valid is bit 1.
+ * Erratum: Absolute data valid is bit 2 in one place and bit 1 in another (resolved). Used:
+ * Absolute data valid is bit 1.
  * Read absolute data again, over BiSS C-mode. The transport needs read_registers, write_registers
  * and wait_us.
  */
@@ -281,7 +281,7 @@ typedef struct lika_asc85_biss_verify_configuration_read {
 /**
  * Verify the CRC of the configuration [6.4 p.27].
  * Result: Configuration error shows whether the configuration registers match their checksum.
- * Erratum: Internal data bus busy is bit 3 in one place and bit 2 in another (settled). Used:
+ * Erratum: Internal data bus busy is bit 3 in one place and bit 2 in another (resolved). Used:
  * Internal data bus busy is bit 2.
  * Verify the CRC of the configuration, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.

@@ -55,7 +55,7 @@ extern "C" {
  */
 typedef struct lika_asc85_biss_reg_profile_id {
     /**
-     * Singleturn resolution, Variant 0-24++. Holds 28h, which helps to identify the encoder. The
+     * Singleturn resolution, Variant 0-24++. The value 28h helps to identify the encoder. The
      * decoder also accepts other values.
      */
     uint8_t variant;
@@ -437,9 +437,9 @@ static inline cw_result lika_asc85_biss_write_command(
  * Warning bits, or on a position read from the position register at another time. Before reading
  * the position register, wait until "Position data valid" is 1, as in the procedure
  * request_position.
- * Erratum: Absolute data valid is bit 2 in one place and bit 1 in another (settled). Used: Absolute
- * data valid is bit 1.
- * Erratum: Internal data bus busy is bit 3 in one place and bit 2 in another (settled). Used:
+ * Erratum: Absolute data valid is bit 2 in one place and bit 1 in another (resolved). Used:
+ * Absolute data valid is bit 1.
+ * Erratum: Internal data bus busy is bit 3 in one place and bit 2 in another (resolved). Used:
  * Internal data bus busy is bit 2.
  * Erratum: The manual does not say which errors cause a warning (open). Used: No bit of the error
  * register is interpreted as a warning.
@@ -775,8 +775,8 @@ static inline cw_result lika_asc85_biss_read_error_register(
  */
 typedef struct lika_asc85_biss_reg_device_id {
     /**
-     * Name of the device, ASC85 without its C (41 53 38 35 in hexadecimal). ASCII text. Holds AS85,
-     * which helps to identify the encoder. The decoder also accepts other values. No terminator.
+     * Name of the device, ASC85 without its C (41 53 38 35 in hexadecimal). ASCII text. The value
+     * AS85 helps to identify the encoder. The decoder also accepts other values. No terminator.
      */
     char name[4];
     char release[2]; /**< Hardware-software release, printed as 30 31. ASCII text. No terminator. */
@@ -867,7 +867,7 @@ static inline cw_result lika_asc85_biss_read_device_id(
  */
 typedef struct lika_asc85_biss_reg_manufacturer_id {
     /**
-     * Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds Li, which helps to identify the
+     * Lika Electronic (4C 69 in hexadecimal). ASCII text. The value Li helps to identify the
      * encoder. The decoder also accepts other values. No terminator.
      */
     char name[2];

@@ -313,7 +313,7 @@ def crc_configuration_16(data: bytes) -> int:
     It protects the configuration in the EEPROM, addresses 00h to 20h and 30h to 3Fh. BiSS does not give access to it.
 
     Errata, with their full text in ERRATA:
-        The byte order of the CRC differs between two revisions (settled): The high byte is at 21h.
+        The byte order of the CRC differs between two revisions (resolved): The high byte is at 21h.
 
     Args:
         data: Bytes that the CRC covers.
@@ -373,13 +373,13 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``zero_bits + position_bits + 8`` bits, most significant
-    first [p.28, p.30, mu150: p.29].
+    bit first [p.28, p.30, mu150: p.29].
 
     Attributes:
         variant: Encoder to which the frame belongs.
         position: Position as configured. Unit: counts.
         error: ERR. True when 0: an error is active. While it is True, the position is not usable.
-        warning: WRN. True when 0: a warning is active. While it is True, the position is usable, with a warning.
+        warning: WRN. True when 0: a warning is active. While it is True, the position is usable with a warning.
 
     In the manual: SCD.
 
@@ -750,7 +750,7 @@ class ProfileId(FixedRegister, _ProfileId):
     Byte order: high byte first, at 42h.
 
     Errata, with their full text in ERRATA:
-        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
+        The byte order of the identification registers is reversed (resolved): The lowest address has the high byte.
         Access to the identification registers is missing from their tables (open): They are read-only.
     """
 
@@ -796,7 +796,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata, with their full text in ERRATA:
-        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
+        The byte order of the identification registers is reversed (resolved): The lowest address has the high byte.
         Access to the identification registers is missing from their tables (open): They are read-only.
     """
 
@@ -1098,7 +1098,7 @@ class DeviceId(FixedRegister, _DeviceId):
     Byte order: high byte first, at 78h.
 
     Errata, with their full text in ERRATA:
-        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
+        The byte order of the identification registers is reversed (resolved): The lowest address has the high byte.
         Access to the identification registers is missing from their tables (open): They are read-only.
     """
 
@@ -1144,7 +1144,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     Byte order: high byte first, at 7Eh.
 
     Errata, with their full text in ERRATA:
-        The byte order of the identification registers is reversed (settled): The lowest address has the high byte.
+        The byte order of the identification registers is reversed (resolved): The lowest address has the high byte.
         Access to the identification registers is missing from their tables (open): They are read-only.
     """
 
