@@ -91,7 +91,7 @@ def test_bytes_that_a_frame_of_bits_lacks_are_counted_first(capsys: Capture, fra
     assert code == 1
     _, _, after_problem = output.partition("crc error: ")
     assert words in after_problem
-    explanations = ("one bit may have been disturbed", "common mistake", "No single mistake", "Possible explanations")
+    explanations = ("one bit may have been corrupted", "common mistake", "No single mistake", "Possible explanations")
     beginnings = [after_problem.index(phrase) for phrase in explanations if phrase in after_problem]
     assert after_problem.index(words) < min(beginnings)
 

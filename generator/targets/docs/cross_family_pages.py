@@ -358,16 +358,16 @@ def _anchor_of_term(term: GlossaryTerm, page: _InterfacePage) -> str:
     It is the section that a term of an interface states. For another term, it is the first name that is a spelling of
     the term, or else the first name that contains one as a whole word.
     """
-    if term.over is not None:
+    if term.interface is not None:
         # The name of a section is also its anchor.
-        is_on_page = isinstance(page.interface, term.over) and _has_section(page, term.section)
+        is_on_page = isinstance(page.interface, term.interface) and _has_section(page, term.section)
         return term.section if is_on_page else ""
     for lowercase_name, anchor in page.names:
-        if lowercase_name in term.spelled:
+        if lowercase_name in term.spellings:
             return anchor
     for lowercase_name, anchor in page.names:
         # With spaces around both, a spelling is found only as a whole word.
-        contains_term = any(f" {spelling} " in f" {lowercase_name} " for spelling in term.spelled)
+        contains_term = any(f" {spelling} " in f" {lowercase_name} " for spelling in term.spellings)
         if contains_term:
             return anchor
     return ""
