@@ -179,7 +179,7 @@ def join_as_any_of(names: Sequence[str]) -> str:
 
 
 def verdict_line(verdict_rules: VerdictRules, variant: Variant, has_crc: bool) -> str:
-    """Return the verdicts on the position and their conditions, the worst first: ``not usable if …; otherwise usable``."""
+    """Return the verdicts on the position with conditions, the worst first: ``not usable if …; otherwise usable``."""
     verdict_rules = verdict_rules.for_parameters(variant.parameters)
     causes_by_verdict = applicable_causes(verdict_rules, variant)
     conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
