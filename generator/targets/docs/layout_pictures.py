@@ -102,7 +102,7 @@ def text_width(words: str, size: float) -> float:
 
 
 def wrap_to_width(words: str, room: float, size: float) -> list[str]:
-    """Return text as lines that are no wider than ``room`` pixels, with at least one character per line."""
+    """Return text as lines of at most ``room`` pixels, with at least one character per line."""
     letters_per_line = int(room / (size * _LETTER_WIDTH))
     return wrap(text_on_one_line(words), max(1, letters_per_line))
 
