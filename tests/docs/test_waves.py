@@ -67,7 +67,7 @@ def family(name: str) -> Device:
 def test_requests_that_are_repeated_are_those_of_a_procedure(pages: Mapping[str, str]) -> None:
     """AMM5 7.4.2 p.45: ten requests, 40 µs apart. Without such procedures, there is no picture."""
     amm5 = family("amm5")
-    assert "Between repeated requests: at least 40 µs." in pages["docs/amm5/rs485.md"]
+    assert "Repeated requests are at least 40 µs apart." in pages["docs/amm5/rs485.md"]
     assert "(rs485.md#timings)" in pages["docs/amm5/AMM5A17-1JP1.md"]
     diagram = timing_diagram(replace(amm5, procedures=()), amm5.interface("rs485"))
     assert diagram is not None

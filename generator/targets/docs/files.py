@@ -77,6 +77,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each picture and page of a family, and a function for its text.
 
+    All targets pass ``options`` to such a function. The documentation has none.
+
     Raises:
         TargetError: A shipped spec of a master is not valid.
     """

@@ -127,6 +127,7 @@ def style_in_folder(device: Device) -> Style:
     """Return the style for a page in the folder of a family. References to registers link to the register pages."""
 
     def reference_text(ref: Reference) -> str:
+        """Return a link to the item. Only registers are on other pages."""
         for register in device.registers:
             if ref.anchor == f"register-{register.name}":
                 return markdown_link(

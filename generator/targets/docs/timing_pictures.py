@@ -179,31 +179,10 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
     names_and_fills = list(
         _data_boxes(layout_plan_of(device, interface.layouts[0]), device.position_names(interface.name))
     )
-    boxes = [
-        SignalPart(Trace.EITHER, width=max(34.0, text_width(name, 11) + 10), label=name, fill=fill)
-        for name, fill in names_and_fills
-    ]
-    data_line = (
-        SignalPart(Trace.UP, width=76),  # up to the second rising edge of MA
-        SignalPart(Trace.DOWN, width=60, label="Ack"),
-        SignalPart(Trace.UP, width=36, label="Start"),
-        SignalPart(Trace.EITHER, width=36, label="CDS", fill="choice"),
-        *boxes,
-        SignalPart(Trace.DOWN, width=90, label="stop"),
-        SignalPart(Trace.UP, width=46),
-    )
-    # The last two parts, the time-out and the idle level, are together 136 pixels wide.
+    data_line = _biss_data_line(names_and_fills)
+    # The last two parts of the line, the time-out and the idle level, are together 136 pixels wide.
     timeout_start = sum(part.width for part in data_line) - 136
-    # The width of a whole number of pulses, after 136 pixels with the first pulses and a gap of at least 40 pixels.
-    clocks_width = (timeout_start - 176) // _PERIOD * _PERIOD
-    clock_line = (
-        SignalPart(Trace.UP, width=40),
-        SignalPart(Trace.CLOCK, width=4 * _PERIOD),
-        SignalPart(Trace.GAP, width=timeout_start - 136 - clocks_width),
-        SignalPart(Trace.CLOCK, width=clocks_width),
-        SignalPart(Trace.EITHER, width=90, label="not CDM", fill="choice"),
-        SignalPart(Trace.UP, width=46),
-    )
+    clock_line = _biss_clock_line(timeout_start)
     timeout = timeouts_with_codes(interface.timeouts) or _words_for_unknown_timeout(device, interface)
     labels = ", ".join(name for name, _ in names_and_fills)
     return TimingDiagram(
@@ -214,6 +193,37 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
         f"start bit, which is high. The CDS bit, {labels} and a low stop bit follow, until the time-out ({timeout}). "
         "During the time-out, MA is the inverse of the CDM bit.",
         further_source="the public protocol description of BiSS C-mode",
+    )
+
+
+def _biss_data_line(names_and_fills: Sequence[tuple[str, str]]) -> tuple[SignalPart, ...]:
+    """Return the line SLO of a BiSS frame. Its fields are given with their names and color classes."""
+    boxes = []
+    for name, fill in names_and_fills:
+        box_width = max(34.0, text_width(name, 11) + 10)
+        boxes.append(SignalPart(Trace.EITHER, width=box_width, label=name, fill=fill))
+    return (
+        SignalPart(Trace.UP, width=76),  # up to the second rising edge of MA
+        SignalPart(Trace.DOWN, width=60, label="Ack"),
+        SignalPart(Trace.UP, width=36, label="Start"),
+        SignalPart(Trace.EITHER, width=36, label="CDS", fill="choice"),
+        *boxes,
+        SignalPart(Trace.DOWN, width=90, label="stop"),
+        SignalPart(Trace.UP, width=46),
+    )
+
+
+def _biss_clock_line(timeout_start: float) -> tuple[SignalPart, ...]:
+    """Return the line MA of a BiSS frame. Its clocks end at the start of the time-out."""
+    # The width of a whole number of pulses, after 136 pixels with the first pulses and a gap of at least 40 pixels.
+    clocks_width = (timeout_start - 176) // _PERIOD * _PERIOD
+    return (
+        SignalPart(Trace.UP, width=40),
+        SignalPart(Trace.CLOCK, width=4 * _PERIOD),
+        SignalPart(Trace.GAP, width=timeout_start - 136 - clocks_width),
+        SignalPart(Trace.CLOCK, width=clocks_width),
+        SignalPart(Trace.EITHER, width=90, label="not CDM", fill="choice"),
+        SignalPart(Trace.UP, width=46),
     )
 
 
@@ -272,7 +282,7 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
         master += [SignalPart(Trace.UP, width=270), first, pause_part, second, SignalPart(Trace.GAP, width=40)]
         encoder.append(SignalPart(Trace.UP, width=240))
         spans = (Span(start=first_repetition_end, end=first_repetition_end + repetition_width, label=pause),)
-        description += f" {pause.capitalize()}."
+        description += f" Repeated requests are at least {time_text(pause_us)} apart."
     return TimingDiagram(
         title="RS-485: requests and replies",
         lines=(("Master", tuple(master)), ("Encoder", tuple(encoder))),
