@@ -141,10 +141,10 @@ def _unlisted_crcs(recording: RecordedFrames) -> Iterator[FoundCrc]:
         return
     crc = _crc_with_polynomial(recording, polynomial)
     # The frames decide the polynomial first, and prove it only with the rest.
-    deciding_bits = width * width
-    evidence = crc.evidence - deciding_bits
+    deciding_value = width * width
+    evidence = crc.evidence - deciding_value
     if evidence >= _UNLISTED_EVIDENCE:
-        yield FoundCrc(polynomial, forms=crc.forms, cost=crc.cost + deciding_bits, evidence=evidence, is_known=False)
+        yield FoundCrc(polynomial, forms=crc.forms, cost=crc.cost + deciding_value, evidence=evidence, is_known=False)
 
 
 def remainder(dividend: int, polynomial: int) -> int:

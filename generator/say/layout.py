@@ -125,7 +125,7 @@ def describe_layout_facts(interface: Interface, layout: Layout) -> Iterator[Stat
     These are its selector values, its Gray code, its bits without a field, the numbers that consist of several fields,
     and the combinations of values that decide the verdict on the position.
     """
-    yield from carries(interface, layout)
+    yield from describe_selector(interface, layout)
     yield from _gray_code(layout)
     if _has_parity_over_gray(layout):
         yield statement("A parity bit covers the bits as they are sent, before Gray code is converted")
@@ -178,7 +178,7 @@ def describe_combination(layout: Layout, sign: Sign, combination: Combination) -
     )
 
 
-def carries(interface: Interface, layout: Layout) -> Iterator[Statement]:
+def describe_selector(interface: Interface, layout: Layout) -> Iterator[Statement]:
     """Yield the values of the selector field that identify the frame, such as ``Its data_id is 0 (position) or 1``.
 
     Values are in hexadecimal, and followed by the names of data IDs. Nothing is yielded for a frame without a selector.
@@ -199,10 +199,10 @@ def describe_joins(layout: Layout) -> Iterator[Statement]:
     for joined_number in layout.joins:
         is_one_field = joined_number.fields == (joined_number.name,)
         if not is_one_field:
-            yield join(joined_number)
+            yield describe_join(joined_number)
 
 
-def join(joined_number: Join) -> Statement:
+def describe_join(joined_number: Join) -> Statement:
     """Return the fields that form a number, such as ``position consists of turns and steps, …``."""
     names = list_parts([CodeText(name) for name in joined_number.fields])
     if len(joined_number.fields) == 1:

@@ -407,10 +407,17 @@ def describe_value(named_value: Value, bits: int) -> Statement:
     meaning_text = f": {named_value.meaning}" if named_value.meaning else ""
     number_text = hexadecimal(named_value.value, _hex_digits_for(bits))
     name = CodeText(named_value.name)
-    return statement(f"{number_text} ", name, names_text, meaning_text, effect(named_value), source=named_value.source)
+    return statement(
+        f"{number_text} ",
+        name,
+        names_text,
+        meaning_text,
+        _verdict_in_parentheses(named_value),
+        source=named_value.source,
+    )
 
 
-def effect(named_value: Value) -> str:
+def _verdict_in_parentheses(named_value: Value) -> str:
     """Return the verdict on the position for a named value, in parentheses, or "" if the value has none."""
     return f" ({VERDICT_CLAUSES[named_value.makes_position]})" if named_value.makes_position is not None else ""
 

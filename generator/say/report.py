@@ -107,7 +107,7 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     return when_active or field.meaning or alarm_meaning or "active"
 
 
-def deciding_bits(field: Field) -> str:
+def deciding_value(field: Field) -> str:
     """Return the value of a field that can decide the verdict, or "" for a field without such a value.
 
     For a flag, this is its active level, such as ``1``. For unused bits, it is any undocumented value: ``not 5h``.

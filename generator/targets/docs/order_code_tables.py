@@ -32,7 +32,7 @@ from ...say.names_and_places import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import count_with_unit, group_digits
 from ...say.register import covered_by_parity_bit, describe_measurement, describe_position_range, own_ranges
-from ...say.report import deciding_bits
+from ...say.report import deciding_value
 from .page_links import style_in_folder
 from .verdict_table import changed_verdicts_of, place_of_field, verdict_line
 
@@ -381,7 +381,7 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
     for placed_field in placed_layout.fields:
         flag = (code_span(placed_field.name), place_of_field(placed_field, placed_layout))
         # The active level of a flag, or what differs from the manual: ``0`` or ``1`` for a single unused bit.
-        level = deciding_bits(placed_field.field)
+        level = deciding_value(placed_field.field)
         if isinstance(meaning_of(placed_field.field), ActiveFlag):
             flags_by_label.setdefault(f"Active at {level}", []).append(flag)
         elif not layout.in_bytes and placed_field.field.printed_name and level in {"0", "1"}:

@@ -20,7 +20,7 @@ from ...plan.verdicts import (
 from ...say.evidence import word_for_document
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
 from ...say.names_and_places import own_names
-from ...say.report import alarm_of, alarm_source, conditions_text, deciding_bits, manual_steps, meaning, remedy_text
+from ...say.report import alarm_of, alarm_source, conditions_text, deciding_value, manual_steps, meaning, remedy_text
 from ...say.text import CodeText, list_parts, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
@@ -159,7 +159,7 @@ def _decider_row(device: Device, interface: Interface, layout: Layout, decider: 
 def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[CodeCondition]) -> str:
     """Return the value with which a field decides the verdict, followed by its conditions: ``1 with X-24``."""
     texts_of_conditions = [_condition_text(device, condition) for condition in conditions_on_codes]
-    return " ".join([deciding_bits(field), *texts_of_conditions])
+    return " ".join([deciding_value(field), *texts_of_conditions])
 
 
 def _condition_text(device: Device, condition: CodeCondition) -> str:

@@ -10,7 +10,7 @@ from ...plan.verdicts import MatchingValues, VerdictCause, VerdictRules, verdict
 from ...say.layout import is_reserved
 from ...say.markdown import MARKDOWN, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import bits, frame_bytes, heading
-from ...say.report import alarm_of, conditions_text, deciding_bits, manual_steps, remedy_text
+from ...say.report import alarm_of, conditions_text, deciding_value, manual_steps, remedy_text
 from ...say.text import VERDICT_CLAUSES, as_sentence, statement
 
 Row = tuple[str, ...]
@@ -62,7 +62,7 @@ def _cause_rows(
                 yield _row_of_match(placed_layout, cause.by, EFFECTS[verdict])
             else:
                 field = cause.by.field
-                active_level = deciding_bits(field) + _while_inactive(cause)
+                active_level = deciding_value(field) + _while_inactive(cause)
                 yield _build_row(device, placed_layout, field, active_level, EFFECTS[verdict])
 
 
@@ -91,7 +91,7 @@ def _rows_of_other_flags(
     for placed_field in placed_layout.fields:
         field = placed_field.field
         if isinstance(meaning_of(field), ActiveFlag) and field.name not in names_of_causes:
-            yield _build_row(device, placed_layout, field, deciding_bits(field), effect)
+            yield _build_row(device, placed_layout, field, deciding_value(field), effect)
 
 
 def _build_row(device: Device, placed_layout: PlacedLayout, field: Field, level: str, effect: str) -> Row:
@@ -214,8 +214,8 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     names_by_level: dict[str, list[str]] = {}
     for cause in causes:
         if not isinstance(cause.by, MatchingValues):
-            # deciding_bits() returns the level at which the flag is active, such as "1".
-            names_by_level.setdefault(deciding_bits(cause.by.field), []).append(_cause_text(cause))
+            # deciding_value() returns the level at which the flag is active, such as "1".
+            names_by_level.setdefault(deciding_value(cause.by.field), []).append(_cause_text(cause))
     yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
         if isinstance(cause.by, MatchingValues):
