@@ -27,7 +27,7 @@ from ...say.evidence import Topic, mentions, word_for_document
 from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, markdown_link
 from ...say.order_code import bounds_with_codes, clock_words, describe_settings
 from ...say.plain_text import count_with_unit
-from ...say.text import PLAIN_STYLE, as_sentence, hertz, list_parts, nanoseconds, statement, timeout_words, volts
+from ...say.text import as_sentence, hertz, nanoseconds, timeout_words, volts
 
 Row = tuple[str, ...]
 
@@ -237,13 +237,13 @@ def unstated_facts(family_device: Device, interface: Interface, subjects: Mappin
     sentences = []
     unmentioned = [label for label, subject in subjects.items() if not mentions(family_device, interface, subject)]
     if unmentioned:
-        sentences.append(f"{_join_capitalized(unmentioned)}: the {word_for_document(family_device)} does not say.")
+        sentences.append(f"The {word_for_document(family_device)} does not state the {' or the '.join(unmentioned)}.")
     mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
         places = [markdown_link("times", "#timings")]
         if family_device.characteristics:
             places.append(markdown_link("characteristics", "hardware.md#characteristics"))
-        sentences.append(f"{_join_capitalized(mentioned)}: see {' and '.join(places)}.")
+        sentences.append(f"For the {' and the '.join(mentioned)}, see {' and '.join(places)}.")
     if sentences:
         yield " ".join(sentences)
 
@@ -265,12 +265,6 @@ def no_supply(family_device: Device, interface: Interface) -> str:
     if mentions(family_device, interface, Topic.SUPPLY):
         return f"see {markdown_link('characteristics', 'hardware.md#characteristics')}"
     return f"the {word_for_document(family_device)} does not say"
-
-
-def _join_capitalized(labels: list[str]) -> str:
-    """Return labels as a list with a capital letter at its beginning: ``Reply time and cable length``."""
-    phrase = PLAIN_STYLE.phrase(statement(*list_parts(labels)))
-    return phrase[:1].upper() + phrase[1:]
 
 
 #: Bits of a BiSS frame before the position: the start bit and the CDS bit.
@@ -317,7 +311,7 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     if lengths:
         example_hz = _example_clock(clock)
         durations = _duration_range(clocked_lengths, example_hz)
-        with_start_bits = ", with the start bit and the CDS bit" if start_bits else ""
+        with_start_bits = ", including the start bit and the CDS bit" if start_bits else ""
         facts.append(f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
     facts += _pause_sentences(family_device, interface)
     cable_clocks = cable_table(device, interface)
@@ -328,7 +322,8 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
             clock_hz = min(cable.hz, clock.fastest_hz)
             cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _duration_range(clocked_lengths, clock_hz)))
     if cable_rows:
-        facts.append(f"Clock for each cable length: from {escape(cable_clocks.origin)}{_limit_of_used_clocks(clock)}.")
+        clock_limit = _limit_of_used_clocks(clock)
+        facts.append(f"The clock for each cable length is from {escape(cable_clocks.origin)}{clock_limit}.")
     if any(cable.is_below for cable in cable_clocks.rows):
         head = ("Cable below", "Clock below", "Frame above")
     else:
