@@ -203,7 +203,7 @@ def describe_joins(layout: Layout) -> Iterator[Statement]:
 
 
 def describe_join(joined_number: Join) -> Statement:
-    """Return the fields that form a number, such as ``position consists of turns and steps, …``."""
+    """Return the fields that form a number, ``position consists of turns and steps, …``, or the one that equals it."""
     names = list_parts([CodeText(name) for name in joined_number.fields])
     if len(joined_number.fields) == 1:
         return statement(CodeText(joined_number.name), " is the same as ", *names)
